@@ -1,0 +1,86 @@
+//! What the robot knows of itself: nominal dimensions as intervals, and the declared bounds of its errors.
+//!
+//! Frame `robot`: x forward, y left, z up; its origin is the middle of the wheel axle, projected on the floor at rest.
+
+use crate::Interval;
+
+/// Everything the localizer is told about the robot; the drawn true values stay with the simulator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotModel {
+    /// Both drive wheels and their encoders.
+    pub wheels: WheelModel,
+    /// What no motion of the robot exceeds, whatever the wheels say.
+    pub reach: Reach,
+    /// How far the body leaves its posture at rest.
+    pub body: BodyModel,
+    /// The camera that looks straight down at the floor, if there is one.
+    pub floor_camera: Option<FloorCameraModel>,
+}
+
+/// Drive wheels, encoders and the displacement bounds of slip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WheelModel {
+    /// Rolling radius of the left and of the right wheel.
+    pub radius_m: [Interval; 2],
+    /// Distance between the two contact points.
+    pub track_m: Interval,
+    /// Encoder ticks in one turn of a wheel.
+    pub ticks_per_turn: f64,
+    /// `|true travel − rolled| ≤ slip_ratio·|rolled| + slip_floor_m` over any window of `slip_window_s`, per wheel.
+    pub slip_ratio: f64,
+    /// Additive part of the slip bound, once per started window.
+    pub slip_floor_m: f64,
+    /// `|lateral travel of the axle middle| ≤ side_slip_ratio·|rolled| + side_slip_floor_m`, same window.
+    pub side_slip_ratio: f64,
+    /// Additive part of the side-slip bound, once per started window.
+    pub side_slip_floor_m: f64,
+    /// Length of the window over which the two bounds hold.
+    pub slip_window_s: f64,
+}
+
+/// Physical limits of any motion, pushes included: declared generously, they hold when the wheels lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Greatest speed of the axle middle over the floor.
+    pub speed_m_per_s: f64,
+    /// Greatest turn rate.
+    pub turn_rate_rad_per_s: f64,
+    /// Greatest acceleration of a wheel's travel while the wheel bounds hold.
+    pub acceleration_m_per_s2: f64,
+}
+
+/// Posture of the body over the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyModel {
+    /// Greatest angle between the body's vertical and the floor's, `body.tilt`.
+    pub tilt_rad: f64,
+    /// Greatest rise or sink of the robot origin from its height at rest, `body.heave`.
+    pub heave_m: f64,
+    /// Radius of the body about the robot origin: the origin keeps at least this distance from every wall.
+    pub clearance_m: f64,
+}
+
+/// A camera that looks straight down. Image up is robot forward, image right is robot right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FloorCameraModel {
+    /// Image width.
+    pub width_px: u32,
+    /// Image height.
+    pub height_px: u32,
+    /// Pixels per metre on the floor at rest, `floor_camera.scale`.
+    pub pixels_per_m: Interval,
+    /// Height of the optical centre above the floor.
+    pub height_m: f64,
+    /// Optical centre in the robot frame: forward and left, `floor_camera.position`.
+    pub position_m: [Interval; 2],
+    /// Rotation of the image about the vertical, counter-clockwise seen from above, `floor_camera.yaw`.
+    pub yaw_rad: Interval,
+    /// Greatest angle between the optical axis and the body's vertical, `floor_camera.tilt`.
+    pub tilt_rad: f64,
+    /// Greatest error of an image's stamp, `floor_camera.stamp`.
+    pub stamp_error_s: f64,
+    /// Time from mid-exposure to delivery, `floor_camera.latency`.
+    pub latency_s: Interval,
+    /// At most this many wrong lines in one image, `floor_tiles.q_items`.
+    pub q_items: usize,
+}
