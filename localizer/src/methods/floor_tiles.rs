@@ -74,6 +74,40 @@ impl FloorTiles {
         Some(FloorTiles { geometry: Geometry { robot: robot.clone(), camera, grid }, view, chain })
     }
 
+    /// What lines found in an image of `stamp_s` say of the pose; `None` when no line is left.
+    pub fn constraint(&self, stamp_s: f64, found: FloorLines, prior: &PoseUnion) -> Option<Constraint> {
+        let FloorLines { lines, mut rejected_px } = found;
+        let straightness_px = self.geometry.grid.straightness_m * self.geometry.camera.pixels_per_m.hi();
+        let mut joints = Vec::new();
+        let mut claims = Vec::new();
+        for line in lines {
+            let mut points = line.points_px.clone();
+            points.iter_mut().for_each(|point| point[2] += straightness_px);
+            let set = line_fit::enclose(&points, line.share_wrong);
+            let Some(joint) = set.and_then(|set| Joint::new(set, &self.geometry)) else { continue };
+            // Eq. (20): the paper drops a line that no heading of the odometric prior explains. The direct chain's lines are
+            // orthogonal and at the pitch already; one that contradicts the prior then speaks against the prior.
+            if self.chain == Chain::Paper && !joint.agrees(prior, &self.geometry) {
+                rejected_px.push(ends(&line.points_px));
+                continue;
+            }
+            joints.push(joint);
+            claims.push(Claim::FloorJoint { points_px: line.points_px, share_wrong: line.share_wrong });
+        }
+        if joints.is_empty() {
+            return None;
+        }
+        Some(Constraint {
+            method: self.name(),
+            stamp_s,
+            on_pose: Box::new(TileJoints::new(joints, self.geometry.clone(), self.view.q_items)),
+            relies_on: RELIES_ON.to_vec(),
+            claims,
+            q_items: self.view.q_items,
+            rejected_px,
+        })
+    }
+
     /// Motion of the picture over the exposure, at its centre, in pixels right and down.
     ///
     /// The floor passes under the camera against the camera's own motion (v, ω·a_f); image up is forward, image right is right.
@@ -92,42 +126,11 @@ impl Method for FloorTiles {
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Floor, exposure_s, image, .. } = reading else { return None };
         let (blur_px, turn_rad) = (self.blur_px(twist, *exposure_s), twist.turn_rad_per_s * exposure_s);
-        let FloorLines { lines, mut rejected_px } = match self.chain {
+        let lines = match self.chain {
             Chain::Direct => vision::direct::detect(image, &self.view, blur_px, turn_rad),
             Chain::Paper => vision::paper::detect(image, &self.view, blur_px, turn_rad),
         };
-        let straightness_px = self.geometry.grid.straightness_m * self.geometry.camera.pixels_per_m.hi();
-        let mut joints = Vec::new();
-        let mut claims = Vec::new();
-        for line in lines {
-            let mut points = line.points_px.clone();
-            points.iter_mut().for_each(|point| point[2] += straightness_px);
-            let Some(joint) =
-                line_fit::enclose(&points, line.share_wrong).and_then(|set| Joint::new(set, &self.geometry))
-            else {
-                continue;
-            };
-            // Eq. (20): the paper drops a line that no heading of the odometric prior explains. The direct chain's lines are
-            // orthogonal and at the pitch already; one that contradicts the prior then speaks against the prior.
-            if self.chain == Chain::Paper && !joint.agrees(prior, &self.geometry) {
-                rejected_px.push(ends(&line.points_px));
-                continue;
-            }
-            joints.push(joint);
-            claims.push(Claim::FloorJoint { points_px: line.points_px, share_wrong: line.share_wrong });
-        }
-        if joints.is_empty() {
-            return None;
-        }
-        Some(Constraint {
-            method: self.name(),
-            stamp_s: *measured_s,
-            on_pose: Box::new(TileJoints::new(joints, self.geometry.clone(), self.view.q_items)),
-            relies_on: RELIES_ON.to_vec(),
-            claims,
-            q_items: self.view.q_items,
-            rejected_px,
-        })
+        self.constraint(*measured_s, lines, prior)
     }
 }
 

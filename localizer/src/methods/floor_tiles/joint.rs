@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::{Interval, PoseUnion, vision::LineSet};
+use crate::{Interval, PoseUnion, vision::line_fit::LineSet};
 
 use super::Geometry;
 
