@@ -1,0 +1,174 @@
+//! Boxes: one interval for each of `N` variables.
+
+use std::ops::{Index, IndexMut};
+
+use crate::Interval;
+
+/// A Cartesian product of `N` intervals. It is empty as soon as one of them is.
+#[derive(Clone, Copy, Debug)]
+pub struct IntervalBox<const N: usize> {
+    components: [Interval; N],
+}
+
+impl<const N: usize> IntervalBox<N> {
+    /// No point at all.
+    pub const EMPTY: Self = IntervalBox {
+        components: [Interval::EMPTY; N],
+    };
+    /// All of ℝᴺ.
+    pub const ENTIRE: Self = IntervalBox {
+        components: [Interval::ENTIRE; N],
+    };
+
+    /// The product of the intervals.
+    #[inline]
+    pub const fn new(components: [Interval; N]) -> Self {
+        IntervalBox { components }
+    }
+
+    /// Exactly one point.
+    pub fn point(coordinates: &[f64; N]) -> Self {
+        IntervalBox {
+            components: coordinates.map(Interval::point),
+        }
+    }
+
+    /// Whether there is no point in it.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.components.iter().any(|component| component.is_empty())
+    }
+
+    /// Whether the point is in it.
+    pub fn contains(&self, point: &[f64; N]) -> bool {
+        self.components
+            .iter()
+            .zip(point)
+            .all(|(component, &value)| component.contains(value))
+    }
+
+    /// Smallest box around both. Exact.
+    pub fn hull(&self, other: &Self) -> Self {
+        if self.is_empty() {
+            return *other;
+        }
+        if other.is_empty() {
+            return *self;
+        }
+        self.zip_with(other, Interval::hull)
+    }
+
+    /// Common points; the canonical empty box when there is none. Exact.
+    pub fn intersect(&self, other: &Self) -> Self {
+        let common = self.zip_with(other, Interval::intersect);
+        if common.is_empty() {
+            Self::EMPTY
+        } else {
+            common
+        }
+    }
+
+    /// Whether the two have a point in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.components
+            .iter()
+            .zip(&other.components)
+            .all(|(mine, theirs)| mine.overlaps(*theirs))
+    }
+
+    /// Whether every point is in `other`; true for the empty box.
+    pub fn is_subset_of(&self, other: &Self) -> bool {
+        self.is_empty()
+            || self
+                .components
+                .iter()
+                .zip(&other.components)
+                .all(|(mine, theirs)| mine.is_subset_of(*theirs))
+    }
+
+    /// The midpoints of the intervals; NaN when empty.
+    pub fn midpoint(&self) -> [f64; N] {
+        self.components.map(Interval::mid)
+    }
+
+    /// Width along one axis, rounded up.
+    #[inline]
+    pub fn width(&self, axis: usize) -> f64 {
+        self.components[axis].width()
+    }
+
+    /// Greatest width of all axes; 0 when there is no axis, NaN when empty.
+    pub fn max_width(&self) -> f64 {
+        if self.is_empty() {
+            return f64::NAN;
+        }
+        self.components
+            .iter()
+            .fold(0.0, |greatest, component| component.width().max(greatest))
+    }
+
+    /// Halves that share the midpoint of `axis`; their union is the box.
+    pub fn bisect(&self, axis: usize) -> (Self, Self) {
+        let (mut left, mut right) = (*self, *self);
+        let component = self.components[axis];
+        let mid = component.mid();
+        left.components[axis] = Interval::new(component.lo(), mid);
+        right.components[axis] = Interval::new(mid, component.hi());
+        (left, right)
+    }
+
+    /// The intervals in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, Interval> {
+        self.components.iter()
+    }
+
+    /// The intervals as an array.
+    #[inline]
+    pub const fn components(&self) -> [Interval; N] {
+        self.components
+    }
+
+    fn zip_with(&self, other: &Self, operation: impl Fn(Interval, Interval) -> Interval) -> Self {
+        IntervalBox {
+            components: std::array::from_fn(|axis| {
+                operation(self.components[axis], other.components[axis])
+            }),
+        }
+    }
+}
+
+/// Empty boxes are equal, whichever component is empty.
+impl<const N: usize> PartialEq for IntervalBox<N> {
+    fn eq(&self, other: &Self) -> bool {
+        (self.is_empty() && other.is_empty()) || self.components == other.components
+    }
+}
+
+impl<const N: usize> From<[Interval; N]> for IntervalBox<N> {
+    fn from(components: [Interval; N]) -> Self {
+        IntervalBox { components }
+    }
+}
+
+impl<const N: usize> Index<usize> for IntervalBox<N> {
+    type Output = Interval;
+    #[inline]
+    fn index(&self, axis: usize) -> &Interval {
+        &self.components[axis]
+    }
+}
+
+impl<const N: usize> IndexMut<usize> for IntervalBox<N> {
+    #[inline]
+    fn index_mut(&mut self, axis: usize) -> &mut Interval {
+        &mut self.components[axis]
+    }
+}
+
+impl<'a, const N: usize> IntoIterator for &'a IntervalBox<N> {
+    type Item = &'a Interval;
+    type IntoIter = std::slice::Iter<'a, Interval>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.components.iter()
+    }
+}

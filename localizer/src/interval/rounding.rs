@@ -1,0 +1,103 @@
+//! Outward steps in round-to-nearest, without touching the rounding mode.
+//!
+//! Source: S. M. Rump, P. Zimmermann, S. Boldo, G. Melquiond, "Computing predecessor and successor in rounding to nearest",
+//! BIT 49 (2009), algorithm 1: with φ = u (1 + 2u), u = 2⁻⁵³, `c − φ|c|` and `c + φ|c|` rounded to nearest are the
+//! neighbours of c as long as φ|c| does not underflow. Below that, which only tiny numbers reach, bits are stepped.
+
+/// φ = u (1 + 2u).
+const PHI: f64 = 0.5 * f64::EPSILON * (1.0 + f64::EPSILON);
+
+/// 2⁻⁹⁶⁰: from here up φ|c| is a normal number (it needs |c| ≥ 2⁻⁹⁶⁹; the margin covers products of lanes).
+const REGULAR: f64 = f64::from_bits((1023 - 960) << 52);
+
+/// Below 2⁻¹⁰²¹ every multiple of 2⁻¹⁰⁷⁴ is a double, hence every sum is exact.
+const EXACT_SUM: f64 = 2.0 * f64::MIN_POSITIVE;
+
+/// Whether the fast step is valid; false for NaN, true for infinities.
+#[inline(always)]
+pub(super) fn is_regular(nearest: f64) -> bool {
+    nearest.abs() >= REGULAR
+}
+
+/// The number below a regular one. An overflow to +∞ came from a finite real number, so `f64::MAX` is below it.
+#[inline(always)]
+pub(super) fn down_regular(nearest: f64) -> f64 {
+    let finite = if nearest > f64::MAX {
+        f64::MAX
+    } else {
+        nearest
+    };
+    finite - PHI * finite.abs()
+}
+
+/// The number above a regular one.
+#[inline(always)]
+pub(super) fn up_regular(nearest: f64) -> f64 {
+    let finite = if nearest < f64::MIN {
+        f64::MIN
+    } else {
+        nearest
+    };
+    finite + PHI * finite.abs()
+}
+
+/// A lower bound of the real result that was rounded to `nearest`.
+#[inline(always)]
+pub(super) fn down(nearest: f64) -> f64 {
+    if is_regular(nearest) {
+        down_regular(nearest)
+    } else {
+        nearest.next_down()
+    }
+}
+
+/// An upper bound of the real result that was rounded to `nearest`.
+#[inline(always)]
+pub(super) fn up(nearest: f64) -> f64 {
+    if is_regular(nearest) {
+        up_regular(nearest)
+    } else {
+        nearest.next_up()
+    }
+}
+
+/// A lower bound of a sum or difference; tiny sums are exact.
+#[inline(always)]
+pub(super) fn down_sum(nearest: f64) -> f64 {
+    if is_regular(nearest) {
+        down_regular(nearest)
+    } else {
+        down_small_sum(nearest)
+    }
+}
+
+/// An upper bound of a sum or difference; tiny sums are exact.
+#[inline(always)]
+pub(super) fn up_sum(nearest: f64) -> f64 {
+    if is_regular(nearest) {
+        up_regular(nearest)
+    } else {
+        -down_small_sum(-nearest)
+    }
+}
+
+#[cold]
+fn down_small_sum(nearest: f64) -> f64 {
+    if nearest.abs() < EXACT_SUM {
+        nearest
+    } else {
+        nearest.next_down()
+    }
+}
+
+/// Two steps down: a lower bound when the result is off by less than one and a half units in the last place.
+#[inline(always)]
+pub(super) fn down_twice(nearest: f64) -> f64 {
+    down(down(nearest))
+}
+
+/// Two steps up: an upper bound when the result is off by less than one and a half units in the last place.
+#[inline(always)]
+pub(super) fn up_twice(nearest: f64) -> f64 {
+    up(up(nearest))
+}
