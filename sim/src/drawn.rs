@@ -1,6 +1,10 @@
 //! The true values that a seed draws inside the declared bounds. The localizer never sees them.
 
 use localizer::Pose;
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution as _, StandardNormal};
+
+use crate::scene::Distribution;
 
 pub mod tiles;
 
@@ -34,4 +38,25 @@ pub struct DrawnFloorCamera {
     pub yaw_rad: f64,
     /// Rotation vector of the optical axis off the body's vertical, about robot x and robot y; its norm is within the tolerance.
     pub tilt_rad: [f64; 2],
+}
+
+/// Draws an error within ±tolerance.
+pub fn draw_within(tolerance: f64, distribution: Distribution, rng: &mut impl Rng) -> f64 {
+    match distribution {
+        Distribution::Uniform => tolerance * rng.random_range(-1.0..=1.0),
+        Distribution::TruncatedGaussian => loop {
+            // Half the tolerance is one standard deviation; one draw in 22 is outside and drawn again.
+            let deviations: f64 = StandardNormal.sample(rng);
+            if deviations.abs() <= 2.0 {
+                return tolerance * deviations / 2.0;
+            }
+        },
+        Distribution::Corner => {
+            if rng.random() {
+                tolerance
+            } else {
+                -tolerance
+            }
+        }
+    }
 }
