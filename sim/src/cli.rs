@@ -9,7 +9,7 @@ use std::{
 use clap::{Args, Parser, Subcommand};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
-use crate::{frames::FramesPolicy, record::RecordError, render::RenderError, run::RunError, scene::SceneError};
+use crate::{frames::FramesPolicy, record::RecordError, render::RenderError, scene::SceneError};
 
 mod run;
 mod seeds;
@@ -99,8 +99,6 @@ enum CommandError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Render(#[from] RenderError),
-    #[error(transparent)]
-    Run(#[from] RunError),
     #[error(transparent)]
     Record(#[from] RecordError),
     #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]

@@ -14,6 +14,7 @@ use sha2::{Digest, Sha256};
 use crate::{
     drawn::Drawn,
     driver::Driver,
+    frames::FramesPolicy,
     render::{RenderError, Renderer},
     scene::{FloorTilesChain, MethodName, Scene},
     sensors::{Observation, Sensors},
@@ -31,8 +32,8 @@ const PHYSICS_STEPS: usize = 10;
 /// What a run keeps besides its figures.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions {
-    /// Whether images stay in the record, for debug frames.
-    pub keep_images: bool,
+    /// Which images stay in the record, for debug frames.
+    pub keep_images: FramesPolicy,
 }
 
 /// Drives the scene with one seed. `progress` is told the simulated time now and then.
@@ -104,7 +105,9 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
     };
     let build = |name: &MethodName| -> Option<Box<dyn Method>> {
         match name {
-            MethodName::FloorTiles => FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>),
+            MethodName::FloorTiles => {
+                FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>)
+            }
         }
     };
     scene.localizer.methods.iter().filter_map(build).collect()
@@ -116,7 +119,7 @@ struct Recorder {
     odometry: PointOdometry,
     wheels: localizer::robot::WheelModel,
     readings: Sha256,
-    keep_images: bool,
+    keep_images: FramesPolicy,
 }
 
 impl Recorder {
@@ -161,6 +164,8 @@ impl Recorder {
         let Observation { reading, truth } = observation;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         for account in accounts {
+            let failed = account.emptied || !account.posterior.contains(truth.pose);
+            let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
             self.history.images.push(ImageRecord {
                 number,
                 measured_s: reading.measured_s(),
@@ -173,7 +178,7 @@ impl Recorder {
                 constrained: account.constrained,
                 emptied: account.emptied,
                 posterior: account.posterior,
-                reading: self.keep_images.then(|| reading.clone()),
+                reading: kept,
             });
         }
     }
