@@ -9,8 +9,8 @@ mod verdict;
 pub use bounds::violations;
 pub use claims::is_true;
 pub use verdict::{
-    AxisError, AxisWidth, Containment, ErrorTable, FirstFailure, FixWidth, Judgement, MethodCounts, Passed, PositionError,
-    Verdict, Violation, WidthTable,
+    AxisError, AxisWidth, Containment, ErrorTable, FirstFailure, FixWidth, Judgement, MethodCounts, Passed,
+    PositionError, Verdict, Violation, WidthTable,
 };
 
 use std::collections::BTreeMap;
@@ -25,9 +25,11 @@ use crate::{
 /// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
 pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let violations = violations(scene, record);
-    let false_claims: Vec<usize> = record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
+    let false_claims: Vec<usize> =
+        record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
     let containment = judge::containment(record, &violations, &false_claims);
-    let midpoints: Vec<Pose> = record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
+    let midpoints: Vec<Pose> =
+        record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
     let baselines = BTreeMap::from([("odometry".to_string(), statistics::errors(&record.odometry, &truths))]);
     let mut verdict = Verdict {
@@ -81,7 +83,8 @@ fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
         .windows(2)
         .map(|pair| (pair[1].pose.x_m - pair[0].pose.x_m).hypot(pair[1].pose.y_m - pair[0].pose.y_m))
         .sum();
-    let n_branches = |index: usize| record.estimates.get(index).map_or(0, |estimate| estimate.pose.branches.len()) as f64;
+    let n_branches =
+        |index: usize| record.estimates.get(index).map_or(0, |estimate| estimate.pose.branches.len()) as f64;
     let most = record.estimates.iter().map(|estimate| estimate.pose.branches.len()).max().unwrap_or(0);
     let recovering = record.estimates.iter().filter(|estimate| estimate.status == Status::Recovering).count();
     BTreeMap::from([

@@ -52,6 +52,12 @@ pub fn draw_within(tolerance: f64, distribution: Distribution, rng: &mut impl Rn
                 return tolerance * deviations / 2.0;
             }
         },
-        Distribution::Corner => if rng.random() { tolerance } else { -tolerance },
+        Distribution::Corner => {
+            if rng.random() {
+                tolerance
+            } else {
+                -tolerance
+            }
+        }
     }
 }

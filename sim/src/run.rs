@@ -105,7 +105,9 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
     };
     let build = |name: &MethodName| -> Option<Box<dyn Method>> {
         match name {
-            MethodName::FloorTiles => FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>),
+            MethodName::FloorTiles => {
+                FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>)
+            }
         }
     };
     scene.localizer.methods.iter().filter_map(build).collect()
@@ -163,6 +165,7 @@ impl Recorder {
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         for account in accounts {
             let failed = account.emptied || !account.posterior.contains(truth.pose);
+            let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
             self.history.images.push(ImageRecord {
                 number,
                 measured_s: reading.measured_s(),
@@ -175,7 +178,7 @@ impl Recorder {
                 constrained: account.constrained,
                 emptied: account.emptied,
                 posterior: account.posterior,
-                reading: self.keep_images.keeps(number, failed).then(|| reading.clone()),
+                reading: kept,
             });
         }
     }

@@ -63,8 +63,9 @@ impl Sensors {
         if let (Some(camera), Some(renderer)) = (&mut self.floor_camera, renderer) {
             self.on_the_way.extend(camera.observe(truth, renderer)?);
         }
-        let (mut arrived, waiting): (Vec<_>, Vec<_>) =
-            std::mem::take(&mut self.on_the_way).into_iter().partition(|observation| observation.reading.arrived_s() <= truth.time_s);
+        let (mut arrived, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.on_the_way)
+            .into_iter()
+            .partition(|observation| observation.reading.arrived_s() <= truth.time_s);
         self.on_the_way = waiting;
         arrived.sort_by(|a, b| a.reading.arrived_s().total_cmp(&b.reading.arrived_s()));
         Ok(arrived)

@@ -29,7 +29,12 @@ fn wheels(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let (robot, drawn) = (&scene.robot, &record.drawn);
     let radius_error_m = drawn.wheel_radius_m.map(|radius_m| (radius_m - robot.wheel_radius_m).abs());
     [
-        constant(record, "wheels.radius", robot.wheel_radius_m * robot.wheel_radius_tolerance, radius_error_m[0].max(radius_error_m[1])),
+        constant(
+            record,
+            "wheels.radius",
+            robot.wheel_radius_m * robot.wheel_radius_tolerance,
+            radius_error_m[0].max(radius_error_m[1]),
+        ),
         constant(record, "wheels.track", robot.track_m * robot.track_tolerance, (drawn.track_m - robot.track_m).abs()),
     ]
     .into_iter()
@@ -48,12 +53,18 @@ fn constant(record: &RunRecord, bound: &'static str, declared: f64, true_value: 
 /// The mount, the lens and the clock of the floor camera.
 fn floor_camera(camera: &FloorCamera, record: &RunRecord) -> Vec<Violation> {
     let Some(mount) = &record.drawn.floor_camera else { return Vec::new() };
-    let position_error_m = (mount.position_m[0] - camera.forward_m).abs().max((mount.position_m[1] - camera.left_m).abs());
+    let position_error_m =
+        (mount.position_m[0] - camera.forward_m).abs().max((mount.position_m[1] - camera.left_m).abs());
     let nominal_scale = f64::from(camera.width_px) / camera.footprint_width_m;
     let mut found: Vec<Violation> = [
         constant(record, "floor_camera.position", camera.position_tolerance_m, position_error_m),
         constant(record, "floor_camera.yaw", camera.yaw_tolerance_deg.to_radians(), mount.yaw_rad.abs()),
-        constant(record, "floor_camera.tilt", camera.tilt_tolerance_deg.to_radians(), mount.tilt_rad[0].hypot(mount.tilt_rad[1])),
+        constant(
+            record,
+            "floor_camera.tilt",
+            camera.tilt_tolerance_deg.to_radians(),
+            mount.tilt_rad[0].hypot(mount.tilt_rad[1]),
+        ),
         constant(
             record,
             "floor_camera.scale",
@@ -68,7 +79,11 @@ fn floor_camera(camera: &FloorCamera, record: &RunRecord) -> Vec<Violation> {
     for image in &record.images {
         let span_s = [image.truth.time_s, image.arrived_s];
         stamp.watch(span_s, camera.stamp_tolerance_s, (image.measured_s - image.truth.time_s).abs());
-        latency.watch(span_s, camera.latency_tolerance_s, (image.arrived_s - image.truth.time_s - camera.latency_s).abs());
+        latency.watch(
+            span_s,
+            camera.latency_tolerance_s,
+            (image.arrived_s - image.truth.time_s - camera.latency_s).abs(),
+        );
     }
     found.extend(stamp.finish());
     found.extend(latency.finish());
@@ -81,8 +96,12 @@ fn tiles(scene: &Scene, camera: &FloorCamera, record: &RunRecord) -> Vec<Violati
     let mut laying = Monitor::new("floor_tiles.laying");
     for image in &record.images {
         let Some(centre_m) = view_centre(image, record) else { continue };
-        let offset_m = laid.greatest_offset_near(tiles, centre_m, half_diagonal_m(camera));
-        laying.watch([image.truth.time_s, image.arrived_s], tiles.laying_tolerance_m + tiles.corner_tolerance_m, offset_m);
+        let offset_m = laid.max_offset_near(tiles, centre_m, half_diagonal_m(camera));
+        laying.watch(
+            [image.truth.time_s, image.arrived_s],
+            tiles.laying_tolerance_m + tiles.corner_tolerance_m,
+            offset_m,
+        );
     }
     laying.finish()
 }

@@ -35,12 +35,12 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     let intrinsics = floor_camera_intrinsics(camera, mount);
     let mut near: BTreeMap<(usize, i32), usize> = BTreeMap::new();
     for &[u_px, v_px, bound_px] in points_px {
-        let Some((place_m, pixels_per_m)) = on_floor(&intrinsics.ray([u_px, v_px]), truth, mount, intrinsics.focal_px) else {
+        let Some((place_m, pixels_per_m)) = on_floor(&intrinsics.ray([u_px, v_px]), truth, mount, intrinsics.focal_px)
+        else {
             continue;
         };
-        let joint = laid.joint_distance(tiles, place_m);
-        if joint.distance_m.abs() * pixels_per_m <= bound_px {
-            *near.entry((joint.axis, joint.index)).or_default() += 1;
+        for joint in laid.joints_within(tiles, place_m, bound_px / pixels_per_m) {
+            *near.entry(joint).or_default() += 1;
         }
     }
     let needed = ((1.0 - share_wrong) * points_px.len() as f64).ceil() as usize;

@@ -58,11 +58,10 @@ fn blame(
     if let Some(violation) = broken {
         return (Judgement::BoundBroken, violation.bound.clone());
     }
-    let misread = record
-        .images
-        .iter()
-        .zip(false_claims)
-        .find(|(image, n_false)| overlaps(image.measured_s, image.arrived_s) && super::misperceived(image, **n_false));
+    let misread =
+        record.images.iter().zip(false_claims).find(|(image, n_false)| {
+            overlaps(image.measured_s, image.arrived_s) && super::misperceived(image, **n_false)
+        });
     match misread {
         Some((image, n_false)) => {
             (Judgement::Perception, format!("{}: {n_false} false claims in image {}", image.method, image.number))

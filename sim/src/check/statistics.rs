@@ -71,7 +71,8 @@ fn position_error(distances: &[f64]) -> PositionError {
 
 /// An empty hull has no width and is left out; an unbounded one counts as the widest there is.
 fn axis_width(hulls: &[PoseBox], axis: usize) -> AxisWidth {
-    let mut widths: Vec<f64> = hulls.iter().filter(|hull| !hull.is_empty()).map(|hull| hull[axis].width().min(f64::MAX)).collect();
+    let mut widths: Vec<f64> =
+        hulls.iter().filter(|hull| !hull.is_empty()).map(|hull| hull[axis].width().min(f64::MAX)).collect();
     if widths.is_empty() {
         return AxisWidth::default();
     }

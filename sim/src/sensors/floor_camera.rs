@@ -45,7 +45,9 @@ struct Switch {
 impl FloorCameraSensor {
     /// The scene's floor camera, or `None` if the robot has none.
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn, renderer: &mut Renderer) -> Result<Option<Self>, RenderError> {
-        let (Some(camera), Some(mount)) = (scene.robot.floor_camera.clone(), drawn.floor_camera) else { return Ok(None) };
+        let (Some(camera), Some(mount)) = (scene.robot.floor_camera.clone(), drawn.floor_camera) else {
+            return Ok(None);
+        };
         Ok(Some(FloorCameraSensor {
             intrinsics: floor_camera_intrinsics(&camera, &mount),
             photosites: Photosites::from(&camera),
@@ -108,7 +110,11 @@ impl FloorCameraSensor {
     }
 
     fn illuminance_lux(&self, time_s: f64) -> f64 {
-        self.lights.iter().rev().find(|switch| switch.at_s <= time_s).map_or(0.0, |switch| switch.illuminance_at_floor_lux)
+        self.lights
+            .iter()
+            .rev()
+            .find(|switch| switch.at_s <= time_s)
+            .map_or(0.0, |switch| switch.illuminance_at_floor_lux)
     }
 }
 

@@ -55,7 +55,8 @@ fn rolled(truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Rolled> {
                 path_m[2] += 0.5 * (step_m[0] + step_m[1]);
             }
             before = Some(truth);
-            let error_m = [0, 1].map(|wheel| truth.wheel_travel_m[wheel] - wheel_radius_m[wheel] * truth.wheel_angle_rad[wheel]);
+            let error_m =
+                [0, 1].map(|wheel| truth.wheel_travel_m[wheel] - wheel_radius_m[wheel] * truth.wheel_angle_rad[wheel]);
             Rolled { path_m, error_m: [error_m[0], error_m[1], truth.lateral_travel_m] }
         })
         .collect()
@@ -85,7 +86,8 @@ fn reach(scene: &Scene, truths: &[Truth]) -> Vec<Violation> {
 fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Violation> {
     let (bounds, room) = (&scene.bounds, &scene.room);
     let keep_m = scene.robot_model().body.clearance_m;
-    let (mut tilt, mut heave, mut walls) = (Monitor::new("body.tilt"), Monitor::new("body.heave"), Monitor::new("room.walls"));
+    let (mut tilt, mut heave, mut walls) =
+        (Monitor::new("body.tilt"), Monitor::new("body.heave"), Monitor::new("room.walls"));
     for truth in truths {
         let span_s = [truth.time_s, truth.time_s];
         tilt.watch(span_s, bounds.body_tilt_deg.to_radians(), truth.tilt_rad[0].hypot(truth.tilt_rad[1]));
