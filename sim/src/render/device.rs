@@ -34,6 +34,7 @@ impl Graphics {
         };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("wherein"),
+            required_features: wgpu::Features::FLOAT32_BLENDABLE,
             required_limits: adapter.limits(),
             ..Default::default()
         };
