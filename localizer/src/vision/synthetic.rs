@@ -58,7 +58,8 @@ pub(super) enum Pattern {
 /// A strip that is no joint: a wire or a tape through a point at an angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strip {
-    pub(super) normal_rad: f64,
+    /// Sine and cosine of the normal's angle.
+    pub(super) sin_cos: [f64; 2],
     pub(super) offset_px: f64,
     pub(super) width_px: f64,
     pub(super) albedo: f64,
@@ -128,22 +129,26 @@ fn coverage(distance_px: f64, width_px: f64) -> f64 {
 }
 
 impl Floor {
+    /// Sine and cosine of family 0's normal: looked up once per picture.
+    fn axes(&self) -> [f64; 2] {
+        [self.angle_rad.sin(), self.angle_rad.cos()]
+    }
+
     /// Distance along family `family`'s normal to the nearest joint's centre, its number, and the coordinate along the joint.
-    fn nearest_joint(&self, family: usize, u: f64, v: f64) -> (f64, i64, f64) {
-        let angle = self.angle_rad + family as f64 * std::f64::consts::FRAC_PI_2;
-        let (sin, cos) = angle.sin_cos();
-        let coordinate = u * cos + v * sin - self.phase_px[family];
+    fn nearest_joint(&self, [sin, cos]: [f64; 2], family: usize, u: f64, v: f64) -> (f64, i64, f64) {
+        let grid = [u * cos + v * sin, v * cos - u * sin];
+        let coordinate = grid[family] - self.phase_px[family];
         let number = (coordinate / self.edge_px[family]).round();
-        (coordinate - number * self.edge_px[family], number as i64, v * cos - u * sin)
+        (coordinate - number * self.edge_px[family], number as i64, grid[1 - family])
     }
 
     /// Albedo at a point.
-    fn albedo(&self, u: f64, v: f64) -> f64 {
-        let joints = [0, 1].map(|family| self.nearest_joint(family, u, v));
-        let tile = [0, 1].map(|family| joints[family].1 * 2 + i64::from(joints[family].0 > 0.0));
+    fn albedo(&self, axes: [f64; 2], u: f64, v: f64) -> f64 {
+        let joints = [0, 1].map(|family| self.nearest_joint(axes, family, u, v));
+        let tile = [0, 1].map(|family| joints[family].1 + i64::from(joints[family].0 > 0.0));
         let mut albedo = self.tile_albedo * (1.0 + self.tile_spread * lattice(tile[0], tile[1], 11));
         // Patterns are fixed to the tile, so they turn with the grid.
-        let (sin, cos) = self.angle_rad.sin_cos();
+        let [sin, cos] = axes;
         let (x, y) = (u * cos + v * sin, v * cos - u * sin);
         let seed = (tile[0] * 977 + tile[1] * 131) as u64;
         match self.pattern {
@@ -159,9 +164,6 @@ impl Floor {
                 albedo *= 1.0 - contrast * f64::from(u8::from(phase * pitch_px < 5.0));
             }
         }
-        if self.texture > 0.0 {
-            albedo *= 1.0 + self.texture * (value_noise(u, v, 3.0, 5) + value_noise(u, v, 11.0, 6));
-        }
         for (family, &(distance, number, along)) in joints.iter().enumerate() {
             let mut cover = coverage(distance, self.joint_width_px);
             if cover > 0.0 {
@@ -175,7 +177,7 @@ impl Floor {
             }
         }
         for strip in &self.strips {
-            let (sin, cos) = strip.normal_rad.sin_cos();
+            let [sin, cos] = strip.sin_cos;
             let along = v * cos - u * sin;
             let distance = u * cos + v * sin - strip.offset_px - strip.bend_px * (along / 180.0).sin();
             albedo += (strip.albedo - albedo) * coverage(distance, strip.width_px);
@@ -200,6 +202,7 @@ impl Floor {
         let motion = self.blur_px[0].hypot(self.blur_px[1]) + self.turn_rad.abs() * centre[0].hypot(centre[1]);
         // Strips are area-sampled at each instant, so instants a pixel's motion apart blend into each other.
         let samples = if motion < 0.1 { 1 } else { (2.0 + motion).min(24.0) as usize };
+        let axes = self.axes();
         let grey_per_albedo = self.exposure_grey / self.tile_albedo;
         let electrons_per_grey = self.electrons / 128.0;
         GrayImage::from_fn(width as u32, height as u32, |column, row| {
@@ -211,9 +214,11 @@ impl Floor {
                 let (sin, cos) = (-self.turn_rad * time).sin_cos();
                 let (a, b) = (u - self.blur_px[0] * time, v - self.blur_px[1] * time);
                 let (a, b) = (a * cos - b * sin, a * sin + b * cos);
-                sum += self.albedo(a, b);
+                sum += self.albedo(axes, a, b);
             }
-            let grey = sum / samples as f64 * grey_per_albedo * self.light(u, v);
+            // Texture is left out of the blur: more of it than in truth.
+            let texture = 1.0 + self.texture * (value_noise(u, v, 3.0, 5) + value_noise(u, v, 11.0, 6));
+            let grey = sum / samples as f64 * texture * grey_per_albedo * self.light(u, v);
             let electrons = grey * electrons_per_grey;
             let noisy = electrons + random.normal() * (electrons + 4.0).sqrt();
             image::Luma([(noisy / electrons_per_grey).round().clamp(0.0, 255.0) as u8])
@@ -237,7 +242,7 @@ impl Floor {
     /// Number of the joint of a family nearest to a point of the picture.
     pub(super) fn joint_number(&self, family: usize, point_px: [f64; 2]) -> i64 {
         let [u, v] = self.centred(point_px);
-        self.nearest_joint(family, u, v).1
+        self.nearest_joint(self.axes(), family, u, v).1
     }
 
     /// Distance of a point of the picture from one joint, along the family's normal.

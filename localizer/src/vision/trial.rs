@@ -195,7 +195,7 @@ fn stray_strip(floor: &Floor, random: &mut Random) -> Strip {
     let normal_rad =
         if random.chance(0.25) { floor.angle_rad + random.between(-0.08, 0.08) } else { random.between(-1.6, 1.6) };
     Strip {
-        normal_rad,
+        sin_cos: [normal_rad.sin(), normal_rad.cos()],
         offset_px: random.between(-250.0, 250.0),
         width_px: if wire { random.between(3.0, 9.0) } else { random.between(12.0, 60.0) },
         albedo: if random.chance(0.5) { random.between(0.03, 0.15) } else { random.between(0.2, 0.9) },

@@ -19,43 +19,45 @@ const LAID_ASKEW_RAD: f64 = 0.007;
 /// Error of the distance between two true joints: laying of both, in pixels at the usual 1–1.5 px/mm, and of the scale.
 const PITCH_ERROR_PX: f64 = 2.0;
 const PITCH_ERROR_RATIO: f64 = 0.004;
+/// Ratio of contrast between joints of one floor: worn ones are fainter, black wires are more than that stronger.
+const DEPTH_RATIO: f64 = 2.5;
 /// A rival with this share of the evidence leaves it open which of the two is a joint.
-const RIVAL_SHARE: f64 = 0.6;
+const RIVAL_SHARE: f64 = 0.4;
 /// A line without any other to support it must cross at least this share of the picture's shorter side.
 const LONE_SPAN: f64 = 0.6;
 
-/// The joints of one hypothesis that agree, without those that a rival leaves in doubt.
+/// The joints of one angle that agree, without those that a rival leaves in doubt.
 pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
-    joints.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
+    joints.sort_by(|a, b| b.span_px.total_cmp(&a.span_px));
     let mut distinct: Vec<Joint> = Vec::new();
     for joint in joints {
-        let double = |known: &Joint| {
+        let same = |known: &Joint| {
             known.line.family == joint.line.family && distance_px(known, &joint).abs() < view.joint_width_px
         };
-        if distinct.len() < MOST_JOINTS && !distinct.iter().any(double) {
+        if distinct.len() < MOST_JOINTS && !distinct.iter().any(same) {
             distinct.push(joint);
         }
     }
     let [first, second] = view.edge_px;
     let cliques = [[first, second], [second, first]].map(|edge_px| Cliques::new(&distinct, edge_px));
-    let best = |containing: u32| {
-        let heaviest = |cliques: &Cliques| cliques.heaviest(containing);
-        cliques.iter().map(heaviest).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0))
+    let heaviest = |containing: usize| {
+        let [a, b] = cliques.each_ref().map(|cliques| (cliques, cliques.heaviest(containing)));
+        if a.0.weights[a.1] >= b.0.weights[b.1] { a } else { b }
     };
-    let (mut kept, _) = best(0);
-    let total = |members: u32| {
-        (0..distinct.len()).filter(|index| members >> index & 1 == 1).map(|index| weight(&distinct[index])).sum::<f64>()
-    };
-    let winner = kept;
+    let (winners, winner) = heaviest(0);
+    let mut kept = winner;
     for rival in (0..distinct.len()).filter(|index| winner >> index & 1 == 0) {
-        let (others, _) = best(1 << rival);
-        let (lost, gained) = (winner & !others, others & !winner);
-        if total(gained) > RIVAL_SHARE * total(lost) {
-            kept &= !lost;
+        let (others, other) = heaviest(1 << rival);
+        // What both have in common speaks for neither.
+        let common = winner & other;
+        let (lost, gained) =
+            (winners.weights[winner] - winners.weights[common], others.weights[other] - others.weights[common]);
+        if gained > RIVAL_SHARE * lost {
+            kept &= common;
         }
     }
     let undisputed = kept.count_ones() as usize == distinct.len();
-    let evidence = total(kept);
+    let evidence = winners.weights[kept];
     let joints =
         distinct.into_iter().enumerate().filter(|(index, _)| kept >> index & 1 == 1).map(|(_, joint)| joint).collect();
     Grid { joints, evidence, undisputed }
@@ -80,11 +82,6 @@ pub(super) fn best(mut grids: Vec<Grid>, shorter_side_px: f64) -> Vec<Joint> {
     best.joints
 }
 
-/// Evidence of a joint: how long and how strongly it is seen.
-fn weight(joint: &Joint) -> f64 {
-    joint.span_px * joint.depth
-}
-
 /// Distance from joint `a`'s line to the middle of joint `b`, along the normal of `a`; both in one family.
 fn distance_px(a: &Joint, b: &Joint) -> f64 {
     let (sin, cos) = a.line.normal_rad.sin_cos();
@@ -96,7 +93,9 @@ fn agree(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
     let quarter_turns = f64::from(b.line.family) - f64::from(a.line.family);
     let askew_rad = b.line.normal_rad - a.line.normal_rad - quarter_turns * FRAC_PI_2;
     let scatter_rad = 4.0 * a.direction_sd_rad.hypot(b.direction_sd_rad);
-    if askew_rad.abs() > LAID_ASKEW_RAD + scatter_rad {
+    // One floor has one colour of joints, but wear takes some of it.
+    let alike = a.line.dark == b.line.dark && (1.0 / DEPTH_RATIO..DEPTH_RATIO).contains(&(a.depth / b.depth));
+    if !alike || askew_rad.abs() > LAID_ASKEW_RAD + scatter_rad {
         return false;
     }
     if a.line.family != b.line.family {
@@ -113,39 +112,57 @@ fn agree(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
 
 /// Joints looked at together: all their subsets are tried.
 const MOST_JOINTS: usize = 12;
+/// What a line counts without an orthogonal one of its kind, relative to one with it.
+const WITHOUT_PARTNER: f64 = 0.25;
 
-/// Sets of joints, as bits, that agree pairwise.
+/// How much alike two joints look, up to 1: one floor has one colour of joints, and stripes and wires seldom match it.
+fn likeness(a: &Joint, b: &Joint) -> f64 {
+    // The square of the ratio: half the contrast leaves a quarter.
+    let ratio = a.depth.min(b.depth) / a.depth.max(b.depth);
+    ratio * ratio
+}
+
+/// Sets of joints, as bits.
 struct Cliques {
-    /// Weight of each set, or `None` where two of its members disagree; indexed by the bits.
-    weights: Vec<Option<f64>>,
+    /// Evidence of each set, negative where two of its members disagree; indexed by the bits.
+    weights: Vec<f64>,
 }
 
 impl Cliques {
     fn new(joints: &[Joint], edge_px: [f64; 2]) -> Self {
-        let friends: Vec<u32> = joints
+        let friends: Vec<usize> = joints
             .iter()
             .map(|a| {
-                joints
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, b)| agree(a, b, edge_px))
-                    .fold(0, |bits, (index, _)| bits | 1 << index)
+                (0..joints.len())
+                    .filter(|&index| agree(a, &joints[index], edge_px))
+                    .fold(0, |bits, index| bits | 1 << index)
             })
             .collect();
-        let mut weights = vec![Some(0.0)];
-        for set in 1_u32..1 << joints.len() {
+        let mut agreed = vec![true];
+        for set in 1_usize..1 << joints.len() {
             let newest = set.ilog2() as usize;
             let rest = set & !(1 << newest);
-            let agreed = friends[newest] & rest == rest;
-            weights.push(weights[rest as usize].filter(|_| agreed).map(|sum: f64| sum + weight(&joints[newest])));
+            agreed.push(agreed[rest] && friends[newest] & rest == rest);
         }
-        Cliques { weights }
+        let weights = agreed.iter().enumerate().map(|(set, &agreed)| if agreed { evidence(joints, set) } else { -1.0 });
+        Cliques { weights: weights.collect() }
     }
 
     /// The heaviest set that contains these members.
-    fn heaviest(&self, containing: u32) -> (u32, f64) {
-        let sets = self.weights.iter().enumerate().filter(|(set, _)| *set as u32 & containing == containing);
-        sets.filter_map(|(set, weight)| weight.map(|weight| (set as u32, weight)))
-            .fold((0, -1.0), |best, set| if set.1 > best.1 { set } else { best })
+    fn heaviest(&self, containing: usize) -> usize {
+        let sets = (0..self.weights.len()).filter(|set| set & containing == containing);
+        sets.max_by(|&a, &b| self.weights[a].total_cmp(&self.weights[b])).unwrap_or(0)
     }
+}
+
+/// Evidence of a set: the lengths of its members, each as far as it looks like its orthogonal partners.
+fn evidence(joints: &[Joint], set: usize) -> f64 {
+    let members = || joints.iter().enumerate().filter(|(index, _)| set >> index & 1 == 1).map(|(_, joint)| joint);
+    members()
+        .map(|joint| {
+            let partners = members().filter(|other| other.line.family != joint.line.family);
+            let best = partners.map(|other| likeness(joint, other)).fold(WITHOUT_PARTNER, f64::max);
+            joint.span_px * best * if joint.width_is_sure { 1.0 } else { 0.5 }
+        })
+        .sum()
 }

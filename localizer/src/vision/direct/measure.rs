@@ -34,12 +34,15 @@ const BLUR_MAX_PX: f64 = 20.0;
 /// Distance to either side of the voted line within which the joint is looked for: the error of the vote at the line's ends.
 const REACH_PX: f64 = 4.0;
 /// Points on a line and pixels between its ends below which neither direction nor identity is certain.
-const LEAST_POINTS: usize = 8;
+const LEAST_POINTS: usize = 10;
 const LEAST_SPAN_PX: f64 = 90.0;
 /// Scatter wanted of a point, in units of its bound: 0.3 of the points may be wrong, at this scatter 0.02 are.
 const SCATTER_WANTED: f64 = 0.42;
 /// Scatter that the points of a joint have at most, in units of their bound: bends and noise together.
 const SCATTER_ALLOWED: f64 = 0.6;
+/// Bound of a point in units of the line's scatter, at least: one point in eighty lies outside by chance, so that four
+/// of ten are wrong once in 300 000 lines.
+const BOUND_PER_SCATTER: f64 = 2.5;
 /// Stations averaged at most into one point: more would leave too few points of a line.
 const GROUP_MAX: usize = 8;
 /// Share of the stations between a line's ends that must agree: worn joints lose some, accidents have fewer.
@@ -143,7 +146,7 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
             .iter()
             .map(|sighting| {
                 let [u, v] = picture.point_px(line, sighting.along_px, f64::from(sighting.fit.shift_px));
-                [u, v, sighting.bound_px()]
+                [u, v, sighting.bound_px().max(BOUND_PER_SCATTER * scatter_px)]
             })
             .collect(),
         depth: f64::from(depth.abs()),
@@ -212,7 +215,8 @@ fn accept(sightings: &[Sighting], course: &mut Course, depth: f32, noise: f32) -
 /// Root mean square distance from the course.
 fn scatter_px(accepted: &[Sighting], course: &Course) -> f64 {
     let squares: f64 = accepted.iter().map(|sighting| course.distance_px(sighting).powi(2)).sum();
-    (squares / accepted.len().max(1) as f64).sqrt()
+    // The course took two degrees of freedom.
+    (squares / (accepted.len() as f64 - 2.0).max(1.0)).sqrt()
 }
 
 /// Mean profiles along the found course.
