@@ -2,10 +2,15 @@
 
 use std::ops::{Index, IndexMut};
 
+use serde::{Deserialize, Serialize};
+
 use crate::Interval;
 
 /// A Cartesian product of `N` intervals. It is empty as soon as one of them is.
-#[derive(Clone, Copy, Debug)]
+///
+/// Serialised as the list of its intervals.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(into = "Vec<Interval>", try_from = "Vec<Interval>")]
 pub struct IntervalBox<const N: usize> {
     components: [Interval; N],
 }
@@ -121,6 +126,23 @@ impl<const N: usize> PartialEq for IntervalBox<N> {
 impl<const N: usize> From<[Interval; N]> for IntervalBox<N> {
     fn from(components: [Interval; N]) -> Self {
         IntervalBox { components }
+    }
+}
+
+impl<const N: usize> From<IntervalBox<N>> for Vec<Interval> {
+    fn from(interval_box: IntervalBox<N>) -> Vec<Interval> {
+        interval_box.components.to_vec()
+    }
+}
+
+impl<const N: usize> TryFrom<Vec<Interval>> for IntervalBox<N> {
+    type Error = String;
+    fn try_from(components: Vec<Interval>) -> Result<Self, String> {
+        let n_components = components.len();
+        let components = components
+            .try_into()
+            .map_err(|_| format!("read a box of {N} intervals: got {n_components}"))?;
+        Ok(IntervalBox { components })
     }
 }
 

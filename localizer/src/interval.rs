@@ -9,10 +9,14 @@
 
 mod arithmetic;
 mod elementary;
+mod predicates;
+mod reverse;
 mod rounding;
+mod text;
 mod trigonometry;
 
-use std::fmt;
+pub use predicates::Overlap;
+pub use text::ParseIntervalError;
 
 /// A closed interval, possibly unbounded or empty.
 #[derive(Clone, Copy)]
@@ -185,22 +189,6 @@ impl Interval {
 impl PartialEq for Interval {
     fn eq(&self, other: &Interval) -> bool {
         (self.is_empty() && other.is_empty()) || (self.lo == other.lo && self.hi == other.hi)
-    }
-}
-
-impl fmt::Debug for Interval {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, formatter)
-    }
-}
-
-impl fmt::Display for Interval {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_empty() {
-            formatter.write_str("[empty]")
-        } else {
-            write!(formatter, "[{:?}, {:?}]", self.lo, self.hi)
-        }
     }
 }
 

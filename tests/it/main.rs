@@ -1,4 +1,4 @@
-//! Claims about the whole system that could be false, checked from outside.
+//! Claims about the whole system that could be false, checked from outside: one binary, each module states what belongs in it.
 
 // A failing assumption of a test should stop it where it stands.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -6,8 +6,14 @@
 /// Runs the `wherein` command in folders of its own.
 mod command;
 
-/// What every scene file, the schema and the documents keep true.
-mod repository;
+/// Interval arithmetic against the ITF1788 collection of cases from outside.
+mod interval_itf1788;
+/// Interval arithmetic against arithmetic with many more bits.
+mod interval_precision;
+/// The wheels' enclosure against motion integrated much finer.
+mod motion_enclosure;
+/// Tile joints to poses, against a camera and a floor of the tests' own.
+mod floor_tiles_geometry;
 /// Scenes that must be refused, and what the refusal says.
 mod scene_refusals;
 /// What `[expect]` holds a run against.
@@ -16,7 +22,5 @@ mod scene_expectations;
 mod cli_runs;
 /// What a run leaves behind, read back by other means than ours.
 mod record_files;
-/// The floor's geometry against a derivation of the tests' own.
-mod floor_tiles_geometry;
-/// The motion of a robot against exact arcs.
-mod motion_enclosure;
+/// What every scene file, the schema and the documents keep true.
+mod repository;

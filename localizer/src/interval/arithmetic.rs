@@ -109,15 +109,15 @@ impl Div for Interval {
 /// Quotients with an empty, zero, infinite or tiny part.
 #[cold]
 fn divide_by_cases(numerator: Interval, divisor: Interval) -> Interval {
-    let (first, second) = numerator.div2(divisor);
-    first.hull(second)
+    let (by_negative, by_positive) = divide_by_signs(numerator, divisor);
+    by_negative.hull(by_positive)
 }
 
 impl Interval {
     /// { x / y : y ≠ 0 } as at most two intervals, the lower first; the second is empty when one interval is the answer.
     ///
     /// IEEE 1788 calls it `mulRevToPair(den, self)`: all q with q · y = x for some members x, y. So it is the whole line
-    /// when both contain 0, and two half lines when only the divisor does, inside.
+    /// when both contain 0 (unlike `/`, which never divides by 0), and two half lines when only the divisor does, inside.
     pub fn div2(self, den: Interval) -> (Interval, Interval) {
         if self.is_empty() || den.is_empty() {
             return (Interval::EMPTY, Interval::EMPTY);
@@ -125,8 +125,7 @@ impl Interval {
         if self.contains_zero() && den.contains_zero() {
             return (Interval::ENTIRE, Interval::EMPTY);
         }
-        let by_negative = divide_by_positive(-self, (-den).intersect(POSITIVE));
-        let by_positive = divide_by_positive(self, den.intersect(POSITIVE));
+        let (by_negative, by_positive) = divide_by_signs(self, den);
         match (by_negative.is_empty(), by_positive.is_empty()) {
             (false, false) if by_negative.lo > by_positive.lo => (by_positive, by_negative),
             (true, _) => (by_positive, Interval::EMPTY),
@@ -144,9 +143,16 @@ impl Interval {
 /// Closed at 0, which stands for the limit of divisors above it.
 const POSITIVE: Interval = Interval::from_bounds(0.0, f64::INFINITY);
 
-/// { x / y : y > 0 }; `divisor` is in [0, ∞] and the numerator does not contain 0 when the divisor does.
+/// Quotients by the negative and by the positive members of the divisor.
+fn divide_by_signs(numerator: Interval, divisor: Interval) -> (Interval, Interval) {
+    let by_negative = divide_by_positive(-numerator, (-divisor).intersect(POSITIVE));
+    let by_positive = divide_by_positive(numerator, divisor.intersect(POSITIVE));
+    (by_negative, by_positive)
+}
+
+/// { x / y : y > 0 }; `divisor` is in [0, ∞].
 fn divide_by_positive(numerator: Interval, divisor: Interval) -> Interval {
-    if divisor.is_empty() || divisor.hi == 0.0 {
+    if numerator.is_empty() || divisor.is_empty() || divisor.hi == 0.0 {
         return Interval::EMPTY;
     }
     let low_divisor = if numerator.lo < 0.0 { divisor.lo } else { divisor.hi };

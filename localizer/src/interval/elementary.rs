@@ -155,3 +155,71 @@ fn negative_power(x: Interval, n: i32) -> Interval {
     let left = positive((-x).intersect(half_line));
     right.hull(if n % 2 == 0 { left } else { -left })
 }
+
+/// A lower bound of the n-th root of c ≥ 0, n ≥ 2.
+pub(super) fn root_down(c: f64, n: i32) -> f64 {
+    proven_root(
+        c,
+        n,
+        0.0,
+        |root, c| power_bounds(root, n).hi <= c,
+        |root, step| root - step,
+    )
+}
+
+/// An upper bound of the n-th root of c ≥ 0, n ≥ 2.
+pub(super) fn root_up(c: f64, n: i32) -> f64 {
+    proven_root(
+        c,
+        n,
+        f64::INFINITY,
+        |root, c| power_bounds(root, n).lo >= c,
+        |root, step| root + step,
+    )
+}
+
+/// Moves an approximate root outward until its power proves that it is a bound; `trivial` is one that always is.
+fn proven_root(
+    c: f64,
+    n: i32,
+    trivial: f64,
+    is_bound: impl Fn(f64, f64) -> bool,
+    moved: impl Fn(f64, f64) -> f64,
+) -> f64 {
+    if c == 0.0 || c == 1.0 || c.is_infinite() {
+        return c;
+    }
+    // c / 2^(n·shift) is near 1, where powers neither overflow nor lose bits; its root is off by the exact factor 2^shift.
+    let shift = (c.log2() / f64::from(n)).round() as i32;
+    let half_power = 2f64.powi(-(n * shift / 2));
+    let scaled = c * half_power * 2f64.powi(-(n * shift - n * shift / 2));
+    if !scaled.is_normal() {
+        return trivial;
+    }
+    let root = root_nearby(scaled, n);
+    // The first candidates are neighbours; the steps grow so that a poor start costs steps, never soundness.
+    let candidates = (0..40).scan((root, root * f64::EPSILON), |(candidate, step), idx| {
+        let current = *candidate;
+        *candidate = moved(current, if idx < 4 { 0.5 * *step } else { *step });
+        if idx >= 4 {
+            *step *= 2.0;
+        }
+        Some(current)
+    });
+    let mut proven = candidates.filter(|candidate| is_bound(*candidate, scaled));
+    proven
+        .next()
+        .map_or(trivial, |bound| bound * 2f64.powi(shift))
+}
+
+/// The n-th root to about one unit in the last place. Its bounds are proven by taking the power, not by this.
+fn root_nearby(c: f64, n: i32) -> f64 {
+    let root = pxfm::f_pow(c, 1.0 / f64::from(n));
+    // 1/n is rounded, which costs up to |ln c| units in the last place: one step of Newton's method on the logarithm repairs it.
+    let excess = c / pxfm::f_pow(root, f64::from(n)) - 1.0;
+    if excess.is_finite() {
+        root + root * excess / f64::from(n)
+    } else {
+        root
+    }
+}

@@ -50,8 +50,8 @@ impl Default for Bounds {
             reach_speed_m_per_s: 0.7,
             reach_turn_rate_rad_per_s: 1.6,
             reach_acceleration_m_per_s2: 2.0,
-            body_tilt_deg: 0.1,
-            body_heave_m: 0.0001,
+            body_tilt_deg: 0.03,
+            body_heave_m: 0.00002,
         }
     }
 }

@@ -67,7 +67,8 @@ impl FloorCameraSensor {
     /// Looks at one physics step; answers with an image when its exposure has just ended.
     pub fn observe(&mut self, truth: &Truth, renderer: &mut Renderer) -> Result<Option<Observation>, RenderError> {
         self.recent.push_back(*truth);
-        let middle_s = f64::from(self.n_images + 1) * self.camera.period_s;
+        // The first exposure may begin as soon as the run does.
+        let middle_s = self.camera.exposure_s + f64::from(self.n_images) * self.camera.period_s;
         let exposure = self.auto_exposure.exposure();
         let (from_s, to_s) = (middle_s - 0.5 * exposure.exposure_s, middle_s + 0.5 * exposure.exposure_s);
         while self.recent.len() > 2 && self.recent[1].time_s <= from_s {

@@ -40,9 +40,11 @@ const LEAST_SPAN_PX: f64 = 90.0;
 const SCATTER_WANTED: f64 = 0.42;
 /// Scatter that the points of a joint have at most, in units of their bound: bends and noise together.
 const SCATTER_ALLOWED: f64 = 0.6;
-/// Bound of a point in units of the line's scatter, at least: one point in eighty lies outside by chance, so that four
-/// of ten are wrong once in 300 000 lines.
-const BOUND_PER_SCATTER: f64 = 2.5;
+/// What is claimed of a point without blur and without scatter: three times the bias that a lopsided joint or a shadow gives a
+/// whole line, which no scatter shows.
+const CLAIM_FLOOR_PX: f64 = 0.12;
+/// What is claimed besides, in units of the line's scatter: one point in eighty lies outside by chance.
+const CLAIM_PER_SCATTER: f64 = 2.5;
 /// Stations averaged at most into one point: more would leave too few points of a line.
 const GROUP_MAX: usize = 8;
 /// Share of the stations between a line's ends that must agree: worn joints lose some, accidents have fewer.
@@ -92,6 +94,11 @@ impl Sighting {
 /// Claimed bound of a point under motion across its line.
 fn bound_px(blur_px: f64) -> f64 {
     POINT_BOUND_PX * (1.0 + BOUND_PER_BLUR * blur_px)
+}
+
+/// Claimed distance of a point from its joint: the line's bias and its scatter.
+fn claimed_px(blur_px: f64, scatter_px: f64) -> f64 {
+    CLAIM_FLOOR_PX * (1.0 + BOUND_PER_BLUR * blur_px) + CLAIM_PER_SCATTER * scatter_px
 }
 
 /// Measures a candidate; `None` if it does not look like a joint all along.
@@ -146,7 +153,7 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
             .iter()
             .map(|sighting| {
                 let [u, v] = picture.point_px(line, sighting.along_px, f64::from(sighting.fit.shift_px));
-                [u, v, sighting.bound_px().max(BOUND_PER_SCATTER * scatter_px)]
+                [u, v, claimed_px(sighting.blur_px, scatter_px)]
             })
             .collect(),
         depth: f64::from(depth.abs()),
