@@ -13,6 +13,8 @@
 pub mod interval;
 pub mod boxes;
 pub mod contractor;
+pub mod separator;
+pub mod paving;
 pub mod pose;
 pub mod robot;
 pub mod map;
