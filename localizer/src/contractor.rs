@@ -18,19 +18,24 @@ mod combinators;
 mod distance;
 mod expression;
 mod forward_backward;
+mod linear_pose;
 mod periodic;
 mod pinhole;
 mod polar;
 mod q_relaxed;
+mod rigid_planar;
+mod rigid_rows;
 
 pub use combinators::{Fixpoint, OnAxes, Then, Union};
 pub use distance::Distance;
 pub use expression::Expression;
 pub use forward_backward::{ForwardBackward, Inverse};
+pub use linear_pose::LinearPose;
 pub use periodic::Periodic;
 pub use pinhole::Pinhole;
 pub use polar::Polar;
 pub use q_relaxed::{QRelaxed, q_intersection};
+pub use rigid_planar::RigidPlanar;
 
 use crate::IntervalBox;
 
