@@ -145,9 +145,7 @@ impl Renderer {
     /// If the driver reported an error since.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check()?;
-        Ok(RenderedWorld {
-            floor: Floor::new(scene, drawn),
-        })
+        Ok(RenderedWorld { floor: Floor::new(scene, drawn) })
     }
 
     /// Takes all pictures of a tick, in the order of `views`.
@@ -160,26 +158,10 @@ impl Renderer {
         }
         let device = &self.graphics.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-<<<<<<< HEAD
         for (view, target) in views.iter().zip(&mut self.targets) {
-            let Target {
-                floor, luminance, ..
-            } = target;
-            self.floor_pass.draw(
-                &self.graphics,
-                &mut encoder,
-                &world.floor,
-                view,
-                floor,
-                luminance,
-            )?;
-            self.photon_pass
-                .draw(&self.graphics.queue, &mut encoder, view, target);
-=======
-        for (view, target) in views.iter().zip(&self.targets) {
-            self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, target)?;
+            let Target { floor, luminance, .. } = target;
+            self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?;
             self.photon_pass.draw(&self.graphics.queue, &mut encoder, view, target);
->>>>>>> main
             target.stage(&mut encoder);
         }
         let submission = self.graphics.queue.submit([encoder.finish()]);

@@ -28,26 +28,15 @@ impl Graphics {
     pub(super) fn open() -> Result<Graphics, RenderError> {
         let adapter = choose(std::env::var(ADAPTER_VARIABLE).ok())?;
         let info = adapter.get_info();
-<<<<<<< HEAD
-        let unusable = |reason: String| RenderError::Unusable {
-            adapter: describe(&info),
-            reason,
-        };
+        let unusable = |reason: String| RenderError::Unusable { adapter: describe(&info), reason };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("wherein"),
             required_features: wgpu::Features::FLOAT32_BLENDABLE,
             required_limits: adapter.limits(),
             ..Default::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|error| unusable(error.to_string()))?;
-=======
-        let unusable = |reason: String| RenderError::Unusable { adapter: describe(&info), reason };
-        let descriptor =
-            wgpu::DeviceDescriptor { label: Some("wherein"), required_limits: adapter.limits(), ..Default::default() };
         let (device, queue) =
             pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| unusable(error.to_string()))?;
->>>>>>> main
         let reported = Arc::new(Mutex::new(None));
         let on_error = Arc::clone(&reported);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
