@@ -9,10 +9,14 @@
 
 mod arithmetic;
 mod elementary;
+mod predicates;
+mod reverse;
 mod rounding;
+mod text;
 mod trigonometry;
 
-use std::fmt;
+pub use predicates::Overlap;
+pub use text::ParseIntervalError;
 
 /// A closed interval, possibly unbounded or empty.
 #[derive(Clone, Copy)]
@@ -24,33 +28,20 @@ pub struct Interval {
 
 impl Interval {
     /// No number at all.
-    pub const EMPTY: Interval = Interval {
-        lo: f64::NAN,
-        hi: f64::NAN,
-    };
+    pub const EMPTY: Interval = Interval { lo: f64::NAN, hi: f64::NAN };
     /// All real numbers.
-    pub const ENTIRE: Interval = Interval {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-    };
+    pub const ENTIRE: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
     /// Exactly 0.
     pub const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
     /// Exactly 1.
     pub const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
     /// Tightest enclosure of π: the nearest double is below π.
-    pub const PI: Interval = Interval {
-        lo: std::f64::consts::PI,
-        hi: std::f64::consts::PI.next_up(),
-    };
+    pub const PI: Interval = Interval { lo: std::f64::consts::PI, hi: std::f64::consts::PI.next_up() };
 
     /// All numbers from `lo` to `hi`; empty when `lo > hi`, a bound is NaN, or both are the same infinity.
     #[inline]
     pub const fn new(lo: f64, hi: f64) -> Interval {
-        if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
-            Interval { lo, hi }
-        } else {
-            Interval::EMPTY
-        }
+        if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY { Interval { lo, hi } } else { Interval::EMPTY }
     }
 
     /// Exactly `value`; empty when it is not finite.
@@ -176,16 +167,8 @@ impl Interval {
         if !self.overlaps(other) {
             return Interval::EMPTY;
         }
-        let lo = if self.lo > other.lo {
-            self.lo
-        } else {
-            other.lo
-        };
-        let hi = if self.hi < other.hi {
-            self.hi
-        } else {
-            other.hi
-        };
+        let lo = if self.lo > other.lo { self.lo } else { other.lo };
+        let hi = if self.hi < other.hi { self.hi } else { other.hi };
         Interval::from_bounds(lo, hi)
     }
 
@@ -199,33 +182,13 @@ impl Interval {
     /// All numbers within `radius` of a member, rounded outward; empty when the radius is negative or NaN.
     #[inline]
     pub fn inflate(self, radius: f64) -> Interval {
-        if radius >= 0.0 {
-            self + Interval::from_bounds(-radius, radius)
-        } else {
-            Interval::EMPTY
-        }
+        if radius >= 0.0 { self + Interval::from_bounds(-radius, radius) } else { Interval::EMPTY }
     }
 }
 
 impl PartialEq for Interval {
     fn eq(&self, other: &Interval) -> bool {
         (self.is_empty() && other.is_empty()) || (self.lo == other.lo && self.hi == other.hi)
-    }
-}
-
-impl fmt::Debug for Interval {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, formatter)
-    }
-}
-
-impl fmt::Display for Interval {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_empty() {
-            formatter.write_str("[empty]")
-        } else {
-            write!(formatter, "[{:?}, {:?}]", self.lo, self.hi)
-        }
     }
 }
 

@@ -1,182 +1,121 @@
 //! Compares a run's estimates with its truth and names what was broken. Pure.
 
-use serde::Serialize;
+mod bounds;
+mod claims;
+mod judge;
+mod statistics;
+mod verdict;
 
-/// How an estimate stands to the truth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Judgement {
-    /// The truth is in the union.
-    Contained,
-    /// The truth is outside, and a declared bound on which the estimate relies was exceeded.
-    BoundBroken,
-    /// The truth is outside because more claims were false than declared.
-    Perception,
-    /// The truth is outside though every bound held and the claims were true.
-    Unsound,
+pub use bounds::violations;
+pub use claims::is_true;
+pub use verdict::{
+    AxisError, AxisWidth, Containment, ErrorTable, FirstFailure, FixWidth, Judgement, MethodCounts, Passed,
+    PositionError, Verdict, Violation, WidthTable,
+};
+
+use std::collections::BTreeMap;
+
+use localizer::{Pose, Status};
+
+use crate::{
+    run::{ImageRecord, RunRecord},
+    scene::Scene,
+};
+
+/// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
+pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
+    let violations = violations(scene, record);
+    let false_claims: Vec<usize> =
+        record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
+    let containment = judge::containment(record, &violations, &false_claims);
+    let midpoints: Vec<Pose> =
+        record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
+    let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
+    let baselines = BTreeMap::from([("odometry".to_string(), statistics::errors(&record.odometry, &truths))]);
+    let mut verdict = Verdict {
+        containment,
+        violations,
+        error: statistics::errors(&midpoints, &truths),
+        width: statistics::widths(record),
+        availability: availability(scene, record),
+        methods: method_counts(record, &false_claims),
+        baselines,
+        metrics: metrics(record),
+        verdict: Passed::default(),
+    };
+    // A verdict of numbers and strings always has a value; were it otherwise, every expectation would be told as unmet.
+    let failed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default());
+    verdict.verdict = Passed { passed: failed.is_empty(), failed };
+    verdict
 }
 
-/// Everything that `summary.json` holds of a run, in its order.
-#[derive(Clone, Debug, Serialize)]
-pub struct Verdict {
-    /// Counts of judgements over all steps.
-    pub containment: Containment,
-    /// Every declared bound that was exceeded, whether or not the truth stayed inside.
-    pub violations: Vec<Violation>,
-    /// Errors of the midpoint of the hull.
-    pub error: ErrorTable,
-    /// Full widths of the hull, over all steps.
-    pub width: WidthTable,
-    /// Share of steps that are sound and narrower than declared.
-    pub availability: f64,
-    /// By method, what it read and said.
-    pub methods: std::collections::BTreeMap<String, MethodCounts>,
-    /// By baseline, its errors.
-    pub baselines: std::collections::BTreeMap<String, ErrorTable>,
-    /// What a scene measures besides.
-    pub metrics: std::collections::BTreeMap<String, f64>,
-    /// Whether the scene's expectations were met.
-    pub verdict: Passed,
+/// Share of steps that are sound and narrower than the scene declares.
+fn availability(scene: &Scene, record: &RunRecord) -> f64 {
+    let (width_m, width_rad) = (scene.localizer.declared_width_m, scene.localizer.declared_width_deg.to_radians());
+    let available = record.estimates.iter().filter(|estimate| {
+        let hull = estimate.pose.hull();
+        estimate.status == Status::Sound
+            && !hull.is_empty()
+            && hull[0].width() <= width_m
+            && hull[1].width() <= width_m
+            && hull[2].width() <= width_rad
+    });
+    share(available.count(), record.estimates.len())
 }
 
-/// Counts of judgements over all steps.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Containment {
-    /// Steps judged.
-    pub checks: usize,
-    /// Steps with the truth in the union.
-    pub contained: usize,
-    /// Steps outside with a broken bound.
-    pub bound_broken: usize,
-    /// Steps outside with too many false claims.
-    pub perception: usize,
-    /// Steps outside without a cause.
-    pub unsound: usize,
-    /// The first step that was not contained.
-    pub first_failure: Option<FirstFailure>,
+fn method_counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<String, MethodCounts> {
+    let mut counts: BTreeMap<String, MethodCounts> = BTreeMap::new();
+    for (image, &n_false) in record.images.iter().zip(false_claims) {
+        let count = counts.entry(image.method.to_string()).or_default();
+        count.readings += 1;
+        count.constraints += usize::from(image.constrained);
+        count.empty += usize::from(image.emptied);
+        count.claims += image.claims.len();
+        count.false_claims += n_false;
+    }
+    counts
 }
 
-/// The first step whose union did not contain the truth.
-#[derive(Clone, Debug, Serialize)]
-pub struct FirstFailure {
-    /// When.
-    pub time_s: f64,
-    /// Axis with the greatest distance to the hull: `x_m`, `y_m` or `heading_rad`.
-    pub axis: &'static str,
-    /// That distance; 0 when the truth lies between branches.
-    pub margin: f64,
-    /// The judgement.
-    pub outcome: Judgement,
-    /// Name of the broken bound, or what was false.
-    pub blame: String,
+/// What helps to understand a run besides: how far it drove, how many branches there were, how long it was in doubt or outside.
+fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
+    let distance_m: f64 = record
+        .truths
+        .windows(2)
+        .map(|pair| (pair[1].pose.x_m - pair[0].pose.x_m).hypot(pair[1].pose.y_m - pair[0].pose.y_m))
+        .sum();
+    let n_branches =
+        |index: usize| record.estimates.get(index).map_or(0, |estimate| estimate.pose.branches.len()) as f64;
+    let most = record.estimates.iter().map(|estimate| estimate.pose.branches.len()).max().unwrap_or(0);
+    let recovering = record.estimates.iter().filter(|estimate| estimate.status == Status::Recovering).count();
+    BTreeMap::from([
+        ("distance_m".to_string(), distance_m),
+        ("branches_max".to_string(), most as f64),
+        ("branches_at_end".to_string(), n_branches(record.estimates.len().saturating_sub(1))),
+        ("recovering_share".to_string(), share(recovering, record.estimates.len())),
+        ("longest_outside_s".to_string(), longest_outside_s(record)),
+    ])
 }
 
-/// A time range in which a quantity exceeded its declared bound.
-#[derive(Clone, Debug, Serialize)]
-pub struct Violation {
-    /// Name of the bound.
-    pub bound: String,
-    /// Start of the excess.
-    pub from_s: f64,
-    /// End of the excess.
-    pub to_s: f64,
-    /// Declared bound at the moment of the greatest excess.
-    pub declared: f64,
-    /// True value at that moment.
-    #[serde(rename = "true")]
-    pub true_value: f64,
+/// Longest time without the truth in the union.
+fn longest_outside_s(record: &RunRecord) -> f64 {
+    let mut longest_s = 0.0_f64;
+    let mut since_s = None;
+    for (truth, estimate) in record.truths.iter().zip(&record.estimates) {
+        if estimate.pose.contains(truth.pose) {
+            since_s = None;
+        } else {
+            let from_s = *since_s.get_or_insert(truth.time_s);
+            longest_s = longest_s.max(truth.time_s - from_s);
+        }
+    }
+    longest_s
 }
 
-/// Errors of x, y, heading and position.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct ErrorTable {
-    /// World x.
-    pub x_m: AxisError,
-    /// World y.
-    pub y_m: AxisError,
-    /// Heading.
-    pub heading_rad: AxisError,
-    /// Distance in the plane.
-    pub position_m: PositionError,
+/// Whether more claims of an image were false than its method declares possible.
+fn misperceived(image: &ImageRecord, n_false: usize) -> bool {
+    n_false > image.q_items
 }
 
-/// Errors along one axis.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct AxisError {
-    /// Root mean square over all steps.
-    pub rmse: f64,
-    /// Greatest magnitude.
-    pub max: f64,
-    /// Root mean square of each third of the run.
-    pub rmse_by_third: [f64; 3],
-}
-
-/// Errors in the plane.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct PositionError {
-    /// Mean.
-    pub mean: f64,
-    /// Standard deviation.
-    pub sd: f64,
-    /// Greatest.
-    pub max: f64,
-}
-
-/// Full widths of the hull.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct WidthTable {
-    /// World x.
-    pub x_m: AxisWidth,
-    /// World y.
-    pub y_m: AxisWidth,
-    /// Heading.
-    pub heading_rad: AxisWidth,
-    /// The same just after a fix.
-    pub at_fix: FixWidth,
-}
-
-/// Mean widths at the stamps of images, just after their constraint.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct FixWidth {
-    /// World x.
-    pub x_m: AxisWidth,
-    /// World y.
-    pub y_m: AxisWidth,
-    /// Heading.
-    pub heading_rad: AxisWidth,
-}
-
-/// Widths along one axis.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct AxisWidth {
-    /// Mean.
-    pub mean: f64,
-    /// 95th percentile.
-    pub p95: f64,
-    /// Greatest.
-    pub max: f64,
-}
-
-/// What a method read and said.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct MethodCounts {
-    /// Readings given to it.
-    pub readings: usize,
-    /// Constraints made.
-    pub constraints: usize,
-    /// Constraints that emptied the union.
-    pub empty: usize,
-    /// Claims made.
-    pub claims: usize,
-    /// Claims that were false.
-    pub false_claims: usize,
-}
-
-/// Whether the scene's expectations were met.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Passed {
-    /// All of them.
-    pub passed: bool,
-    /// One line for each that was not: name, value, limit.
-    pub failed: Vec<String>,
+fn share(part: usize, whole: usize) -> f64 {
+    if whole == 0 { 0.0 } else { part as f64 / whole as f64 }
 }

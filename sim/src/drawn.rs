@@ -6,6 +6,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::scene::Distribution;
 
+mod draw;
 pub mod tiles;
 
 pub use tiles::LaidTiles;

@@ -19,5 +19,8 @@ pub mod sensors;
 pub mod driver;
 pub mod run;
 pub mod check;
+pub mod figures;
+pub mod frames;
 pub mod record;
+pub mod table;
 pub mod cli;

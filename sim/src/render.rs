@@ -131,12 +131,7 @@ impl Renderer {
         let floor_pass = FloorPass::new(&graphics.device);
         let photon_pass = PhotonPass::new(&graphics.device);
         graphics.check()?;
-        Ok(Renderer {
-            graphics,
-            floor_pass,
-            photon_pass,
-            targets: Vec::new(),
-        })
+        Ok(Renderer { graphics, floor_pass, photon_pass, targets: Vec::new() })
     }
 
     /// Name, driver and backend of the adapter: pictures are the same bytes only on the same one.
@@ -150,54 +145,29 @@ impl Renderer {
     /// If the driver reported an error since.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check()?;
-        Ok(RenderedWorld {
-            floor: Floor::new(scene, drawn),
-        })
+        Ok(RenderedWorld { floor: Floor::new(scene, drawn) })
     }
 
     /// Takes all pictures of a tick, in the order of `views`.
     ///
     /// # Errors
     /// If a view has no pose or is larger than the device allows, or the driver reports an error or does not answer.
-    pub fn draw(
-        &mut self,
-        world: &RenderedWorld,
-        views: &[View],
-    ) -> Result<Vec<GrayImage>, RenderError> {
+    pub fn draw(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<GrayImage>, RenderError> {
         for (index, view) in views.iter().enumerate() {
             self.prepare_target(index, view)?;
         }
         let device = &self.graphics.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for (view, target) in views.iter().zip(&mut self.targets) {
-            let Target {
-                floor, luminance, ..
-            } = target;
-            self.floor_pass.draw(
-                &self.graphics,
-                &mut encoder,
-                &world.floor,
-                view,
-                floor,
-                luminance,
-            )?;
-            self.photon_pass
-                .draw(&self.graphics.queue, &mut encoder, view, target);
+            let Target { floor, luminance, .. } = target;
+            self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?;
+            self.photon_pass.draw(&self.graphics.queue, &mut encoder, view, target);
             target.stage(&mut encoder);
         }
         let submission = self.graphics.queue.submit([encoder.finish()]);
-        let mappings: Vec<_> = self
-            .targets
-            .iter()
-            .take(views.len())
-            .map(Target::map)
-            .collect();
+        let mappings: Vec<_> = self.targets.iter().take(views.len()).map(Target::map).collect();
         self.graphics.wait(submission)?;
-        self.targets
-            .iter()
-            .zip(mappings)
-            .map(|(target, mapping)| target.read(&mapping))
-            .collect()
+        self.targets.iter().zip(mappings).map(|(target, mapping)| target.read(&mapping)).collect()
     }
 
     /// Makes sure that target `index` has the size of the view.
@@ -211,19 +181,10 @@ impl Renderer {
                 limit: format!("{limit_px} px"),
             });
         }
-        if self
-            .targets
-            .get(index)
-            .is_some_and(|target| target.size_px == size_px)
-        {
+        if self.targets.get(index).is_some_and(|target| target.size_px == size_px) {
             return Ok(());
         }
-        let target = Target::new(
-            &self.graphics.device,
-            &self.floor_pass,
-            &self.photon_pass,
-            size_px,
-        );
+        let target = Target::new(&self.graphics.device, &self.floor_pass, &self.photon_pass, size_px);
         if index < self.targets.len() {
             self.targets[index] = target;
         } else {

@@ -1,68 +1,199 @@
 //! The closed loop: the one screen where everything meets.
 
-use localizer::{Estimate, PoseUnion, Reading, method::Claim};
+mod history;
 
-use crate::{drawn::Drawn, truth::Truth};
+use std::time::Instant;
 
-/// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
-pub struct RunRecord {
-    /// The run's seed.
-    pub seed: u64,
-    /// Graphics adapter that rendered the images, if any were rendered.
-    pub adapter: Option<String>,
-    /// True values drawn before the start.
-    pub drawn: Drawn,
-    /// Truth at each step.
-    pub truths: Vec<Truth>,
-    /// Estimate at each step, same times.
-    pub estimates: Vec<Estimate>,
-    /// What each image claimed, with the truth at its mid-exposure.
-    pub images: Vec<ImageRecord>,
-    /// Poses that odometry alone gives, same times.
-    pub odometry: Vec<localizer::Pose>,
-    /// Wall-clock time spent, by stage.
-    pub timing: Timing,
-    /// SHA-256 over all readings, in order of arrival.
-    pub readings_digest: String,
-}
+use localizer::{
+    Localizer, Method, Reading,
+    methods::floor_tiles::{Chain, FloorTiles},
+    motion::PointOdometry,
+};
+use sha2::{Digest, Sha256};
 
-/// One image's part in the run.
-pub struct ImageRecord {
-    /// Number of the image since the start.
-    pub number: usize,
-    /// The stamp the camera gave it.
-    pub measured_s: f64,
-    /// When the localizer got it.
-    pub arrived_s: f64,
-    /// Truth at the true middle of the exposure.
-    pub truth: Truth,
-    /// Method that read it.
-    pub method: &'static str,
-    /// Claims made; none when the cue was absent.
-    pub claims: Vec<Claim>,
-    /// Segments looked at and rejected: `[u0, v0, u1, v1]` in pixels.
-    pub rejected_px: Vec<[f64; 4]>,
-    /// Whether a constraint was made of it.
-    pub constrained: bool,
-    /// Whether the constraint emptied the union.
-    pub emptied: bool,
-    /// Union at the stamp just after the constraint.
-    pub posterior: PoseUnion,
-    /// The reading itself, kept when frames are asked for.
-    pub reading: Option<Reading>,
-}
+use crate::{
+    drawn::Drawn,
+    driver::Driver,
+    frames::FramesPolicy,
+    render::{RenderError, Renderer},
+    scene::{FloorTilesChain, MethodName, Scene},
+    sensors::{Observation, Sensors},
+    truth::Truth,
+    world::World,
+};
 
-/// Wall-clock seconds spent in each stage.
+pub use history::{ImageRecord, RunRecord, Timing};
+
+/// Time between two estimates, two commands and two checks.
+const STEP_S: f64 = 0.01;
+/// Physics steps in that time.
+const PHYSICS_STEPS: usize = 10;
+
+/// What a run keeps besides its figures.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Timing {
-    /// Whole run.
-    pub wall_s: f64,
-    /// Physics.
-    pub world_s: f64,
-    /// Rendering and sensor model of cameras.
-    pub render_s: f64,
-    /// Localizer without its methods' vision.
-    pub localizer_s: f64,
-    /// Vision of methods.
-    pub vision_s: f64,
+pub struct RunOptions {
+    /// Which images stay in the record, for debug frames.
+    pub keep_images: FramesPolicy,
+}
+
+/// Drives the scene with one seed. `progress` is told the simulated time now and then.
+///
+/// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
+pub fn run(
+    scene: &Scene,
+    seed: u64,
+    mut renderer: Option<&mut Renderer>,
+    options: &RunOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<RunRecord, RenderError> {
+    let began = Instant::now();
+    let drawn = Drawn::draw(scene, seed);
+    let mut world = World::new(scene, &drawn);
+    let mut sensors = Sensors::new(scene, seed, &drawn, renderer.as_deref_mut())?;
+    let mut localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    let mut driver = Driver::new(scene);
+    let mut record = Recorder::new(scene, seed, drawn, renderer.as_deref().map(Renderer::adapter), options);
+
+    let n_steps = (scene.duration_s / STEP_S).round() as usize;
+    for step in 0..=n_steps {
+        let time_s = step as f64 * STEP_S;
+        let command = driver.command(&localizer.estimate(), time_s);
+        for _ in 0..if step == 0 { 0 } else { PHYSICS_STEPS } {
+            record.timed(|timing| &mut timing.world_s, || world.step(command));
+            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, &mut record)?;
+        }
+        if step == 0 {
+            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, &mut record)?;
+        }
+        record.step(&world.truth(), &localizer);
+        if step % 50 == 0 {
+            progress(time_s);
+        }
+    }
+    Ok(record.finish(began))
+}
+
+/// Hands what arrives at one instant to the localizer.
+fn look(
+    truth: &Truth,
+    sensors: &mut Sensors,
+    renderer: Option<&mut Renderer>,
+    localizer: &mut Localizer,
+    record: &mut Recorder,
+) -> Result<(), RenderError> {
+    let arrived = record.timed(|timing| &mut timing.render_s, || sensors.observe(truth, renderer))?;
+    for observation in arrived {
+        record.sense(&observation.reading);
+        let accounts = record.timed(
+            |timing| match observation.reading {
+                Reading::Camera { .. } => &mut timing.vision_s,
+                Reading::Wheels { .. } => &mut timing.localizer_s,
+            },
+            || localizer.observe(&observation.reading),
+        );
+        record.images(observation, accounts);
+    }
+    Ok(())
+}
+
+/// The methods that the scene asks for; a new method is one line here.
+fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
+    let (map, robot) = (scene.map(), scene.robot_model());
+    let chain = match scene.localizer.floor_tiles_chain {
+        FloorTilesChain::Direct => Chain::Direct,
+        FloorTilesChain::Paper => Chain::Paper,
+    };
+    let build = |name: &MethodName| -> Option<Box<dyn Method>> {
+        match name {
+            MethodName::FloorTiles => {
+                FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+        }
+    };
+    scene.localizer.methods.iter().filter_map(build).collect()
+}
+
+/// Writes the run's history down while it happens.
+struct Recorder {
+    history: RunRecord,
+    odometry: PointOdometry,
+    wheels: localizer::robot::WheelModel,
+    readings: Sha256,
+    keep_images: FramesPolicy,
+}
+
+impl Recorder {
+    fn new(scene: &Scene, seed: u64, drawn: Drawn, adapter: Option<String>, options: &RunOptions) -> Self {
+        // Odometry alone knows no better start than the middle of the box that the localizer is given.
+        let odometry = PointOdometry::new(scene.nominal_start());
+        Recorder {
+            history: RunRecord::new(seed, adapter, drawn),
+            odometry,
+            wheels: scene.robot_model().wheels,
+            readings: Sha256::new(),
+            keep_images: options.keep_images,
+        }
+    }
+
+    /// Runs `work` and adds its wall-clock time to a stage.
+    fn timed<T>(&mut self, stage: impl FnOnce(&mut Timing) -> &mut f64, work: impl FnOnce() -> T) -> T {
+        let began = Instant::now();
+        let answer = work();
+        *stage(&mut self.history.timing) += began.elapsed().as_secs_f64();
+        answer
+    }
+
+    /// Notes a reading on its way into the localizer.
+    fn sense(&mut self, reading: &Reading) {
+        self.readings.update(reading.measured_s().to_le_bytes());
+        self.readings.update(reading.arrived_s().to_le_bytes());
+        match reading {
+            Reading::Wheels { ticks, .. } => {
+                ticks.iter().for_each(|count| self.readings.update(count.to_le_bytes()));
+                self.odometry.advance(*ticks, &self.wheels);
+            }
+            Reading::Camera { exposure_s, image, .. } => {
+                self.readings.update(exposure_s.to_le_bytes());
+                self.readings.update(image.as_raw());
+            }
+        }
+    }
+
+    /// Notes what the methods made of a reading.
+    fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
+        let Observation { reading, truth } = observation;
+        let number = self.history.images.last().map_or(0, |image| image.number + 1);
+        for account in accounts {
+            let failed = account.emptied || !account.posterior.contains(truth.pose);
+            let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
+            self.history.images.push(ImageRecord {
+                number,
+                measured_s: reading.measured_s(),
+                arrived_s: reading.arrived_s(),
+                truth,
+                method: account.method,
+                claims: account.claims,
+                q_items: account.q_items,
+                rejected_px: account.rejected_px,
+                constrained: account.constrained,
+                emptied: account.emptied,
+                posterior: account.posterior,
+                reading: kept,
+            });
+        }
+    }
+
+    /// Notes truth and estimate, apart from each other.
+    fn step(&mut self, truth: &Truth, localizer: &Localizer) {
+        self.history.truths.push(*truth);
+        self.history.estimates.push(localizer.estimate());
+        self.history.odometry.push(self.odometry.pose());
+    }
+
+    fn finish(mut self, began: Instant) -> RunRecord {
+        let digest = self.readings.finalize();
+        self.history.readings_digest = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        self.history.timing.wall_s = began.elapsed().as_secs_f64();
+        self.history
+    }
 }

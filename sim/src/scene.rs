@@ -1,25 +1,35 @@
 //! A scene: the situation of a run as its TOML file states it. A `Scene` that exists is valid.
 //!
 //! Every key has a default that a user would expect, and a unit in its name where it has one. `scenes/schema.json` is made
-//! from these structs, so that their doc comments are what an editor shows.
+//! from these structs, so that their doc comments are what an editor shows. Ranges stand once, in the `schemars`
+//! attributes: the schema carries them, and `parse` holds each file against that same schema.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 mod bounds;
+mod conform;
+mod error;
 mod events;
 mod expect;
+mod files;
 mod floor;
 mod models;
+mod parse;
+mod places;
 mod robot;
 mod route;
+mod schema;
 
 pub use bounds::Bounds;
+pub use error::SceneError;
 pub use events::Event;
 pub use expect::Expect;
+pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
+pub use schema::schema_text;
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -28,8 +38,9 @@ pub struct Scene {
     /// One sentence for the result table.
     #[serde(default)]
     pub description: String,
-    /// Length of a run of a route. Ignored when stations are given. Range (0, 36000].
+    /// Length of a run of a route. Ignored when stations are given.
     #[serde(default = "default_duration_s")]
+    #[schemars(range(max = 36000.0), extend("exclusiveMinimum" = 0.0))]
     pub duration_s: f64,
     /// The room, an axis-aligned rectangle with a corner at the world origin.
     pub room: Room,
@@ -68,9 +79,11 @@ pub struct Scene {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Room {
-    /// Extent along world x. Range [0.5, 200].
+    /// Extent along world x.
+    #[schemars(range(min = 0.5, max = 200.0))]
     pub width_m: f64,
-    /// Extent along world y. Range [0.5, 200].
+    /// Extent along world y.
+    #[schemars(range(min = 0.5, max = 200.0))]
     pub depth_m: f64,
 }
 
@@ -78,9 +91,11 @@ pub struct Room {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
-    /// Mean illuminance at the floor. Range [0, 100000].
+    /// Mean illuminance at the floor.
+    #[schemars(range(min = 0.0, max = 100000.0))]
     pub illuminance_at_floor_lux: f64,
-    /// Brightest over darkest place of the room's floor. Range [1, 1000].
+    /// Brightest over darkest place of the room's floor.
+    #[schemars(range(min = 1.0, max = 1000.0))]
     pub unevenness_ratio: f64,
     /// Direction in which the floor grows brighter, from world x. Any angle.
     pub unevenness_direction_deg: f64,
@@ -100,9 +115,11 @@ pub struct LocalizerSetup {
     pub methods: Vec<MethodName>,
     /// Vision chain of `floor_tiles`.
     pub floor_tiles_chain: FloorTilesChain,
-    /// An estimate counts as available while its hull is narrower than this in x and y. Range (0, 100].
+    /// An estimate counts as available while its hull is narrower than this in x and y.
+    #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
-    /// An estimate counts as available while its hull is narrower than this in heading. Range (0, 360].
+    /// An estimate counts as available while its hull is narrower than this in heading.
+    #[schemars(range(max = 360.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_deg: f64,
 }
 

@@ -25,3 +25,27 @@ pub struct Truth {
     /// True travel of the robot origin along the robot's y axis, accumulated.
     pub lateral_travel_m: f64,
 }
+
+impl Truth {
+    /// The state at `time_s` on the chord from this one to `later`.
+    pub fn interpolated(&self, later: &Truth, time_s: f64) -> Truth {
+        let span_s = later.time_s - self.time_s;
+        let share = if span_s > 0.0 { (time_s - self.time_s) / span_s } else { 0.0 };
+        let mix = |from: f64, to: f64| from + share * (to - from);
+        let mix2 = |from: [f64; 2], to: [f64; 2]| [mix(from[0], to[0]), mix(from[1], to[1])];
+        Truth {
+            time_s,
+            pose: Pose {
+                x_m: mix(self.pose.x_m, later.pose.x_m),
+                y_m: mix(self.pose.y_m, later.pose.y_m),
+                heading_rad: mix(self.pose.heading_rad, later.pose.heading_rad),
+            },
+            velocity: [0, 1, 2].map(|axis| mix(self.velocity[axis], later.velocity[axis])),
+            heave_m: mix(self.heave_m, later.heave_m),
+            tilt_rad: mix2(self.tilt_rad, later.tilt_rad),
+            wheel_angle_rad: mix2(self.wheel_angle_rad, later.wheel_angle_rad),
+            wheel_travel_m: mix2(self.wheel_travel_m, later.wheel_travel_m),
+            lateral_travel_m: mix(self.lateral_travel_m, later.lateral_travel_m),
+        }
+    }
+}

@@ -42,10 +42,7 @@ impl Mul for Interval {
         let lh = self.lo * other.hi;
         let hl = self.hi * other.lo;
         let hh = self.hi * other.hi;
-        let (lo, hi) = (
-            least(least(ll, lh), least(hl, hh)),
-            greatest(greatest(ll, lh), greatest(hl, hh)),
-        );
+        let (lo, hi) = (least(least(ll, lh), least(hl, hh)), greatest(greatest(ll, lh), greatest(hl, hh)));
         // 0 × ∞ gives NaN, which minima and maxima could drop silently: every such product is looked at apart.
         let any_nan = ll.is_nan() | lh.is_nan() | hl.is_nan() | hh.is_nan();
         if is_regular(lo) & is_regular(hi) & !any_nan {
@@ -74,9 +71,7 @@ fn multiply_by_cases(a: Interval, b: Interval) -> Interval {
     }
     [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)]
         .into_iter()
-        .fold(Interval::EMPTY, |hull, (x, y)| {
-            hull.hull(enclose_product(x, y))
-        })
+        .fold(Interval::EMPTY, |hull, (x, y)| hull.hull(enclose_product(x, y)))
 }
 
 /// The real product of two bounds, where a bound 0 times an infinite one is 0 (no member is infinite).
@@ -90,11 +85,7 @@ fn enclose_product(x: f64, y: f64) -> Interval {
 /// The real number that was rounded to `nearest` and whose sign is known, so that an underflow does not cross zero.
 fn enclose_signed(nearest: f64, is_positive: bool) -> Interval {
     let (lo, hi) = (down(nearest), up(nearest));
-    if is_positive {
-        Interval::from_bounds(lo.max(0.0), hi)
-    } else {
-        Interval::from_bounds(lo, hi.min(0.0))
-    }
+    if is_positive { Interval::from_bounds(lo.max(0.0), hi) } else { Interval::from_bounds(lo, hi.min(0.0)) }
 }
 
 impl Div for Interval {
@@ -103,24 +94,10 @@ impl Div for Interval {
     #[inline]
     fn div(self, other: Interval) -> Interval {
         // A negative divisor is turned positive; then each end of the dividend needs only the divisor that moves it outward.
-        let (numerator, divisor) = if other.hi < 0.0 {
-            (-self, -other)
-        } else {
-            (self, other)
-        };
+        let (numerator, divisor) = if other.hi < 0.0 { (-self, -other) } else { (self, other) };
         if divisor.lo > 0.0 {
-            let lo = numerator.lo
-                / if numerator.lo < 0.0 {
-                    divisor.lo
-                } else {
-                    divisor.hi
-                };
-            let hi = numerator.hi
-                / if numerator.hi < 0.0 {
-                    divisor.hi
-                } else {
-                    divisor.lo
-                };
+            let lo = numerator.lo / if numerator.lo < 0.0 { divisor.lo } else { divisor.hi };
+            let hi = numerator.hi / if numerator.hi < 0.0 { divisor.hi } else { divisor.lo };
             if is_regular(lo) & is_regular(hi) {
                 return Interval::from_bounds(down_regular(lo), up_regular(hi));
             }
@@ -132,15 +109,15 @@ impl Div for Interval {
 /// Quotients with an empty, zero, infinite or tiny part.
 #[cold]
 fn divide_by_cases(numerator: Interval, divisor: Interval) -> Interval {
-    let (first, second) = numerator.div2(divisor);
-    first.hull(second)
+    let (by_negative, by_positive) = divide_by_signs(numerator, divisor);
+    by_negative.hull(by_positive)
 }
 
 impl Interval {
     /// { x / y : y ≠ 0 } as at most two intervals, the lower first; the second is empty when one interval is the answer.
     ///
     /// IEEE 1788 calls it `mulRevToPair(den, self)`: all q with q · y = x for some members x, y. So it is the whole line
-    /// when both contain 0, and two half lines when only the divisor does, inside.
+    /// when both contain 0 (unlike `/`, which never divides by 0), and two half lines when only the divisor does, inside.
     pub fn div2(self, den: Interval) -> (Interval, Interval) {
         if self.is_empty() || den.is_empty() {
             return (Interval::EMPTY, Interval::EMPTY);
@@ -148,8 +125,7 @@ impl Interval {
         if self.contains_zero() && den.contains_zero() {
             return (Interval::ENTIRE, Interval::EMPTY);
         }
-        let by_negative = divide_by_positive(-self, (-den).intersect(POSITIVE));
-        let by_positive = divide_by_positive(self, den.intersect(POSITIVE));
+        let (by_negative, by_positive) = divide_by_signs(self, den);
         match (by_negative.is_empty(), by_positive.is_empty()) {
             (false, false) if by_negative.lo > by_positive.lo => (by_positive, by_negative),
             (true, _) => (by_positive, Interval::EMPTY),
@@ -167,21 +143,20 @@ impl Interval {
 /// Closed at 0, which stands for the limit of divisors above it.
 const POSITIVE: Interval = Interval::from_bounds(0.0, f64::INFINITY);
 
-/// { x / y : y > 0 }; `divisor` is in [0, ∞] and the numerator does not contain 0 when the divisor does.
+/// Quotients by the negative and by the positive members of the divisor.
+fn divide_by_signs(numerator: Interval, divisor: Interval) -> (Interval, Interval) {
+    let by_negative = divide_by_positive(-numerator, (-divisor).intersect(POSITIVE));
+    let by_positive = divide_by_positive(numerator, divisor.intersect(POSITIVE));
+    (by_negative, by_positive)
+}
+
+/// { x / y : y > 0 }; `divisor` is in [0, ∞].
 fn divide_by_positive(numerator: Interval, divisor: Interval) -> Interval {
-    if divisor.is_empty() || divisor.hi == 0.0 {
+    if numerator.is_empty() || divisor.is_empty() || divisor.hi == 0.0 {
         return Interval::EMPTY;
     }
-    let low_divisor = if numerator.lo < 0.0 {
-        divisor.lo
-    } else {
-        divisor.hi
-    };
-    let high_divisor = if numerator.hi < 0.0 {
-        divisor.hi
-    } else {
-        divisor.lo
-    };
+    let low_divisor = if numerator.lo < 0.0 { divisor.lo } else { divisor.hi };
+    let high_divisor = if numerator.hi < 0.0 { divisor.hi } else { divisor.lo };
     let lo = enclose_quotient(numerator.lo, low_divisor).lo;
     let hi = enclose_quotient(numerator.hi, high_divisor).hi;
     Interval::from_bounds(lo, hi)

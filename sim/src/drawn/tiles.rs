@@ -67,14 +67,7 @@ impl LaidTiles {
         let mut laid = LaidTiles {
             first,
             count,
-            corner_offset_m: laid_straight(
-                tiles,
-                distribution,
-                seed,
-                first,
-                count,
-                [low_m, high_m],
-            ),
+            corner_offset_m: laid_straight(tiles, distribution, seed, first, count, [low_m, high_m]),
             contrast: contrasts(tiles, seed, count[0] * count[1]),
             tile_albedo: albedos(tiles, seed, count[0] * count[1]),
             pattern_seed: randomness::stream(seed, "tiles.pattern").next_u32(),
@@ -85,11 +78,7 @@ impl LaidTiles {
     }
 
     /// The joint nearest to a place in the world; `None` far outside the room.
-    pub fn joint_distance(
-        &self,
-        tiles: &Tiles,
-        place_in_world_m: [f64; 2],
-    ) -> Option<NearestJoint> {
+    pub fn joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
         // A corner is displaced by less than a tile's edge, so that the nearest joint has a corner two tiles away at most.
         let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
@@ -103,30 +92,33 @@ impl LaidTiles {
     }
 
     /// The visible joint nearest to a place in the world, whatever lies between; `None` if there is none within two tiles.
-    pub fn visible_joint_distance(
-        &self,
-        tiles: &Tiles,
-        place_in_world_m: [f64; 2],
-    ) -> Option<NearestJoint> {
+    pub fn visible_joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
         let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
         self.segments_within(tiles, place, reach)
             .filter(|segment| segment.contrast > 0.0)
-            .map(|segment| NearestJoint {
-                distance_m: segment.distance_m(place),
-                axis: segment.axis,
-                visible: true,
-            })
+            .map(|segment| NearestJoint { distance_m: segment.distance_m(place), axis: segment.axis, visible: true })
             .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
+    }
+
+    /// Family and index of every joint whose centre line passes within a distance of a place in the world; each once.
+    pub fn joints_within(&self, tiles: &Tiles, place_in_world_m: [f64; 2], distance_m: f64) -> Vec<(usize, i32)> {
+        let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
+        let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
+        let mut joints: Vec<(usize, i32)> = self
+            .segments_within(tiles, place, reach)
+            .filter(|segment| segment.distance_m(place) <= distance_m)
+            .map(|segment| (segment.axis, segment.index))
+            .collect();
+        joints.sort_unstable();
+        joints.dedup();
+        joints
     }
 
     /// Largest distance of a joint's centre line from its nominal line within a radius of a place in the world.
     pub fn max_offset_near(&self, tiles: &Tiles, place_in_world_m: [f64; 2], radius_m: f64) -> f64 {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
-        let reach = vector![
-            radius_m + 2.0 * tiles.edge_x_m,
-            radius_m + 2.0 * tiles.edge_y_m
-        ];
+        let reach = vector![radius_m + 2.0 * tiles.edge_x_m, radius_m + 2.0 * tiles.edge_y_m];
         self.segments_within(tiles, place, reach)
             .filter_map(|segment| segment.largest_offset_m(place, radius_m))
             .fold(0.0, f64::max)
@@ -147,60 +139,44 @@ impl LaidTiles {
         let edge = vector![tiles.edge_x_m, tiles.edge_y_m];
         let phase = vector![tiles.phase_x_m, tiles.phase_y_m];
         let range = move |axis: usize| {
-            let index_of =
-                |place_m: f64| (place_m - phase[axis]) / edge[axis] - f64::from(self.first[axis]);
+            let index_of = |place_m: f64| (place_m - phase[axis]) / edge[axis] - f64::from(self.first[axis]);
             let last = self.count[axis] as f64 - 1.0;
             let low = index_of(place[axis] - reach[axis]).ceil().max(0.0);
             let high = index_of(place[axis] + reach[axis]).floor().min(last);
-            low as usize..if high < low {
-                low as usize
-            } else {
-                high as usize + 1
-            }
+            low as usize..if high < low { low as usize } else { high as usize + 1 }
         };
         let corner = move |i: usize, j: usize| {
             let nominal = vector![
                 (i as i32 + self.first[0]) as f64 * edge.x + phase.x,
                 (j as i32 + self.first[1]) as f64 * edge.y + phase.y
             ];
-            (
-                nominal,
-                Vector2::from(self.corner_offset_m[self.corner_index(i, j)]),
-            )
+            (nominal, Vector2::from(self.corner_offset_m[self.corner_index(i, j)]))
         };
-        range(0)
-            .flat_map(move |i| range(1).map(move |j| (i, j)))
-            .flat_map(move |(i, j)| {
-                (0..2).filter_map(move |axis| {
-                    let (next_i, next_j) = if axis == 0 { (i, j + 1) } else { (i + 1, j) };
-                    if next_i >= self.count[0] || next_j >= self.count[1] {
-                        return None;
-                    }
-                    let (nominal, from_offset) = corner(i, j);
-                    let (next_nominal, to_offset) = corner(next_i, next_j);
-                    Some(Segment {
-                        axis,
-                        from: nominal + from_offset,
-                        to: next_nominal + to_offset,
-                        offset_m: [from_offset[axis], to_offset[axis]],
-                        contrast: self.contrast[axis][self.corner_index(i, j)],
-                    })
+        range(0).flat_map(move |i| range(1).map(move |j| (i, j))).flat_map(move |(i, j)| {
+            (0..2).filter_map(move |axis| {
+                let (next_i, next_j) = if axis == 0 { (i, j + 1) } else { (i + 1, j) };
+                if next_i >= self.count[0] || next_j >= self.count[1] {
+                    return None;
+                }
+                let (nominal, from_offset) = corner(i, j);
+                let (next_nominal, to_offset) = corner(next_i, next_j);
+                Some(Segment {
+                    axis,
+                    index: self.first[axis] + [i, j][axis] as i32,
+                    from: nominal + from_offset,
+                    to: next_nominal + to_offset,
+                    offset_m: [from_offset[axis], to_offset[axis]],
+                    contrast: self.contrast[axis][self.corner_index(i, j)],
                 })
             })
+        })
     }
 
     /// Moves every corner by its own draw, so that joints bend from tile to tile.
-    fn move_corners(
-        &mut self,
-        tiles: &Tiles,
-        distribution: Distribution,
-        seed: u64,
-        room: [[f64; 2]; 2],
-    ) {
+    fn move_corners(&mut self, tiles: &Tiles, distribution: Distribution, seed: u64, room: [[f64; 2]; 2]) {
         // A joint that is not parallel to its axis is also shifted by a move along it; so much less keeps the bound exact.
-        let slope = (0..2)
-            .map(|axis| 2.0 * tiles.laying_tolerance_m / (room[1][axis] - room[0][axis]))
-            .fold(0.0, f64::max);
+        let slope =
+            (0..2).map(|axis| 2.0 * tiles.laying_tolerance_m / (room[1][axis] - room[0][axis])).fold(0.0, f64::max);
         let tolerance_m = tiles.corner_tolerance_m / (1.0 + slope);
         let mut rng = randomness::stream(seed, "tiles.corners");
         for offset in &mut self.corner_offset_m {
@@ -231,6 +207,8 @@ impl LaidTiles {
 /// A joint between two neighbouring corners, grid frame.
 struct Segment {
     axis: usize,
+    /// Index of the joint along its axis.
+    index: i32,
     from: Vector2<f64>,
     to: Vector2<f64>,
     /// Displacement across the joint at both ends.
@@ -257,8 +235,7 @@ impl Segment {
         }
         let low = ((-half_b - root.sqrt()) / a).max(0.0);
         let high = ((-half_b + root.sqrt()) / a).min(1.0);
-        let offset_at =
-            |share: f64| self.offset_m[0] + (self.offset_m[1] - self.offset_m[0]) * share;
+        let offset_at = |share: f64| self.offset_m[0] + (self.offset_m[1] - self.offset_m[0]) * share;
         (low <= high).then(|| offset_at(low).abs().max(offset_at(high).abs()))
     }
 }
@@ -269,19 +246,10 @@ fn grid_from_world(tiles: &Tiles) -> Rotation2<f64> {
 
 /// Lowest and highest grid coordinates of the room.
 fn room_in_grid(tiles: &Tiles, room: &Room) -> [[f64; 2]; 2] {
-    let corners = [
-        [0.0, 0.0],
-        [room.width_m, 0.0],
-        [0.0, room.depth_m],
-        [room.width_m, room.depth_m],
-    ]
-    .map(|corner| grid_from_world(tiles) * Vector2::from(corner));
-    let low = corners
-        .iter()
-        .fold(corners[0], |low, corner| low.inf(corner));
-    let high = corners
-        .iter()
-        .fold(corners[0], |high, corner| high.sup(corner));
+    let corners = [[0.0, 0.0], [room.width_m, 0.0], [0.0, room.depth_m], [room.width_m, room.depth_m]]
+        .map(|corner| grid_from_world(tiles) * Vector2::from(corner));
+    let low = corners.iter().fold(corners[0], |low, corner| low.inf(corner));
+    let high = corners.iter().fold(corners[0], |high, corner| high.sup(corner));
     [low.into(), high.into()]
 }
 
@@ -306,8 +274,7 @@ fn laid_straight(
         let [low_m, high_m] = [room[0][1 - axis], room[1][1 - axis]];
         (0..count[axis])
             .map(|_| {
-                let [at_low, at_high] =
-                    [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng));
+                let [at_low, at_high] = [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng));
                 let slope = (at_high - at_low) / (high_m - low_m);
                 [at_low - slope * low_m, slope]
             })

@@ -28,18 +28,15 @@ impl Graphics {
     pub(super) fn open() -> Result<Graphics, RenderError> {
         let adapter = choose(std::env::var(ADAPTER_VARIABLE).ok())?;
         let info = adapter.get_info();
-        let unusable = |reason: String| RenderError::Unusable {
-            adapter: describe(&info),
-            reason,
-        };
+        let unusable = |reason: String| RenderError::Unusable { adapter: describe(&info), reason };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("wherein"),
             required_features: wgpu::Features::FLOAT32_BLENDABLE,
             required_limits: adapter.limits(),
             ..Default::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|error| unusable(error.to_string()))?;
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| unusable(error.to_string()))?;
         let reported = Arc::new(Mutex::new(None));
         let on_error = Arc::clone(&reported);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -52,12 +49,7 @@ impl Graphics {
                 keep_first(&on_loss, format!("device lost: {message}"));
             }
         });
-        Ok(Graphics {
-            device,
-            queue,
-            info,
-            reported,
-        })
+        Ok(Graphics { device, queue, info, reported })
     }
 
     /// Name, driver and backend.
@@ -68,23 +60,17 @@ impl Graphics {
     /// The first error that the driver reported, if any.
     pub(super) fn check(&self) -> Result<(), RenderError> {
         let reported = self.reported.lock().unwrap_or_else(PoisonError::into_inner);
-        reported
-            .as_ref()
-            .map_or(Ok(()), |message| Err(RenderError::Device(message.clone())))
+        reported.as_ref().map_or(Ok(()), |message| Err(RenderError::Device(message.clone())))
     }
 
     /// Waits until the submission is done and its mappings are answered.
     pub(super) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), RenderError> {
-        let outcome = self.device.poll(wgpu::PollType::Wait {
-            submission_index: Some(submission),
-            timeout: Some(PATIENCE),
-        });
+        let outcome =
+            self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(PATIENCE) });
         self.check()?;
         match outcome {
             Ok(_) => Ok(()),
-            Err(wgpu::PollError::Timeout) => Err(RenderError::Hung {
-                waited_s: PATIENCE.as_secs(),
-            }),
+            Err(wgpu::PollError::Timeout) => Err(RenderError::Hung { waited_s: PATIENCE.as_secs() }),
             Err(error) => Err(RenderError::Device(error.to_string())),
         }
     }
@@ -103,9 +89,7 @@ fn choose(wanted: Option<String>) -> Result<Adapter, RenderError> {
         adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
         let pick = adapters.iter().position(|adapter| {
             let name = describe(&adapter.get_info()).to_lowercase();
-            wanted
-                .as_ref()
-                .is_none_or(|part| name.contains(&part.to_lowercase()))
+            wanted.as_ref().is_none_or(|part| name.contains(&part.to_lowercase()))
         });
         found.extend(adapters.iter().map(|adapter| describe(&adapter.get_info())));
         if let Some(index) = pick {
@@ -131,7 +115,5 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
 }
 
 fn keep_first(slot: &Mutex<Option<String>>, message: String) {
-    slot.lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .get_or_insert(message);
+    slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
 }

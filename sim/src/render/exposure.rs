@@ -28,10 +28,7 @@ pub(super) struct Path {
 
 impl Path {
     /// The path through poses at equal steps of time; `None` if there is none.
-    pub(super) fn new(
-        intrinsics: &Intrinsics,
-        world_from_camera: &[Isometry3<f64>],
-    ) -> Option<Path> {
+    pub(super) fn new(intrinsics: &Intrinsics, world_from_camera: &[Isometry3<f64>]) -> Option<Path> {
         let blur_px = blur_length_px(intrinsics, world_from_camera);
         let count = ((blur_px / BLUR_PER_SUB_FRAME_PX).ceil() as usize).clamp(1, MAX_SUB_FRAMES);
         let sub_frame_ends = (0..=count)
@@ -49,23 +46,14 @@ impl Path {
 /// Longest path on the image of the floor points seen at the image's corners and centre.
 fn blur_length_px(intrinsics: &Intrinsics, world_from_camera: &[Isometry3<f64>]) -> f64 {
     let [width, height] = intrinsics.size_px.map(|size| f64::from(size - 1));
-    let pixels = [
-        [0.0, 0.0],
-        [width, 0.0],
-        [0.0, height],
-        [width, height],
-        [width / 2.0, height / 2.0],
-    ];
+    let pixels = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height], [width / 2.0, height / 2.0]];
     let step_px = |from: &Isometry3<f64>, to: &Isometry3<f64>, pixel: [f64; 2]| {
         let point = to.inverse_transform_point(&intrinsics.floor_point(from, pixel)?);
         let moved = intrinsics.project([point.x, point.y, point.z]);
         (point.z > 0.0).then(|| Vector2::new(moved[0] - pixel[0], moved[1] - pixel[1]).norm())
     };
     let path_px = |pixel: [f64; 2]| -> f64 {
-        world_from_camera
-            .windows(2)
-            .filter_map(|pair| step_px(&pair[0], &pair[1], pixel))
-            .sum()
+        world_from_camera.windows(2).filter_map(|pair| step_px(&pair[0], &pair[1], pixel)).sum()
     };
     pixels.into_iter().map(path_px).fold(0.0, f64::max)
 }

@@ -49,11 +49,7 @@ impl FloorPass {
         });
         let faces = pipelines::faces(device, &layout);
         let bands = pipelines::bands(device, &layout);
-        FloorPass {
-            faces,
-            bands,
-            view_layout,
-        }
+        FloorPass { faces, bands, view_layout }
     }
 
     /// Buffers for one view.
@@ -67,10 +63,7 @@ impl FloorPass {
         let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("floor view"),
             layout: &self.view_layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: uniform.as_entire_binding(),
-            }],
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
         });
         FloorSlot {
             uniform,
@@ -90,14 +83,8 @@ impl FloorPass {
         slot: &mut FloorSlot,
         luminance: &wgpu::TextureView,
     ) -> Result<(), RenderError> {
-        let Cut {
-            uniform,
-            faces,
-            bands,
-        } = floor.cut(view)?;
-        graphics
-            .queue
-            .write_buffer(&slot.uniform, 0, bytemuck::bytes_of(&uniform));
+        let Cut { uniform, faces, bands } = floor.cut(view)?;
+        graphics.queue.write_buffer(&slot.uniform, 0, bytemuck::bytes_of(&uniform));
         fill(graphics, &mut slot.faces, bytemuck::cast_slice(&faces));
         fill(graphics, &mut slot.bands, bytemuck::cast_slice(&bands));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -106,10 +93,7 @@ impl FloorPass {
                 view: luminance,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
             })],
             ..Default::default()
         });

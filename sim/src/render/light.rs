@@ -23,12 +23,9 @@ impl FloorLight {
         // Projected on the direction of the gradient, the room is this long.
         let length_m = room.width_m * cos.abs() + room.depth_m * sin.abs();
         let gradient_per_m = vector![cos, sin] * (light.unevenness_ratio.ln() / length_m);
-        let mean = mean_of_exponential(gradient_per_m.x * room.width_m)
-            * mean_of_exponential(gradient_per_m.y * room.depth_m);
-        FloorLight {
-            gradient_per_m,
-            factor_at_origin: 1.0 / mean,
-        }
+        let mean =
+            mean_of_exponential(gradient_per_m.x * room.width_m) * mean_of_exponential(gradient_per_m.y * room.depth_m);
+        FloorLight { gradient_per_m, factor_at_origin: 1.0 / mean }
     }
 
     /// E over its mean at a place in the world frame.

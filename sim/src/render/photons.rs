@@ -53,12 +53,7 @@ impl PhotonPass {
     }
 
     /// Bindings that read one view's luminance and write its grey levels.
-    pub(super) fn slot(
-        &self,
-        device: &wgpu::Device,
-        luminance: &wgpu::TextureView,
-        grey: &wgpu::Buffer,
-    ) -> PhotonSlot {
+    pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView, grey: &wgpu::Buffer) -> PhotonSlot {
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("readout"),
             size: size_of::<ReadoutUniform>() as u64,
@@ -69,31 +64,16 @@ impl PhotonPass {
             label: Some("readout"),
             layout: &self.layout,
             entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: uniform.as_entire_binding(),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(luminance),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 2,
-                    resource: grey.as_entire_binding(),
-                },
+                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(luminance) },
+                wgpu::BindGroupEntry { binding: 2, resource: grey.as_entire_binding() },
             ],
         });
         PhotonSlot { uniform, bindings }
     }
 
     /// Turns one view's luminance into grey levels.
-    pub(super) fn draw(
-        &self,
-        queue: &wgpu::Queue,
-        encoder: &mut wgpu::CommandEncoder,
-        view: &View,
-        target: &Target,
-    ) {
+    pub(super) fn draw(&self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder, view: &View, target: &Target) {
         let words = (target.size_px[0] * target.size_px[1]).div_ceil(4);
         let workgroups = words.div_ceil(WORKGROUP);
         let columns = workgroups.min(WORKGROUPS_IN_ROW);
@@ -101,8 +81,7 @@ impl PhotonPass {
             size_px: target.size_px,
             seed: [view.noise.seed as u32, (view.noise.seed >> 32) as u32],
             image: view.noise.image,
-            electrons_per_luminance: view.photosites.electrons_per_luminance(view.exposure_s)
-                as f32,
+            electrons_per_luminance: view.photosites.electrons_per_luminance(view.exposure_s) as f32,
             full_well_electrons: view.photosites.full_well_electrons as f32,
             read_noise_electrons: view.photosites.read_noise_electrons as f32,
             gain_levels_per_electron: view.gain_levels_per_electron as f32,

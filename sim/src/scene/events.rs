@@ -9,28 +9,35 @@ use serde::{Deserialize, Serialize};
 pub enum Event {
     /// A hand displaces the robot's body at a steady speed, while its wheels go on.
     Push {
-        /// When it begins. Range [0, 36000].
+        /// When it begins.
+        #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
-        /// How far, in the robot frame at that moment: forward and left. Range [-5, 5].
+        /// How far, in the robot frame at that moment: forward and left.
+        #[schemars(inner(range(min = -5.0, max = 5.0)))]
         displacement_m: [f64; 2],
-        /// How long the push takes. Range [0.02, 60].
+        /// How long the push takes.
+        #[schemars(range(min = 0.02, max = 60.0))]
         lasts_s: f64,
     },
     /// The lamps are switched to another mean illuminance at the floor.
     Light {
-        /// When it happens. Range [0, 36000].
+        /// When it happens.
+        #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
-        /// New mean illuminance at the floor. Range [0, 100000].
+        /// New mean illuminance at the floor.
+        #[schemars(range(min = 0.0, max = 100000.0))]
         illuminance_at_floor_lux: f64,
     },
     /// A floor region, or the whole floor outside regions, changes its friction.
     Friction {
-        /// When it happens. Range [0, 36000].
+        /// When it happens.
+        #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
         /// Name of a region; the floor outside regions when absent.
         #[serde(default)]
         region: Option<String>,
-        /// New friction coefficient. Range [0.01, 2].
+        /// New friction coefficient.
+        #[schemars(range(min = 0.01, max = 2.0))]
         friction: f64,
     },
 }

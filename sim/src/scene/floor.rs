@@ -4,13 +4,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The floor of the room.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Floor {
     /// Tiles over the whole room; without them the floor is plain.
     pub tiles: Option<Tiles>,
-    /// Friction coefficient between tyre and floor outside every region. Range [0.01, 2].
-    #[serde(default = "default_friction")]
+    /// Friction coefficient between tyre and floor outside every region.
+    #[schemars(range(min = 0.01, max = 2.0))]
     pub friction: f64,
     /// Rectangles with a friction of their own; the last one listed wins.
     #[serde(rename = "region")]
@@ -24,9 +24,11 @@ pub struct Floor {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tiles {
-    /// Pitch of the joints along grid x, joint included. Range [0.05, 5].
+    /// Pitch of the joints along grid x, joint included.
+    #[schemars(range(min = 0.05, max = 5.0))]
     pub edge_x_m: f64,
-    /// Pitch of the joints along grid y, joint included. Range [0.05, 5].
+    /// Pitch of the joints along grid y, joint included.
+    #[schemars(range(min = 0.05, max = 5.0))]
     pub edge_y_m: f64,
     /// Angle from world x to grid x. Any angle.
     pub rotation_deg: f64,
@@ -34,25 +36,34 @@ pub struct Tiles {
     pub phase_x_m: f64,
     /// Grid y of the centre line of joint 0.
     pub phase_y_m: f64,
-    /// Width of a joint. Range [0.0005, 0.05].
+    /// Width of a joint.
+    #[schemars(range(min = 0.0005, max = 0.05))]
     pub joint_width_m: f64,
-    /// Albedo of a joint. Range [0, 1].
+    /// Albedo of a joint.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub joint_albedo: f64,
-    /// Mean albedo of a tile. Range [0, 1].
+    /// Mean albedo of a tile.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub tile_albedo: f64,
-    /// Greatest departure of one tile's albedo from the mean. Range [0, 0.5].
+    /// Greatest departure of one tile's albedo from the mean.
+    #[schemars(range(min = 0.0, max = 0.5))]
     pub tile_albedo_spread: f64,
     /// What is printed or grown on the tiles.
     pub pattern: Pattern,
-    /// Amplitude of the pattern, as a share of the tile's albedo. Range [0, 0.6].
+    /// Amplitude of the pattern, as a share of the tile's albedo.
+    #[schemars(range(min = 0.0, max = 0.6))]
     pub pattern_contrast: f64,
-    /// Each joint is a straight line, both of its ends drawn within this of their nominal place. Range [0, 0.02].
+    /// Each joint is a straight line, both of its ends drawn within this of their nominal place.
+    #[schemars(range(min = 0.0, max = 0.02))]
     pub laying_tolerance_m: f64,
-    /// Each corner of the grid is moved besides by up to this in x and y, so that joints bend from tile to tile. Range [0, 0.02].
+    /// Each corner of the grid is moved besides by up to this in x and y, so that joints bend from tile to tile.
+    #[schemars(range(min = 0.0, max = 0.02))]
     pub corner_tolerance_m: f64,
-    /// Share of the length of joints that is worn: its contrast fades to a third. Range [0, 1].
+    /// Share of the length of joints that is worn: its contrast fades to a third.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub worn_share: f64,
-    /// Share of tile edges whose joint is not to be seen at all. Range [0, 1].
+    /// Share of tile edges whose joint is not to be seen at all.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub missing_share: f64,
     /// Tiles laid off their place, undeclared to the localizer.
     pub misplaced: Vec<Misplaced>,
@@ -79,7 +90,8 @@ pub enum Pattern {
 pub struct Misplaced {
     /// Tile between joints `i` and `i + 1` of grid x, and `j` and `j + 1` of grid y.
     pub tile: [i32; 2],
-    /// Displacement along grid x and grid y. Range [-0.05, 0.05].
+    /// Displacement along grid x and grid y.
+    #[schemars(inner(range(min = -0.05, max = 0.05)))]
     pub offset_m: [f64; 2],
 }
 
@@ -93,7 +105,8 @@ pub struct Region {
     pub x_m: [f64; 2],
     /// World y range.
     pub y_m: [f64; 2],
-    /// Friction coefficient. Range [0.01, 2].
+    /// Friction coefficient.
+    #[schemars(range(min = 0.01, max = 2.0))]
     pub friction: f64,
 }
 
@@ -105,10 +118,19 @@ pub struct Stray {
     pub from_m: [f64; 2],
     /// Other end, world.
     pub to_m: [f64; 2],
-    /// Width. Range [0.0005, 0.2].
+    /// Width.
+    #[schemars(range(min = 0.0005, max = 0.2))]
     pub width_m: f64,
-    /// Albedo. Range [0, 1].
+    /// Albedo.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub albedo: f64,
+}
+
+impl Default for Floor {
+    /// A plain floor with the grip of rubber on dry ceramic.
+    fn default() -> Self {
+        Floor { tiles: None, friction: 0.8, regions: Vec::new(), strays: Vec::new() }
+    }
 }
 
 impl Default for Tiles {
@@ -132,8 +154,4 @@ impl Default for Tiles {
             misplaced: Vec::new(),
         }
     }
-}
-
-fn default_friction() -> f64 {
-    0.8
 }

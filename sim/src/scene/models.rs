@@ -38,7 +38,8 @@ impl Scene {
             body: BodyModel {
                 tilt_rad: bounds.body_tilt_deg.to_radians(),
                 heave_m: bounds.body_heave_m,
-                clearance_m: robot.body_radius_m,
+                // The contact with a wall gives way by a few millimetres.
+                clearance_m: robot.body_radius_m * 0.95,
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
         }
@@ -67,10 +68,10 @@ fn tile_grid(tiles: &Tiles, scene: &Scene) -> TileGrid {
         rotation_rad: tiles.rotation_deg.to_radians(),
         phase_m: [tiles.phase_x_m, tiles.phase_y_m],
         joint_width_m: tiles.joint_width_m,
-        laying_m: tiles.laying_tolerance_m + tiles.corner_tolerance_m,
+        laying_m: tiles.laying_tolerance_m,
         // A joint whose ends are both within the tolerance turns by at most their difference over the room's shorter side.
         laying_angle_rad: 2.0 * tiles.laying_tolerance_m / shortest_m,
-        straightness_m: 2.0 * tiles.corner_tolerance_m,
+        straightness_m: tiles.corner_tolerance_m,
     }
 }
 

@@ -1,35 +1,46 @@
 //! The robot: dimensions, encoders, floor camera, each with the tolerance of its errors.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Robot {
-    /// Mass. Range [0.5, 200].
+    /// Mass.
+    #[schemars(range(min = 0.5, max = 200.0))]
     pub mass_kg: f64,
-    /// Radius of the body about the robot origin; walls keep it out. Range [0.05, 2].
+    /// Radius of the body about the robot origin; walls keep it out.
+    #[schemars(range(min = 0.05, max = 2.0))]
     pub body_radius_m: f64,
-    /// Nominal wheel radius. Range [0.005, 0.5].
+    /// Nominal wheel radius.
+    #[schemars(range(min = 0.005, max = 0.5))]
     pub wheel_radius_m: f64,
-    /// Each wheel's radius is drawn within this share of the nominal one. Range [0, 0.1].
+    /// Each wheel's radius is drawn within this share of the nominal one.
+    #[schemars(range(min = 0.0, max = 0.1))]
     pub wheel_radius_tolerance: f64,
-    /// Nominal distance between the wheels' contact points. Range [0.05, 2].
+    /// Nominal distance between the wheels' contact points.
+    #[schemars(range(min = 0.05, max = 2.0))]
     pub track_m: f64,
-    /// The track is drawn within this share of the nominal one. Range [0, 0.1].
+    /// The track is drawn within this share of the nominal one.
+    #[schemars(range(min = 0.0, max = 0.1))]
     pub track_tolerance: f64,
-    /// Greatest commanded speed. Range (0, 5].
+    /// Greatest commanded speed.
+    #[schemars(range(max = 5.0), extend("exclusiveMinimum" = 0.0))]
     pub max_speed_m_per_s: f64,
-    /// Greatest commanded turn rate. Range (0, 20].
+    /// Greatest commanded turn rate.
+    #[schemars(range(max = 20.0), extend("exclusiveMinimum" = 0.0))]
     pub max_turn_rate_rad_per_s: f64,
-    /// Greatest commanded acceleration. Range (0, 20].
+    /// Greatest commanded acceleration.
+    #[schemars(range(max = 20.0), extend("exclusiveMinimum" = 0.0))]
     pub max_acceleration_m_per_s2: f64,
     /// How every drawn error of this robot and its floor is distributed within its tolerance.
     pub errors: Distribution,
     /// Encoders of the wheels.
     pub encoders: Encoders,
-    /// Camera that looks straight down; without it the wheels are alone.
+    /// Camera that looks straight down: a table of its keys, or `false` for none, which leaves the wheels alone.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<FloorCamera>")]
     pub floor_camera: Option<FloorCamera>,
 }
 
@@ -50,9 +61,11 @@ pub enum Distribution {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Encoders {
-    /// Ticks in one turn of the wheel. Range [10, 10000000].
+    /// Ticks in one turn of the wheel.
+    #[schemars(range(min = 10, max = 10000000))]
     pub ticks_per_turn: u32,
-    /// Time between two readings, a multiple of 0.001. Range [0.001, 1].
+    /// Time between two readings, a multiple of 0.001.
+    #[schemars(range(min = 0.001, max = 1.0))]
     pub period_s: f64,
 }
 
@@ -60,50 +73,96 @@ pub struct Encoders {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FloorCamera {
-    /// Image width. Range [64, 4096].
+    /// Image width.
+    #[schemars(range(min = 64, max = 4096))]
     pub width_px: u32,
-    /// Image height. Range [64, 4096].
+    /// Image height.
+    #[schemars(range(min = 64, max = 4096))]
     pub height_px: u32,
-    /// Width of the floor that the image shows. Range [0.05, 5].
+    /// Width of the floor that the image shows.
+    #[schemars(range(min = 0.05, max = 5.0))]
     pub footprint_width_m: f64,
-    /// Height of the optical centre above the floor. Range [0.02, 5].
+    /// Height of the optical centre above the floor.
+    #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
-    /// Optical centre in the robot frame, forward of the axle. Range [-2, 2].
+    /// Optical centre in the robot frame, forward of the axle.
+    #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
-    /// Optical centre in the robot frame, left of the middle. Range [-2, 2].
+    /// Optical centre in the robot frame, left of the middle.
+    #[schemars(range(min = -2.0, max = 2.0))]
     pub left_m: f64,
-    /// Time between two images. Range [0.01, 100].
+    /// Time between two images.
+    #[schemars(range(min = 0.01, max = 100.0))]
     pub period_s: f64,
-    /// Longest exposure; auto-exposure shortens it before it saturates. Range [0.00001, 1].
+    /// Longest exposure; auto-exposure shortens it before it saturates.
+    #[schemars(range(min = 0.00001, max = 1.0))]
     pub exposure_s: f64,
-    /// Mid-exposure to delivery. Range [0, 1].
+    /// Mid-exposure to delivery.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
-    /// Each delivery is drawn within this of the latency. Range [0, 1].
+    /// Each delivery is drawn within this of the latency.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
-    /// Each stamp is drawn within this of the true middle of the exposure. Range [0, 0.1].
+    /// Each stamp is drawn within this of the true middle of the exposure.
+    #[schemars(range(min = 0.0, max = 0.1))]
     pub stamp_tolerance_s: f64,
-    /// The mount is drawn within this of its nominal place, forward and left each. Range [0, 0.1].
+    /// The mount is drawn within this of its nominal place, forward and left each.
+    #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// The mount's yaw is drawn within this. Range [0, 10].
+    /// The mount's yaw is drawn within this.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub yaw_tolerance_deg: f64,
-    /// The angle of the optical axis to the body's vertical is drawn within this, in any direction. Range [0, 10].
+    /// The angle of the optical axis to the body's vertical is drawn within this, in any direction.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub tilt_tolerance_deg: f64,
-    /// Pixels per metre are drawn within this share of nominal. Range [0, 0.1].
+    /// Pixels per metre are drawn within this share of nominal.
+    #[schemars(range(min = 0.0, max = 0.1))]
     pub scale_tolerance: f64,
-    /// Pixel pitch of the sensor. Range [0.5e-6, 50e-6].
+    /// Pixel pitch of the sensor.
+    #[schemars(range(min = 0.5e-6, max = 50e-6))]
     pub pixel_pitch_m: f64,
-    /// Focal length over aperture. Range [0.7, 32].
+    /// Focal length over aperture.
+    #[schemars(range(min = 0.7, max = 32.0))]
     pub f_number: f64,
-    /// Electrons per photon at 555 nm. Range (0, 1].
+    /// Electrons per photon at 555 nm.
+    #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0.0))]
     pub quantum_efficiency: f64,
-    /// Standard deviation of the read noise. Range [0, 1000].
+    /// Standard deviation of the read noise.
+    #[schemars(range(min = 0.0, max = 1000.0))]
     pub read_noise_electrons: f64,
-    /// Electrons at which a pixel saturates. Range [100, 1000000].
+    /// Electrons at which a pixel saturates.
+    #[schemars(range(min = 100.0, max = 1000000.0))]
     pub full_well_electrons: f64,
-    /// Greatest gain of auto-exposure, in grey levels per electron. Range (0, 100].
+    /// Greatest gain of auto-exposure, in grey levels per electron.
+    #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub max_gain_levels_per_electron: f64,
-    /// At most this many wrong lines are assumed in one image. Range [0, 20].
+    /// At most this many wrong lines are assumed in one image.
+    #[schemars(range(min = 0, max = 20))]
     pub q_items: usize,
+}
+
+/// A device as a scene states it. TOML has no null, so `false` says that the robot has none.
+#[derive(Deserialize, JsonSchema)]
+#[serde(untagged)]
+enum Fitted<T> {
+    /// Fitted, with these keys.
+    With(T),
+    /// `true`: fitted as by default. `false`: not fitted.
+    Whether(bool),
+}
+
+impl<T: Default> Fitted<T> {
+    fn into_option<'de, D>(deserializer: D) -> Result<Option<T>, D::Error>
+    where
+        D: Deserializer<'de>,
+        T: Deserialize<'de>,
+    {
+        Ok(match Fitted::deserialize(deserializer)? {
+            Fitted::With(device) => Some(device),
+            Fitted::Whether(true) => Some(T::default()),
+            Fitted::Whether(false) => None,
+        })
+    }
 }
 
 impl Default for Robot {

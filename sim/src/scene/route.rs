@@ -14,11 +14,13 @@ pub struct Start {
     /// Heading from world x, counter-clockwise.
     #[serde(default)]
     pub heading_deg: f64,
-    /// The true start is drawn within this of x and y, each. Range [0, 100].
+    /// The true start is drawn within this of x and y, each.
     #[serde(default = "default_tolerance_m")]
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub tolerance_m: f64,
-    /// The true start is drawn within this of the heading. Range [0, 180].
+    /// The true start is drawn within this of the heading.
     #[serde(default = "default_tolerance_deg")]
+    #[schemars(range(min = 0.0, max = 180.0))]
     pub tolerance_deg: f64,
 }
 
@@ -28,6 +30,7 @@ pub struct Start {
 pub struct Route {
     /// Places to pass, world.
     #[serde(rename = "waypoint")]
+    #[schemars(length(min = 1))]
     pub waypoints: Vec<Waypoint>,
     /// Whether to begin again after the last waypoint, until the time is up.
     #[serde(default)]
@@ -42,14 +45,16 @@ pub struct Waypoint {
     pub x_m: f64,
     /// World y.
     pub y_m: f64,
-    /// Speed on the way here. Range (0, 5].
+    /// Speed on the way here.
     #[serde(default = "default_speed")]
+    #[schemars(range(max = 5.0), extend("exclusiveMinimum" = 0.0))]
     pub speed_m_per_s: f64,
     /// Turn in place towards the next waypoint here, instead of cutting the corner in a curve.
     #[serde(default)]
     pub turn_in_place: bool,
-    /// Stand still here for so long. Range [0, 3600].
+    /// Stand still here for so long.
     #[serde(default)]
+    #[schemars(range(min = 0.0, max = 3600.0))]
     pub pause_s: f64,
 }
 

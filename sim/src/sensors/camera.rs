@@ -3,9 +3,7 @@
 use std::f64::consts::PI;
 
 use image::GrayImage;
-use nalgebra::{
-    Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector,
-};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 
 use crate::{drawn::DrawnFloorCamera, scene::FloorCamera, truth::Truth};
 
@@ -30,11 +28,7 @@ impl Intrinsics {
     /// A lens in front of the middle of the image.
     pub fn centred(size_px: [u32; 2], focal_px: f64) -> Intrinsics {
         let principal_point_px = size_px.map(|size| (f64::from(size) - 1.0) / 2.0);
-        Intrinsics {
-            size_px,
-            focal_px,
-            principal_point_px,
-        }
+        Intrinsics { size_px, focal_px, principal_point_px }
     }
 
     /// Image of a point in the camera frame, which must lie in front of it.
@@ -47,19 +41,11 @@ impl Intrinsics {
     /// Direction in the camera frame in which a pixel looks, at depth 1.
     pub fn ray(&self, pixel: [f64; 2]) -> Vector3<f64> {
         let [cu, cv] = self.principal_point_px;
-        vector![
-            (pixel[0] - cu) / self.focal_px,
-            (pixel[1] - cv) / self.focal_px,
-            1.0
-        ]
+        vector![(pixel[0] - cu) / self.focal_px, (pixel[1] - cv) / self.focal_px, 1.0]
     }
 
     /// Where the ray of a pixel meets the floor plane of the world; `None` above the horizon.
-    pub fn floor_point(
-        &self,
-        world_from_camera: &Isometry3<f64>,
-        pixel: [f64; 2],
-    ) -> Option<Point3<f64>> {
+    pub fn floor_point(&self, world_from_camera: &Isometry3<f64>, pixel: [f64; 2]) -> Option<Point3<f64>> {
         let ray = world_from_camera.rotation * self.ray(pixel);
         let centre = world_from_camera.translation.vector;
         (ray.z < 0.0).then(|| Point3::from(centre - ray * (centre.z / ray.z)))
@@ -128,8 +114,7 @@ pub fn world_from_floor_camera(truth: &Truth, camera: &DrawnFloorCamera) -> Isom
     let tilt = vector![camera.tilt_rad[0], camera.tilt_rad[1], 0.0];
     let body_from_mount = Isometry3::from_parts(
         Translation3::new(forward_m, left_m, camera.height_m),
-        UnitQuaternion::from_scaled_axis(tilt)
-            * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera.yaw_rad),
+        UnitQuaternion::from_scaled_axis(tilt) * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera.yaw_rad),
     );
     world_from_body(truth) * body_from_mount * mount_from_looking_down()
 }
@@ -179,19 +164,13 @@ impl AutoExposure {
         let photosites = Photosites::from(camera);
         // Less gain would leave the upper grey levels without use; a well that is full reaches the last level.
         let min_gain = 255.0 / photosites.full_well_electrons;
-        let gain_range = [
-            min_gain.min(camera.max_gain_levels_per_electron),
-            camera.max_gain_levels_per_electron,
-        ];
+        let gain_range = [min_gain.min(camera.max_gain_levels_per_electron), camera.max_gain_levels_per_electron];
         let luminance = FIRST_ALBEDO * FIRST_ILLUMINANCE_LUX / PI;
         let electrons_per_s = luminance * photosites.electrons_per_luminance(1.0);
         let mut control = AutoExposure {
             max_exposure_s: camera.exposure_s,
             gain_range,
-            next: Exposure {
-                exposure_s: camera.exposure_s,
-                gain_levels_per_electron: gain_range[0],
-            },
+            next: Exposure { exposure_s: camera.exposure_s, gain_levels_per_electron: gain_range[0] },
         };
         control.aim_at(TARGET_MEAN_LEVEL / electrons_per_s);
         control
@@ -209,11 +188,7 @@ impl AutoExposure {
         for &level in pixels {
             histogram[usize::from(level)] += 1;
         }
-        let sum: usize = histogram
-            .iter()
-            .enumerate()
-            .map(|(level, count)| level * count)
-            .sum();
+        let sum: usize = histogram.iter().enumerate().map(|(level, count)| level * count).sum();
         let mean = sum as f64 / pixels.len().max(1) as f64;
         let highlight = level_exceeded_by(&histogram, HIGHLIGHT_SHARE * pixels.len() as f64);
         let change = if highlight >= 255.0 {
@@ -230,13 +205,8 @@ impl AutoExposure {
     fn aim_at(&mut self, product: f64) {
         let [min_gain, max_gain] = self.gain_range;
         let gain = (product / self.max_exposure_s).clamp(min_gain, max_gain);
-        let exposure_s = (product / gain)
-            .min(self.max_exposure_s)
-            .max(SHORTEST_EXPOSURE_S);
-        self.next = Exposure {
-            exposure_s: exposure_s.min(self.max_exposure_s),
-            gain_levels_per_electron: gain,
-        };
+        let exposure_s = (product / gain).min(self.max_exposure_s).max(SHORTEST_EXPOSURE_S);
+        self.next = Exposure { exposure_s: exposure_s.min(self.max_exposure_s), gain_levels_per_electron: gain };
     }
 }
 

@@ -71,9 +71,7 @@ impl Floor {
 
     /// What is on its tiles.
     pub(super) fn pattern(&self) -> Pattern {
-        self.tiled
-            .as_ref()
-            .map_or(Pattern::Plain, |(tiles, _)| tiles.pattern)
+        self.tiled.as_ref().map_or(Pattern::Plain, |(tiles, _)| tiles.pattern)
     }
 
     /// What a view sees.
@@ -88,21 +86,11 @@ impl Floor {
         };
         bands.extend(geometry::strays_in_view(&self.strays, &frame, &seen));
         bands.extend(geometry::walls_in_view(&self.room, &frame, &seen));
-        Ok(Cut {
-            uniform: self.uniform(view, &path, &frame)?,
-            faces,
-            bands,
-        })
+        Ok(Cut { uniform: self.uniform(view, &path, &frame)?, faces, bands })
     }
 
-    fn uniform(
-        &self,
-        view: &View,
-        path: &Path,
-        frame: &LocalFrame,
-    ) -> Result<ViewUniform, RenderError> {
-        let local_from_pixel =
-            |pose: &Isometry3<f64>| frame.local_from_pixel(pose, view.intrinsics.focal_px);
+    fn uniform(&self, view: &View, path: &Path, frame: &LocalFrame) -> Result<ViewUniform, RenderError> {
+        let local_from_pixel = |pose: &Isometry3<f64>| frame.local_from_pixel(pose, view.intrinsics.focal_px);
         let middle = local_from_pixel(&path.middle);
         let clip_from_local = local::clip_from_local(&middle, &view.intrinsics)
             .ok_or(RenderError::BadView("the camera lies in the floor"))?;
@@ -113,8 +101,8 @@ impl Floor {
         let gradient = frame.grid_from_world * self.light.gradient_per_m;
         let origin_in_world = frame.grid_from_world.inverse() * frame.origin_in_grid;
         // A matt surface of albedo 1 under E has the luminance E/π.
-        let light_at_origin = view.illuminance_at_floor_lux * self.light.factor_at(origin_in_world)
-            / std::f64::consts::PI;
+        let light_at_origin =
+            view.illuminance_at_floor_lux * self.light.factor_at(origin_in_world) / std::f64::consts::PI;
         let [cu, cv] = view.intrinsics.principal_point_px;
         let tiles = self.tiled.as_ref().map(|(tiles, _)| tiles);
         Ok(ViewUniform {
@@ -139,9 +127,7 @@ impl Floor {
         let [width, height] = view.intrinsics.size_px.map(|size| f64::from(size) - 0.5);
         let pixels = [[-0.5, -0.5], [width, -0.5], [-0.5, height], [width, height]];
         let at = |pose, pixel: [f64; 2]| {
-            view.intrinsics
-                .floor_point(pose, pixel)
-                .map(|point| frame.place(point.coords.xy()))
+            view.intrinsics.floor_point(pose, pixel).map(|point| frame.place(point.coords.xy()))
         };
         let mut seen = Footprint {
             low: Vector2::repeat(f64::INFINITY),
@@ -151,8 +137,7 @@ impl Floor {
         };
         for pixel in pixels {
             let beside = [pixel[0] + 1.0, pixel[1] + 1.0];
-            let (Some(place), Some(next)) = (at(&path.middle, pixel), at(&path.middle, beside))
-            else {
+            let (Some(place), Some(next)) = (at(&path.middle, pixel), at(&path.middle, beside)) else {
                 return self.whole_room(frame);
             };
             // The diagonal, and half as much for the margin in which coverage fades.
@@ -174,12 +159,8 @@ impl Floor {
         let corners = [[0.0, 0.0], [width, 0.0], [0.0, depth], [width, depth]]
             .map(|corner| frame.place(vector![corner[0], corner[1]]));
         Footprint {
-            low: corners
-                .iter()
-                .fold(corners[0], |low, corner| low.inf(corner)),
-            high: corners
-                .iter()
-                .fold(corners[0], |high, corner| high.sup(corner)),
+            low: corners.iter().fold(corners[0], |low, corner| low.inf(corner)),
+            high: corners.iter().fold(corners[0], |high, corner| high.sup(corner)),
             pixel_m: width.max(depth) / 100.0,
             motion_m: Vector2::zeros(),
         }
@@ -187,12 +168,5 @@ impl Floor {
 }
 
 fn rows_of(matrix: &Matrix3<f64>) -> Rows {
-    std::array::from_fn(|row| {
-        [
-            matrix[(row, 0)] as f32,
-            matrix[(row, 1)] as f32,
-            matrix[(row, 2)] as f32,
-            0.0,
-        ]
-    })
+    std::array::from_fn(|row| [matrix[(row, 0)] as f32, matrix[(row, 1)] as f32, matrix[(row, 2)] as f32, 0.0])
 }

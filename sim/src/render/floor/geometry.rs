@@ -117,27 +117,17 @@ pub(super) fn tiles_in_view(
         low.clamp(0, last) as usize..high.clamp(0, last) as usize
     };
     let nominal = |i: usize, j: usize| {
-        edge_m.component_mul(&vector![
-            (i as i32 - origin[0]) as f64,
-            (j as i32 - origin[1]) as f64
-        ])
+        edge_m.component_mul(&vector![(i as i32 - origin[0]) as f64, (j as i32 - origin[1]) as f64])
     };
     let index = |i: usize, j: usize| i * laid.count[1] + j;
-    let corner =
-        |i: usize, j: usize| nominal(i, j) + Vector2::from(laid.corner_offset_m[index(i, j)]);
+    let corner = |i: usize, j: usize| nominal(i, j) + Vector2::from(laid.corner_offset_m[index(i, j)]);
 
     let mut faces = Vec::new();
     let mut joints = Vec::new();
     for i in range(0) {
         for j in range(1) {
             faces.push(TileInstance {
-                corners: [
-                    corner(i, j),
-                    corner(i + 1, j),
-                    corner(i, j + 1),
-                    corner(i + 1, j + 1),
-                ]
-                .map(single),
+                corners: [corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)].map(single),
                 anchor: single(nominal(i, j)),
                 albedo: laid.tile_albedo[index(i, j)],
                 seed: tile_seed(laid.pattern_seed, i, j),
@@ -148,18 +138,10 @@ pub(super) fn tiles_in_view(
                 let before = neighbour(laid, axis, [i, j], -1);
                 let after = neighbour(laid, axis, [i, j], 1);
                 // The face at (i, j) is left of a joint along grid x and right of one along grid y.
-                let (left, right) = if axis == 0 {
-                    (i.checked_sub(1), Some(i))
-                } else {
-                    (Some(j), j.checked_sub(1))
-                };
+                let (left, right) = if axis == 0 { (i.checked_sub(1), Some(i)) } else { (Some(j), j.checked_sub(1)) };
                 let albedo = |place: Option<usize>| {
                     place.map_or(laid.tile_albedo[index(i, j)], |place| {
-                        laid.tile_albedo[if axis == 0 {
-                            index(place, j)
-                        } else {
-                            index(i, place)
-                        }]
+                        laid.tile_albedo[if axis == 0 { index(place, j) } else { index(i, place) }]
                     })
                 };
                 let (from, to) = (corner(i, j), corner(next_i, next_j));
@@ -186,11 +168,7 @@ pub(super) fn strays_in_view<'a>(
     strays.iter().filter_map(|stray| {
         let [from, to] = [stray.from_m, stray.to_m].map(|end| frame.place(Vector2::from(end)));
         let wire = stray.width_m <= WIDEST_WIRE_M;
-        let shade_m = if wire {
-            SHADE_REACH_WIDTHS * stray.width_m
-        } else {
-            0.0
-        };
+        let shade_m = if wire { SHADE_REACH_WIDTHS * stray.width_m } else { 0.0 };
         let margin_m = seen.widest_margin_m() + shade_m;
         let reach = Vector2::repeat(stray.width_m + margin_m);
         let (low, high) = (from.inf(&to) - reach, from.sup(&to) + reach);
@@ -210,12 +188,7 @@ pub(super) fn walls_in_view<'a>(
     seen: &'a Footprint,
 ) -> impl Iterator<Item = BandInstance> + 'a {
     let (width, depth) = (room.width_m, room.depth_m);
-    let corners = [
-        vector![0.0, 0.0],
-        vector![width, 0.0],
-        vector![width, depth],
-        vector![0.0, depth],
-    ];
+    let corners = [vector![0.0, 0.0], vector![width, 0.0], vector![width, depth], vector![0.0, depth]];
     // Far enough to fill the view beyond a wall from any place within the room.
     let depth_m = (seen.high - seen.low).norm() + 1.0;
     (0..4).filter_map(move |side| {
@@ -235,12 +208,7 @@ pub(super) fn walls_in_view<'a>(
         let margin_m = seen.widest_margin_m();
         (farthest_m + margin_m > 0.0).then(|| BandInstance {
             albedo: WALL_ALBEDO,
-            ..BandInstance::between(
-                beside - along * depth_m,
-                beside + along * depth_m,
-                depth_m,
-                [margin_m; 2],
-            )
+            ..BandInstance::between(beside - along * depth_m, beside + along * depth_m, depth_m, [margin_m; 2])
         })
     })
 }
@@ -249,8 +217,7 @@ pub(super) fn walls_in_view<'a>(
 fn neighbour(laid: &LaidTiles, axis: usize, corner: [usize; 2], step: isize) -> Option<f32> {
     let mut next = corner;
     next[1 - axis] = next[1 - axis].checked_add_signed(step)?;
-    (next[1 - axis] < laid.count[1 - axis])
-        .then(|| laid.contrast[axis][next[0] * laid.count[1] + next[1]])
+    (next[1 - axis] < laid.count[1 - axis]).then(|| laid.contrast[axis][next[0] * laid.count[1] + next[1]])
 }
 
 /// Contrast at a corner between two segments: their mean, unless one of them is missing.
@@ -263,8 +230,7 @@ fn faded(own: f32, neighbour: Option<f32>) -> f32 {
 
 /// A seed for the pattern of tile `(i, j)`: the finaliser of MurmurHash3 over the indices.
 fn tile_seed(floor_seed: u32, i: usize, j: usize) -> u32 {
-    let mut hash =
-        floor_seed ^ (i as u32).wrapping_mul(0x9e37_79b1) ^ (j as u32).wrapping_mul(0x85eb_ca77);
+    let mut hash = floor_seed ^ (i as u32).wrapping_mul(0x9e37_79b1) ^ (j as u32).wrapping_mul(0x85eb_ca77);
     hash = (hash ^ (hash >> 16)).wrapping_mul(0x85eb_ca6b);
     hash = (hash ^ (hash >> 13)).wrapping_mul(0xc2b2_ae35);
     hash ^ (hash >> 16)

@@ -5,16 +5,8 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 use super::geometry::{BandInstance, TileInstance};
 use crate::{render::target::LUMINANCE_FORMAT, scene::Pattern};
 
-const TILE_SHADER: &str = concat!(
-    include_str!("view.wgsl"),
-    include_str!("pattern.wgsl"),
-    include_str!("tile.wgsl")
-);
-const BAND_SHADER: &str = concat!(
-    include_str!("view.wgsl"),
-    include_str!("coverage.wgsl"),
-    include_str!("band.wgsl")
-);
+const TILE_SHADER: &str = concat!(include_str!("view.wgsl"), include_str!("pattern.wgsl"), include_str!("tile.wgsl"));
+const BAND_SHADER: &str = concat!(include_str!("view.wgsl"), include_str!("coverage.wgsl"), include_str!("band.wgsl"));
 
 /// Light on a band is laid over what was there: `source + (1 − hidden share)·target`.
 const OVER: BlendComponent = BlendComponent {
@@ -24,21 +16,12 @@ const OVER: BlendComponent = BlendComponent {
 };
 
 /// A pipeline for each pattern, in the order of [`Pattern`].
-pub(super) fn faces(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-) -> [wgpu::RenderPipeline; 4] {
+pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> [wgpu::RenderPipeline; 4] {
     let tile_attributes = wgpu::vertex_attr_array![
         0 => Float32x4, 1 => Float32x4, 2 => Float32x2, 3 => Float32, 4 => Uint32
     ];
     let tile_module = module(device, "tile", TILE_SHADER);
-    [
-        Pattern::Plain,
-        Pattern::Speckle,
-        Pattern::Marble,
-        Pattern::Stripes,
-    ]
-    .map(|pattern| {
+    [Pattern::Plain, Pattern::Speckle, Pattern::Marble, Pattern::Stripes].map(|pattern| {
         let stage = Stage {
             module: &tile_module,
             entry_points: ["tile_corner", "tile_luminance"],
@@ -63,10 +46,7 @@ pub(super) fn bands(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> wgp
         stride: size_of::<BandInstance>(),
         attributes: &band_attributes,
         constants: &[],
-        blend: Some(BlendState {
-            color: OVER,
-            alpha: OVER,
-        }),
+        blend: Some(BlendState { color: OVER, alpha: OVER }),
     };
     pipeline(device, layout, &stage)
 }
@@ -89,15 +69,8 @@ fn module(device: &wgpu::Device, label: &str, source: &str) -> wgpu::ShaderModul
     })
 }
 
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-    stage: &Stage,
-) -> wgpu::RenderPipeline {
-    let options = wgpu::PipelineCompilationOptions {
-        constants: stage.constants,
-        ..Default::default()
-    };
+fn pipeline(device: &wgpu::Device, layout: &wgpu::PipelineLayout, stage: &Stage) -> wgpu::RenderPipeline {
+    let options = wgpu::PipelineCompilationOptions { constants: stage.constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(stage.entry_points[1]),
         layout: Some(layout),
@@ -111,10 +84,7 @@ fn pipeline(
                 attributes: stage.attributes,
             })],
         },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {

@@ -1,0 +1,220 @@
+//! Text and serde forms. What is printed reads back as the same interval; what is read contains the number written.
+//!
+//! Read: `[1, 2]`, `[0.1]`, `[-inf, 2]`, `[, 2]`, `[1/3, 2/3]`, `[0x1.8p-1, 1]`, `[empty]`, `[]`, `[entire]`, `[,]`, in any case
+//! and with spaces anywhere around the numbers (IEEE 1788-2015, 9.7, without the uncertain form `2.5?`).
+
+use std::cmp::Ordering;
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::Interval;
+
+/// Text that is not an interval.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "read interval from {text:?}: expected [lower, upper], [number], [empty] or [entire] with lower ≤ upper"
+)]
+pub struct ParseIntervalError {
+    text: String,
+}
+
+impl FromStr for Interval {
+    type Err = ParseIntervalError;
+    fn from_str(text: &str) -> Result<Interval, ParseIntervalError> {
+        parse_interval(text).ok_or_else(|| ParseIntervalError {
+            text: text.to_owned(),
+        })
+    }
+}
+
+impl fmt::Display for Interval {
+    /// Shortest decimals that read back as the same bounds.
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_empty() {
+            formatter.pad("[empty]")
+        } else {
+            formatter.pad(&format!(
+                "[{}, {}]",
+                lower_text(self.lo),
+                negated_text(lower_text(-self.hi))
+            ))
+        }
+    }
+}
+
+impl fmt::Debug for Interval {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, formatter)
+    }
+}
+
+/// As text, because numbers in JSON cannot be infinite.
+impl Serialize for Interval {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Interval {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Interval, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+fn parse_interval(text: &str) -> Option<Interval> {
+    let inside = text
+        .trim()
+        .strip_prefix('[')?
+        .strip_suffix(']')?
+        .trim()
+        .to_ascii_lowercase();
+    match inside.as_str() {
+        "" | "empty" => return Some(Interval::EMPTY),
+        "entire" => return Some(Interval::ENTIRE),
+        _ => {}
+    }
+    let Some((lower, upper)) = inside.split_once(',') else {
+        return enclose_number(&inside);
+    };
+    let lo = match lower.trim() {
+        "" | "-inf" | "-infinity" => f64::NEG_INFINITY,
+        number => enclose_number(number)?.lo,
+    };
+    let hi = match upper.trim() {
+        "" | "inf" | "+inf" | "infinity" | "+infinity" => f64::INFINITY,
+        number => enclose_number(number)?.hi,
+    };
+    let interval = Interval::new(lo, hi);
+    // Two bounds that cross are a mistake of the writer, not an empty interval.
+    (!interval.is_empty()).then_some(interval)
+}
+
+/// Tightest interval around a decimal, hexadecimal or rational literal.
+fn enclose_number(literal: &str) -> Option<Interval> {
+    let literal = literal.trim();
+    if let Some((numerator, denominator)) = literal.split_once('/') {
+        let quotient = enclose_number(numerator)? / enclose_number(denominator)?;
+        return (!quotient.is_empty()).then_some(quotient);
+    }
+    let (is_negative, magnitude) = match literal.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, literal.strip_prefix('+').unwrap_or(literal)),
+    };
+    let enclosure = match magnitude.strip_prefix("0x") {
+        Some(hexadecimal) => enclose_hexadecimal(hexadecimal)?,
+        None => enclose_decimal(magnitude)?,
+    };
+    Some(if is_negative { -enclosure } else { enclosure })
+}
+
+/// `1.8p-1` stands for 1.5 · 2⁻¹. At most 16 digits are read.
+fn enclose_hexadecimal(literal: &str) -> Option<Interval> {
+    let (significand, exponent) = literal.split_once('p').unwrap_or((literal, "0"));
+    let (whole, fraction) = significand.split_once('.').unwrap_or((significand, ""));
+    let digits = format!("{whole}{fraction}");
+    let bits = u64::from_str_radix(&digits, 16).ok()?;
+    let exponent = exponent
+        .parse::<i32>()
+        .ok()?
+        .checked_sub(4 * i32::try_from(fraction.len()).ok()?)?;
+    // Two factors, because a whole number times 2⁻¹⁰⁷⁴ may be exact while 2¹⁰⁷⁴ overflows.
+    let (first, second) = (2f64.powi(exponent / 2), 2f64.powi(exponent - exponent / 2));
+    let nearest = bits as f64 * first * second;
+    Some(around(
+        nearest,
+        u128::from(bits).cmp(&((nearest / second / first) as u128)),
+    ))
+}
+
+/// Tightest interval around a non-negative real number: its double, and how the number compares with it.
+fn around(nearest: f64, real_to_nearest: Ordering) -> Interval {
+    match real_to_nearest {
+        Ordering::Less => Interval::from_bounds(nearest.next_down(), nearest),
+        Ordering::Equal => Interval::from_bounds(nearest, nearest),
+        Ordering::Greater => Interval::from_bounds(nearest, nearest.next_up()),
+    }
+}
+
+/// Tightest interval around an unsigned decimal: the nearest double, and its neighbour on the side of the decimal.
+fn enclose_decimal(literal: &str) -> Option<Interval> {
+    if !literal.starts_with(|first: char| first.is_ascii_digit() || first == '.') {
+        return None;
+    }
+    let nearest = literal.parse::<f64>().ok()?;
+    if nearest.is_infinite() {
+        return Some(around(nearest, Ordering::Less));
+    }
+    // 767 significant digits write any double exactly.
+    let exact = format!("{nearest:.766e}");
+    Some(around(
+        nearest,
+        Decimal::parse(literal)?.cmp(&Decimal::parse(&exact)?),
+    ))
+}
+
+/// 0.d₁d₂d₃… · 10^exponent with d₁ ≠ 0 and no zero at the end; no digit for zero.
+#[derive(PartialEq, Eq)]
+struct Decimal {
+    digits: Vec<u8>,
+    exponent: i64,
+}
+
+impl Decimal {
+    fn parse(literal: &str) -> Option<Decimal> {
+        let (significand, exponent) = literal.split_once('e').unwrap_or((literal, "0"));
+        let (whole, fraction) = significand.split_once('.').unwrap_or((significand, ""));
+        let digits: Vec<u8> = whole.bytes().chain(fraction.bytes()).collect();
+        let leading = digits.iter().take_while(|digit| **digit == b'0').count();
+        let trailing = digits[leading..]
+            .iter()
+            .rev()
+            .take_while(|digit| **digit == b'0')
+            .count();
+        let exponent = exponent.parse::<i64>().ok()? + whole.len() as i64 - leading as i64;
+        Some(Decimal {
+            digits: digits[leading..digits.len() - trailing].to_vec(),
+            exponent,
+        })
+    }
+
+    fn cmp(&self, other: &Decimal) -> Ordering {
+        match (self.digits.is_empty(), other.digits.is_empty()) {
+            (true, true) => Ordering::Equal,
+            (true, false) => Ordering::Less,
+            (false, true) => Ordering::Greater,
+            (false, false) => self
+                .exponent
+                .cmp(&other.exponent)
+                .then_with(|| self.digits.cmp(&other.digits)),
+        }
+    }
+}
+
+/// Shortest decimal that reads back as this lower bound.
+fn lower_text(bound: f64) -> String {
+    if bound.is_infinite() {
+        return "-inf".to_owned();
+    }
+    let reads_back = |text: &String| enclose_number(text).is_some_and(|read| read.lo == bound);
+    let shortest = format!("{bound:?}");
+    if reads_back(&shortest) {
+        return shortest;
+    }
+    // The shortest decimal may lie on the wrong side of the double. More digits come closer, in the end exactly.
+    (16..40)
+        .map(|n_digits| format!("{bound:.n_digits$e}"))
+        .find(reads_back)
+        .unwrap_or_else(|| format!("{bound:.766e}"))
+}
+
+fn negated_text(text: String) -> String {
+    match text.strip_prefix('-') {
+        Some("0.0") => "0.0".to_owned(),
+        Some(magnitude) => magnitude.to_owned(),
+        None if text == "0.0" => text,
+        None => format!("-{text}"),
+    }
+}
