@@ -2,7 +2,20 @@
 
 use std::{path::Path, str::FromStr};
 
-use crate::{record::RecordError, run::RunRecord, scene::Scene};
+use image::{GrayImage, RgbImage};
+use localizer::Reading;
+
+use crate::{
+    record::{RecordError, naming},
+    run::{ImageRecord, RunRecord},
+    scene::SceneFile,
+};
+
+mod camera_view;
+mod canvas;
+mod figure;
+mod map_view;
+mod palette;
 
 /// Of which images a run leaves debug frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,7 +58,29 @@ impl FromStr for FramesPolicy {
     }
 }
 
-/// Writes the frames of every image whose reading `record` kept.
-pub(crate) fn write(_folder: &Path, _scene: &Scene, _record: &RunRecord) -> Result<(), RecordError> {
+/// Draws what the localizer saw in an image beside where that put the robot; none when the record did not keep the image.
+pub fn figure(file: &SceneFile, record: &RunRecord, image: &ImageRecord) -> Option<RgbImage> {
+    let (pixels, exposure_s) = camera_image(image)?;
+    Some(figure::draw(file, record, image, pixels, exposure_s))
+}
+
+/// Writes `image_*.png` as the sensor gave it and `figure_*.png` for every image that `record` kept.
+pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
+    for image in &record.images {
+        let Some((pixels, exposure_s)) = camera_image(image) else { continue };
+        let number = image.number;
+        let raw = folder.join(format!("image_{number:05}.png"));
+        naming("write", &raw, pixels.save(&raw).map_err(std::io::Error::other))?;
+        let drawn = folder.join(format!("figure_{number:05}.png"));
+        let figure = figure::draw(file, record, image, pixels, exposure_s);
+        naming("write", &drawn, figure.save(&drawn).map_err(std::io::Error::other))?;
+    }
     Ok(())
+}
+
+fn camera_image(image: &ImageRecord) -> Option<(&GrayImage, f64)> {
+    match image.reading.as_ref()? {
+        Reading::Camera { image, exposure_s, .. } => Some((image, *exposure_s)),
+        Reading::Wheels { .. } => None,
+    }
 }

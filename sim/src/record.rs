@@ -103,7 +103,7 @@ fn fill(partial: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict)
     write("truth.tum", poses::truth_tum(record))?;
     write("estimate.tum", poses::estimate_tum(record))?;
     write("boxes.csv", poses::boxes_csv(record))?;
-    frames::write(partial, &file.scene, record)?;
+    frames::write(partial, file, record)?;
     write("timing.json", format!("{:#}\n", Timing::of(record).to_json()))?;
     write("summary.json", Summary::of(file, record, verdict).to_text())
 }

@@ -58,13 +58,13 @@ pub(super) struct Contradiction {
 
 impl Contradiction {
     fn in_text(self, document: &Spanned<DeTable<'_>>, text: &str) -> Problem {
-        let (span, is_stated) = locate(document.get_ref(), &self.key);
-        let value = is_stated.then(|| conform::excerpt(&text[span.clone()])).filter(|value| !value.starts_with('['));
+        let (span, is_value) = locate(document.get_ref(), &self.key);
+        let value = is_value.then(|| conform::excerpt(&text[span.clone()]));
         Problem { key: self.key, value, expected: self.expected, span, help: None }
     }
 }
 
-/// Where `key` stands, and whether it does; else where the innermost table around it stands.
+/// Where the value of `key` stands, or else the innermost table that the file has around it; whether it is the value.
 fn locate(document: &DeTable<'_>, key: &str) -> (Range<usize>, bool) {
     let mut table = document;
     let mut span = 0..0;
@@ -86,5 +86,5 @@ fn locate(document: &DeTable<'_>, key: &str) -> (Range<usize>, bool) {
             _ => return (span, true),
         }
     }
-    (span, true)
+    (span, false)
 }
