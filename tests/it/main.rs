@@ -21,3 +21,5 @@ mod world_floor;
 mod world_driver;
 /// Encoders against the definition of a tick.
 mod world_encoder;
+/// Drawn errors against their tolerances.
+mod world_drawn;
