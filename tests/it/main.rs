@@ -24,3 +24,11 @@ mod cli_runs;
 mod record_files;
 /// What every scene file, the schema and the documents keep true.
 mod repository;
+/// Tiles as laid, against the bounds that the localizer is told.
+mod render_laid_tiles;
+/// Grey levels and noise against photon counts by hand.
+mod render_photons;
+/// Rendered floor points, joints and blur against a projection derived by hand.
+mod render_projection;
+/// What the renderer's tests share.
+mod render_studio;
