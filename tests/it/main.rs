@@ -23,3 +23,21 @@ mod world_driver;
 mod world_encoder;
 /// Drawn errors against their tolerances.
 mod world_drawn;
+/// Scenes that must be refused, and what the refusal says.
+mod scene_refusals;
+/// What `[expect]` holds a run against.
+mod scene_expectations;
+/// What a user meets on the command line besides refusals: exit codes, output, replay, resumption.
+mod cli_runs;
+/// What a run leaves behind, read back by other means than ours.
+mod record_files;
+/// What every scene file, the schema and the documents keep true.
+mod repository;
+/// Tiles as laid, against the bounds that the localizer is told.
+mod render_laid_tiles;
+/// Grey levels and noise against photon counts by hand.
+mod render_photons;
+/// Rendered floor points, joints and blur against a projection derived by hand.
+mod render_projection;
+/// What the renderer's tests share.
+mod render_studio;
