@@ -204,8 +204,14 @@ fn lower_text(bound: f64) -> String {
         return shortest;
     }
     // The shortest decimal may lie on the wrong side of the double. More digits come closer, in the end exactly.
+    let is_ordinary = (1e-5..1e16).contains(&bound.abs());
+    let leading = bound.abs().log10().floor();
+    let written = |n_digits: usize| match is_ordinary {
+        true => format!("{bound:.*}", (n_digits as f64 - leading).max(1.0) as usize),
+        false => format!("{bound:.n_digits$e}"),
+    };
     (16..40)
-        .map(|n_digits| format!("{bound:.n_digits$e}"))
+        .map(written)
         .find(reads_back)
         .unwrap_or_else(|| format!("{bound:.766e}"))
 }
