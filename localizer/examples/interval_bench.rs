@@ -1,9 +1,11 @@
 //! Times the arithmetic and the planar problem of paper 3 on one core; `make bench` prints it.
 //!
-//! Landmarks (3, 2), (−2, 3), (−3, −2.5), (2.5, −3), pose (1, 0.5, 0.4), all coordinates known to ±0.1 m in both frames, with errors as
-//! in the issue; prior ±3 m, ±3 m, ±3.14 rad. Codac, when Python can import it, solves the same problem in `bench_codac.py`.
+//! Landmarks (3, 2), (−2, 3), (−3, −2.5), (2.5, −3), pose (1, 0.5, 0.4), all coordinates known to ±0.1 m in both frames, with the errors
+//! listed below; prior ±3 m, ±3 m, ±3.14 rad. Codac, when Python can import it, solves the same problem in `interval_bench_codac.py`.
 
 use std::hint::black_box;
+use std::io::Write;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use localizer::contractor::{LinearPose, RigidPlanar};
@@ -78,6 +80,10 @@ fn landmarks() -> Vec<([Interval; 2], [Interval; 2])> {
         .collect()
 }
 
+#[allow(
+    clippy::approx_constant,
+    reason = "the problem's prior is ±3.14, not ±π"
+)]
 fn planar_problem() {
     let landmarks = landmarks();
     let prior = IntervalBox::new([
@@ -111,6 +117,14 @@ fn planar_problem() {
         sivia * 1e-6,
         coarse.len()
     );
+    match codac(&landmarks) {
+        Some(seconds) => println!(
+            "Codac, same problem      {:8.3} ms ({:.0} times as long)",
+            seconds * 1e3,
+            seconds * 1e9 / sivia
+        ),
+        None => println!("Codac, same problem      not measured: Python cannot import codac"),
+    }
     for n_slices in [0, 8, 16, 32] {
         let one_shot = nanoseconds(20_000, |_| {
             let pose = LinearPose {
@@ -143,6 +157,29 @@ fn planar_problem() {
         widths(&paving::hull(&fine)),
         fine.len()
     );
+}
+
+/// Seconds of Codac's paving of the same problem, when `$PYTHON` (or `python3`) can import it.
+fn codac(landmarks: &[([Interval; 2], [Interval; 2])]) -> Option<f64> {
+    let script = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/interval_bench_codac.py"
+    );
+    let python = std::env::var("PYTHON").unwrap_or("python3".into());
+    let mut child = Command::new(python)
+        .arg(script)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .ok()?;
+    let mut input = child.stdin.take()?;
+    for (a, b) in landmarks {
+        let bounds = [a[0], a[1], b[0], b[1]].map(|x| format!("{:?} {:?}", x.lo(), x.hi()));
+        writeln!(input, "{}", bounds.join(" ")).ok()?;
+    }
+    drop(input);
+    let output = child.wait_with_output().ok()?;
+    String::from_utf8(output.stdout).ok()?.trim().parse().ok()
 }
 
 fn widths(pose: &IntervalBox<3>) -> String {

@@ -113,7 +113,7 @@ fn rigid_contractors_never_lose_the_truth() {
         }
     }
     println!(
-        "rigid: 0 of {} lost, {n_decided} answers of one branch, {n_ambiguous} unions",
+        "rigid contractors: 0 of {} truths lost, {n_decided} answers of one branch, {n_ambiguous} unions",
         n_trials()
     );
     assert!(n_ambiguous > 0 && n_decided > n_ambiguous);

@@ -8,3 +8,5 @@ mod contractor_laws;
 mod interval_itf1788;
 /// Interval arithmetic against arithmetic with many more bits.
 mod interval_precision;
+/// Printing and reading intervals.
+mod interval_text;

@@ -30,17 +30,21 @@ impl FromStr for Interval {
 }
 
 impl fmt::Display for Interval {
-    /// Shortest decimals that read back as the same bounds.
+    /// Shortest decimals that read back as the same bounds; with a precision, as in `{:.3}`, decimals rounded outward to it.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_empty() {
-            formatter.pad("[empty]")
-        } else {
-            formatter.pad(&format!(
-                "[{}, {}]",
-                lower_text(self.lo),
-                negated_text(lower_text(-self.hi))
-            ))
+            return formatter.write_str("[empty]");
         }
+        let lower = |bound: f64| match formatter.precision() {
+            Some(n_decimals) => rounded_down(bound, n_decimals),
+            None => lower_text(bound),
+        };
+        write!(
+            formatter,
+            "[{}, {}]",
+            lower(self.lo),
+            negated_text(lower(-self.hi))
+        )
     }
 }
 
@@ -216,11 +220,27 @@ fn lower_text(bound: f64) -> String {
         .unwrap_or_else(|| format!("{bound:.766e}"))
 }
 
+/// The bound with this many decimals, not above it.
+fn rounded_down(bound: f64, n_decimals: usize) -> String {
+    if bound.is_infinite() {
+        return "-inf".to_owned();
+    }
+    let step = 10f64.powi(-i32::try_from(n_decimals).unwrap_or(i32::MAX));
+    let is_below = |text: &String| enclose_number(text).is_some_and(|read| read.hi <= bound);
+    // Rounded to nearest it may be above, one step lower it cannot be, unless the step is lost in the bound itself.
+    let candidates =
+        [bound, bound - step, bound - 2.0 * step].map(|value| format!("{value:.n_decimals$}"));
+    candidates
+        .into_iter()
+        .find(is_below)
+        .unwrap_or_else(|| lower_text(bound))
+}
+
 fn negated_text(text: String) -> String {
     match text.strip_prefix('-') {
-        Some("0.0") => "0.0".to_owned(),
         Some(magnitude) => magnitude.to_owned(),
-        None if text == "0.0" => text,
+        // Zero, with any number of decimals, has no sign.
+        None if text.bytes().all(|byte| matches!(byte, b'0' | b'.')) => text,
         None => format!("-{text}"),
     }
 }
