@@ -14,7 +14,7 @@ use localizer::{Contractor, Interval, IntervalBox, paving};
 /// Best of several runs: other work on the machine only ever adds time.
 fn nanoseconds(n: usize, mut work: impl FnMut(usize)) -> f64 {
     let mut best = f64::INFINITY;
-    for _ in 0..9 {
+    for _ in 0..40 {
         let start = Instant::now();
         for idx in 0..n {
             work(idx);
@@ -32,7 +32,7 @@ fn arithmetic() {
     let mut results = vec![Interval::ZERO; 1024];
     let mut time = |name: &str, operation: fn(&[Interval], &[Interval], &mut [Interval])| {
         let shifted: Vec<Interval> = operands.iter().rev().copied().collect();
-        let per_call = nanoseconds(2000, |_| {
+        let per_call = nanoseconds(500, |_| {
             operation(black_box(&operands), black_box(&shifted), &mut results);
             black_box(&results);
         });
@@ -97,7 +97,7 @@ fn planar_problem() {
         Interval::centred(0.4, 0.5),
         Interval::centred(0.45, 0.2),
     ]);
-    let pass = nanoseconds(100_000, |_| {
+    let pass = nanoseconds(10_000, |_| {
         let mut domain = black_box(typical);
         motion.contract(&mut domain);
         black_box(domain);
@@ -107,7 +107,7 @@ fn planar_problem() {
         pass * 1e-3
     );
     let axes = [0, 1, 2];
-    let sivia = nanoseconds(20, |_| {
+    let sivia = nanoseconds(10, |_| {
         let motion = RigidPlanar::new(black_box(&landmarks));
         black_box(paving::cover(&motion, prior, &axes, 0.05));
     });
@@ -126,7 +126,7 @@ fn planar_problem() {
         None => println!("Codac, same problem      not measured: Python cannot import codac"),
     }
     for n_slices in [0, 8, 16, 32] {
-        let one_shot = nanoseconds(20_000, |_| {
+        let one_shot = nanoseconds(2_000, |_| {
             let pose = LinearPose {
                 motion: RigidPlanar::new(black_box(&landmarks)),
                 n_slices,
