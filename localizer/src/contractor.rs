@@ -37,6 +37,7 @@ pub use pinhole::Pinhole;
 pub use polar::Polar;
 pub use q_relaxed::{QRelaxed, q_intersection};
 pub use rigid_planar::RigidPlanar;
+pub use rigid_rows::Landmark;
 
 use crate::IntervalBox;
 

@@ -1,7 +1,8 @@
 //! Contractors, separators and pavings on problems whose answer is worked out by hand: one that does nothing fails here.
 
 use localizer::contractor::{
-    Distance, ForwardBackward, Inverse, Periodic, Pinhole, Polar, RigidPlanar, q_intersection,
+    Distance, ForwardBackward, Inverse, Landmark, LinearPose, Periodic, Pinhole, Polar, QRelaxed,
+    RigidPlanar, q_intersection,
 };
 use localizer::paving::{self, Paving};
 use localizer::separator::Separator;
@@ -265,4 +266,107 @@ fn a_heading_known_but_for_whole_turns_stays_a_union() {
         );
         assert!(branch[0].contains(0.0) && branch[0].width() < 0.1);
     }
+}
+
+/// The problem that the benchmark times: four landmarks, ±0.1 m in both frames.
+fn four_landmarks() -> (Vec<Landmark>, [f64; 3]) {
+    let (x, y, heading) = (1.0, 0.5, 0.4f64);
+    let places = [[3.0, 2.0], [-2.0, 3.0], [-3.0, -2.5], [2.5, -3.0]];
+    let errors = [
+        [0.5, -0.3, -0.2, 0.4],
+        [-0.7, 0.2, 0.6, -0.6],
+        [0.1, 0.6, 0.3, 0.1],
+        [-0.4, -0.5, -0.5, 0.7],
+    ];
+    let landmarks = places.iter().zip(&errors).map(|([a_x, a_y], error)| {
+        let (across, along) = (a_x - x, a_y - y);
+        let b_x = heading.cos() * across + heading.sin() * along;
+        let b_y = heading.cos() * along - heading.sin() * across;
+        let around = |value: f64, error: f64| Interval::centred(value + 0.1 * error, 0.1);
+        (
+            [around(*a_x, error[0]), around(*a_y, error[1])],
+            [around(b_x, error[2]), around(b_y, error[3])],
+        )
+    });
+    (landmarks.collect(), [x, y, heading])
+}
+
+#[test]
+fn one_shot_pose_is_as_tight_as_bisection_within_a_tenth() {
+    let (landmarks, truth) = four_landmarks();
+    let prior = IntervalBox::new([Interval::new(-3.0, 3.0); 3]);
+    let motion = RigidPlanar::new(&landmarks);
+    // The reference knows no linearisation: a plain forward-backward contractor for each coordinate.
+    let mut plain: Vec<ForwardBackward<3>> = Vec::new();
+    for (a, b) in &landmarks {
+        let ([a_x, a_y], [b_x, b_y]) = (*a, *b);
+        plain.push(ForwardBackward::new(
+            |[x, _, h]| x + h.cos() * b_x - h.sin() * b_y - a_x,
+            Interval::ZERO,
+        ));
+        plain.push(ForwardBackward::new(
+            |[_, y, h]| y + h.sin() * b_x + h.cos() * b_y - a_y,
+            Interval::ZERO,
+        ));
+        plain.push(ForwardBackward::new(
+            |[x, y, h]| h.cos() * (a_x - x) + h.sin() * (a_y - y) - b_x,
+            Interval::ZERO,
+        ));
+        plain.push(ForwardBackward::new(
+            |[x, y, h]| h.cos() * (a_y - y) - h.sin() * (a_x - x) - b_y,
+            Interval::ZERO,
+        ));
+    }
+    let all = QRelaxed {
+        contractors: plain.into_iter().map(|one| Box::new(one) as _).collect(),
+        q: 0,
+    };
+    let reference = paving::hull(&paving::cover(&all, prior, &[0, 1, 2], 0.0125));
+    let mut pose = prior;
+    LinearPose {
+        motion: motion.clone(),
+        n_slices: 8,
+    }
+    .contract(&mut pose);
+    assert!(pose.contains(&truth) && reference.contains(&truth));
+    for axis in 0..3 {
+        let ratio = pose.width(axis) / reference.width(axis);
+        assert!(
+            ratio < 1.1,
+            "axis {axis} is {ratio} times as wide as by bisection"
+        );
+    }
+    // And the elimination alone, which the slices start from, is already close.
+    let mut eliminated = prior;
+    LinearPose {
+        motion,
+        n_slices: 0,
+    }
+    .contract(&mut eliminated);
+    assert!((0..3).all(|axis| eliminated.width(axis) < 1.25 * reference.width(axis)));
+    assert!(pose.is_subset_of(&eliminated));
+}
+
+#[test]
+fn a_landmark_that_is_anywhere_changes_nothing_and_one_that_is_nowhere_leaves_no_pose() {
+    let (mut landmarks, truth) = four_landmarks();
+    let prior = IntervalBox::new([Interval::new(-3.0, 3.0); 3]);
+    let contracted = |landmarks: &[Landmark]| {
+        let mut pose = prior;
+        LinearPose {
+            motion: RigidPlanar::new(landmarks),
+            n_slices: 2,
+        }
+        .contract(&mut pose);
+        pose
+    };
+    let known = contracted(&landmarks);
+    landmarks.push((
+        [Interval::ENTIRE, Interval::new(0.4, f64::INFINITY)],
+        [Interval::ENTIRE; 2],
+    ));
+    assert_eq!(contracted(&landmarks), known);
+    assert!(known.contains(&truth));
+    landmarks.push(([Interval::EMPTY, Interval::ZERO], [Interval::ZERO; 2]));
+    assert!(contracted(&landmarks).is_empty());
 }
