@@ -6,22 +6,24 @@
 use std::hint::black_box;
 use std::io::Write;
 use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use localizer::contractor::{LinearPose, RigidPlanar};
 use localizer::{Contractor, Interval, IntervalBox, paving};
 
-/// Best of several runs: other work on the machine only ever adds time.
-fn nanoseconds(n: usize, mut work: impl FnMut(usize)) -> f64 {
-    let mut best = f64::INFINITY;
-    for _ in 0..40 {
+/// Time of one call: the best of many short windows, because other work on the machine only ever adds time.
+fn nanoseconds(mut work: impl FnMut()) -> f64 {
+    let mut window = |n_calls: u32| {
         let start = Instant::now();
-        for idx in 0..n {
-            work(idx);
-        }
-        best = best.min(start.elapsed().as_secs_f64() * 1e9 / n as f64);
+        (0..n_calls).for_each(|_| work());
+        start.elapsed()
+    };
+    let mut n_calls = 1;
+    while window(n_calls) < Duration::from_micros(200) {
+        n_calls *= 2;
     }
-    best
+    let best = (0..400).map(|_| window(n_calls)).min().unwrap_or_default();
+    best.as_secs_f64() * 1e9 / f64::from(n_calls)
 }
 
 /// Throughput over arrays, as contractors use it; the loads and stores are part of it.
@@ -29,33 +31,36 @@ fn arithmetic() {
     let operands: Vec<Interval> = (0..1024)
         .map(|idx| Interval::centred(f64::from(idx * 7919 % 1024) * 0.01 - 5.12, 0.15))
         .collect();
-    let mut results = vec![Interval::ZERO; 1024];
-    let mut time = |name: &str, operation: fn(&[Interval], &[Interval], &mut [Interval])| {
-        let shifted: Vec<Interval> = operands.iter().rev().copied().collect();
-        let per_call = nanoseconds(500, |_| {
-            operation(black_box(&operands), black_box(&shifted), &mut results);
-            black_box(&results);
-        });
-        println!("{name:24} {:8.2} ns", per_call / 1024.0);
-    };
-    time("add", |a, b, out| {
-        out.iter_mut()
-            .zip(a.iter().zip(b))
-            .for_each(|(out, (a, b))| *out = *a + *b)
+    let reversed: Vec<Interval> = operands.iter().rev().copied().collect();
+    let positive: Vec<Interval> = reversed.iter().map(|x| *x + 6.0).collect();
+    time("add", |(out, (a, b))| *out = *a + *b, &operands, &reversed);
+    time(
+        "multiply",
+        |(out, (a, b))| *out = *a * *b,
+        &operands,
+        &reversed,
+    );
+    time(
+        "divide",
+        |(out, (a, b))| *out = *a / *b,
+        &operands,
+        &positive,
+    );
+    time("sine", |(out, (a, _))| *out = a.sin(), &operands, &reversed);
+}
+
+type Operands<'a> = (&'a mut Interval, (&'a Interval, &'a Interval));
+
+fn time(name: &str, operation: impl Fn(Operands), a: &[Interval], b: &[Interval]) {
+    let mut results = vec![Interval::ZERO; a.len()];
+    let per_array = nanoseconds(|| {
+        results
+            .iter_mut()
+            .zip(black_box(a).iter().zip(black_box(b)))
+            .for_each(&operation);
+        black_box(&results);
     });
-    time("multiply", |a, b, out| {
-        out.iter_mut()
-            .zip(a.iter().zip(b))
-            .for_each(|(out, (a, b))| *out = *a * *b)
-    });
-    time("divide", |a, b, out| {
-        out.iter_mut()
-            .zip(a.iter().zip(b))
-            .for_each(|(out, (a, b))| *out = *a / (*b + 6.0))
-    });
-    time("sine", |a, _, out| {
-        out.iter_mut().zip(a).for_each(|(out, a)| *out = a.sin())
-    });
+    println!("{name:24} {:8.2} ns", per_array / a.len() as f64);
 }
 
 /// The landmark boxes of the problem, in the first frame and in the second.
@@ -97,23 +102,23 @@ fn planar_problem() {
         Interval::centred(0.4, 0.5),
         Interval::centred(0.45, 0.2),
     ]);
-    let pass = nanoseconds(10_000, |_| {
+    let pass = nanoseconds(|| {
         let mut domain = black_box(typical);
         motion.contract(&mut domain);
         black_box(domain);
     });
     println!(
-        "forward-backward pass    {:8.3} µs (asked: at most 0.5)",
+        "forward-backward pass    {:8.3} µs (goal: at most 0.5)",
         pass * 1e-3
     );
     let axes = [0, 1, 2];
-    let sivia = nanoseconds(10, |_| {
+    let sivia = nanoseconds(|| {
         let motion = RigidPlanar::new(black_box(&landmarks));
         black_box(paving::cover(&motion, prior, &axes, 0.05));
     });
     let coarse = paving::cover(&motion, prior, &axes, 0.05);
     println!(
-        "SIVIA ε = 0.05           {:8.3} ms (asked: at most 0.20), {} boxes",
+        "SIVIA ε = 0.05           {:8.3} ms (goal: at most 0.20), {} boxes",
         sivia * 1e-6,
         coarse.len()
     );
@@ -126,7 +131,7 @@ fn planar_problem() {
         None => println!("Codac, same problem      not measured: Python cannot import codac"),
     }
     for n_slices in [0, 8, 16, 32] {
-        let one_shot = nanoseconds(2_000, |_| {
+        let one_shot = nanoseconds(|| {
             let pose = LinearPose {
                 motion: RigidPlanar::new(black_box(&landmarks)),
                 n_slices,
