@@ -1,8 +1,11 @@
 //! SIVIA, set inversion by interval analysis: covers a set with boxes that are surely inside, and boxes that may cut its boundary.
 //!
 //! Source: L. Jaulin, É. Walter, "Set inversion via interval analysis for nonlinear bounded-error estimation", Automatica 29
-//! (1993); with contractors and separators, L. Jaulin, B. Desrochers (2014). The picture that
-//! `cargo run -p wherein-localizer --example paving` writes shows the three kinds.
+//! (1993); with contractors and separators, L. Jaulin, B. Desrochers (2014).
+//!
+//! ![Green boxes fill a disc with a hole and a wavy lower edge, small orange ones line its boundary, grey ones surround it](../../../../localizer/examples/paving.png)
+//!
+//! *What `cargo run -p wherein-localizer --example paving` draws: inside, undecided, outside.*
 
 use crate::separator::Separator;
 use crate::{Contractor, IntervalBox};

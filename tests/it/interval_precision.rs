@@ -2,6 +2,8 @@
 //!
 //! `WHEREIN_INTERVAL_TRIALS` sets the number of function values, and one expression for 20 of them; the experiments set 1.4·10⁷.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -236,4 +238,16 @@ fn random_expressions_enclose_the_real_value() {
         assert!(encloses(enclosure, &real, &cache), "{real:?} is outside {enclosure}");
     }
     println!("{n_checked} expression values inside");
+}
+
+#[test]
+fn an_underflow_does_not_cross_zero() {
+    // The product of positive numbers is positive, however small: its reciprocal stays on one side.
+    let tiny = Interval::new(1e-200, 2e-200);
+    assert!((tiny * tiny).lo() >= 0.0 && (tiny * -tiny).hi() <= 0.0);
+    assert!((tiny * tiny).recip().lo() > 0.0);
+    assert!((tiny / Interval::point(1e300)).lo() >= 0.0 && tiny.sqr().lo() >= 0.0);
+    let unit = Interval::new(0.0, 1.0);
+    assert_eq!((unit * unit).lo(), 0.0);
+    assert_eq!(Interval::ENTIRE * Interval::ZERO, Interval::ZERO);
 }

@@ -11,7 +11,7 @@
 //! As printed its rows 31 and 32 keep the truth for a quarter of headings only (`arccos` and `arcsin` have one branch); here there are no
 //! inverse functions to choose a branch of.
 
-use super::rigid_rows::{About, Lanes, SLACK};
+use super::rigid_rows::{About, Landmark, Lanes, SLACK};
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
@@ -22,16 +22,23 @@ pub(super) const CAUSE: &str = "no rigid motion carries the landmarks of one vie
 pub struct RigidPlanar {
     groups: Vec<Lanes>,
     heading: Option<Interval>,
-    landmarks: Vec<([Interval; 2], [Interval; 2])>,
+    landmarks: Vec<Landmark>,
 }
 
 impl RigidPlanar {
     /// Landmarks as pairs of boxes (x, y): first in the frame that the pose is expressed in, then in the frame that moves.
-    pub fn new(landmarks: &[([Interval; 2], [Interval; 2])]) -> RigidPlanar {
+    ///
+    /// A landmark with an unbounded box constrains nothing; one with an empty box leaves no pose.
+    pub fn new(landmarks: &[Landmark]) -> RigidPlanar {
+        let is_within =
+            |limit: f64| move |(a, b): &&Landmark| [a[0], a[1], b[0], b[1]].iter().all(|x| x.magnitude() <= limit);
+        let is_possible = !landmarks.iter().any(|(a, b)| [a[0], a[1], b[0], b[1]].iter().any(|x| x.is_empty()));
+        // Beyond this, squares overflow.
+        let bounded: Vec<Landmark> = landmarks.iter().filter(is_within(1e100)).copied().collect();
         RigidPlanar {
-            groups: Lanes::groups(landmarks),
-            heading: heading_between_views(landmarks),
-            landmarks: landmarks.to_vec(),
+            groups: Lanes::groups(&bounded),
+            heading: if is_possible { heading_between_views(&bounded) } else { Some(Interval::EMPTY) },
+            landmarks: bounded,
         }
     }
 
@@ -41,8 +48,8 @@ impl RigidPlanar {
         self.heading
     }
 
-    /// The landmarks as given.
-    pub fn landmarks(&self) -> &[([Interval; 2], [Interval; 2])] {
+    /// The landmarks that constrain the motion.
+    pub fn landmarks(&self) -> &[Landmark] {
         &self.landmarks
     }
 
@@ -121,8 +128,8 @@ const UNKNOWN: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 impl Contractor<3> for RigidPlanar {
     fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
-        if domain.is_empty() {
-            return settle(domain, IntervalBox::EMPTY, "the domain is empty");
+        if domain.is_empty() || self.heading.is_some_and(Interval::is_empty) {
+            return settle(domain, IntervalBox::EMPTY, CAUSE);
         }
         let left = if domain[2].width() <= WIDEST_HEADING && domain[0].is_bounded() && domain[1].is_bounded() {
             self.pass(domain)
@@ -204,13 +211,14 @@ fn mid_radius((lo, hi): (f64, f64)) -> (f64, f64) {
     (0.5 * (lo + hi), 0.5 * (hi - lo))
 }
 
+/// Intersection of two ranges; a bound of `b` that is NaN, which overflow can make it, says nothing.
 #[inline]
 pub(super) fn common(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    (if a.0 > b.0 { a.0 } else { b.0 }, if a.1 < b.1 { a.1 } else { b.1 })
+    (if b.0 > a.0 { b.0 } else { a.0 }, if b.1 < a.1 { b.1 } else { a.1 })
 }
 
 /// Intersects the turns that carry the vectors between landmarks of one view into those of the other.
-fn heading_between_views(landmarks: &[([Interval; 2], [Interval; 2])]) -> Option<Interval> {
+fn heading_between_views(landmarks: &[Landmark]) -> Option<Interval> {
     let mut heading: Option<Interval> = None;
     for (idx, (a, b)) in landmarks.iter().enumerate() {
         for (other_a, other_b) in &landmarks[..idx] {

@@ -25,8 +25,8 @@ pub(super) const SLACK: f64 = 1.0 / (1u64 << 46) as f64;
 /// Absolute part of the slack, above anything that underflow can lose.
 pub(super) const TINY: f64 = 1e-290;
 
-/// A landmark's box (x, y) in either frame.
-pub(super) type Landmark = ([Interval; 2], [Interval; 2]);
+/// A landmark's box (x, y) in two frames.
+pub type Landmark = ([Interval; 2], [Interval; 2]);
 
 /// Four landmarks, seen from both frames: midpoints and radii of their boxes.
 #[derive(Clone, Copy, Debug)]

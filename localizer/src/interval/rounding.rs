@@ -22,7 +22,9 @@ pub(super) fn is_regular(nearest: f64) -> bool {
 /// Whether it is for both ends of an interval; one subtraction tells infinities and NaN in either.
 #[inline(always)]
 pub(super) fn are_regular(lo: f64, hi: f64) -> bool {
-    (lo.abs() >= REGULAR) & (hi.abs() >= REGULAR) & (hi - lo < f64::INFINITY)
+    let (below, above) = (lo.abs(), hi.abs());
+    let least = if below < above { below } else { above };
+    (least >= REGULAR) & (hi - lo < f64::INFINITY)
 }
 
 /// The number below a regular one.

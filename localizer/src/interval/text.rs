@@ -26,13 +26,16 @@ impl FromStr for Interval {
 }
 
 impl fmt::Display for Interval {
-    /// Shortest decimals that read back as the same bounds.
+    /// Shortest decimals that read back as the same bounds; with a precision, as in `{:.3}`, decimals rounded outward to it.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_empty() {
-            formatter.pad("[empty]")
-        } else {
-            formatter.pad(&format!("[{}, {}]", lower_text(self.lo), negated_text(lower_text(-self.hi))))
+            return formatter.write_str("[empty]");
         }
+        let lower = |bound: f64| match formatter.precision() {
+            Some(n_decimals) => rounded_down(bound, n_decimals),
+            None => lower_text(bound),
+        };
+        write!(formatter, "[{}, {}]", lower(self.lo), negated_text(lower(-self.hi)))
     }
 }
 
@@ -172,14 +175,32 @@ fn lower_text(bound: f64) -> String {
         return shortest;
     }
     // The shortest decimal may lie on the wrong side of the double. More digits come closer, in the end exactly.
-    (16..40).map(|n_digits| format!("{bound:.n_digits$e}")).find(reads_back).unwrap_or_else(|| format!("{bound:.766e}"))
+    let is_ordinary = (1e-5..1e16).contains(&bound.abs());
+    let leading = bound.abs().log10().floor();
+    let written = |n_digits: usize| match is_ordinary {
+        true => format!("{bound:.*}", (n_digits as f64 - leading).max(1.0) as usize),
+        false => format!("{bound:.n_digits$e}"),
+    };
+    (16..40).map(written).find(reads_back).unwrap_or_else(|| format!("{bound:.766e}"))
+}
+
+/// The bound with this many decimals, not above it.
+fn rounded_down(bound: f64, n_decimals: usize) -> String {
+    if bound.is_infinite() {
+        return "-inf".to_owned();
+    }
+    let step = 10f64.powi(-i32::try_from(n_decimals).unwrap_or(i32::MAX));
+    let is_below = |text: &String| enclose_number(text).is_some_and(|read| read.hi <= bound);
+    // Rounded to nearest it may be above, one step lower it cannot be, unless the step is lost in the bound itself.
+    let candidates = [bound, bound - step, bound - 2.0 * step].map(|value| format!("{value:.n_decimals$}"));
+    candidates.into_iter().find(is_below).unwrap_or_else(|| lower_text(bound))
 }
 
 fn negated_text(text: String) -> String {
     match text.strip_prefix('-') {
-        Some("0.0") => "0.0".to_owned(),
         Some(magnitude) => magnitude.to_owned(),
-        None if text == "0.0" => text,
+        // Zero, with any number of decimals, has no sign.
+        None if text.bytes().all(|byte| matches!(byte, b'0' | b'.')) => text,
         None => format!("-{text}"),
     }
 }

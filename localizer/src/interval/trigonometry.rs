@@ -125,8 +125,10 @@ impl Interval {
         if width > std::f64::consts::TAU {
             return None;
         }
-        if let (Some(first), Some(last)) = (quadrant_count(self.lo), quadrant_count(self.hi)) {
-            return Some(((first & 3) as u32, (last - first) as u32));
+        let (first, is_first_sure) = quadrant_count(self.lo);
+        let (last, is_last_sure) = quadrant_count(self.hi);
+        if is_first_sure & is_last_sure {
+            return Some((first % QUADRANTS, last.wrapping_sub(first)));
         }
         let (first, last) = (quadrant_by_signs(self.lo), quadrant_by_signs(self.hi));
         let crossed = (last + QUADRANTS - first) % QUADRANTS;
@@ -141,15 +143,18 @@ fn crosses(first: u32, crossed: u32, quadrant: u32) -> bool {
     (quadrant + QUADRANTS - first) % QUADRANTS < crossed
 }
 
-/// ⌊x / (π/2)⌋, when a product in doubles is enough to be sure.
+/// ⌊x / (π/2)⌋ modulo 2³², and whether a product in doubles was enough to be sure.
 #[inline(always)]
-fn quadrant_count(x: f64) -> Option<i64> {
+fn quadrant_count(x: f64) -> (u32, bool) {
     // |x| < 2²⁰ and a relative error below 2⁻⁵¹ put the quotient within 2⁻³¹; the guard is 2⁻³⁰.
     const GUARD: f64 = 1.0 / (1u64 << 30) as f64;
+    // Adding 1.5 · 2⁵² rounds to a whole number, which then stands in the low bits.
+    const WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
     let quotient = x * std::f64::consts::FRAC_2_PI;
-    let floor = (quotient - GUARD).floor();
-    let is_sure = (x.abs() < 1048576.0) & (quotient + GUARD < floor + 1.0);
-    is_sure.then_some(floor as i64)
+    let shifted = quotient + WHOLE;
+    let nearest = shifted - WHOLE;
+    let floor = (shifted.to_bits() as u32).wrapping_sub(u32::from(nearest > quotient));
+    (floor, (x.abs() < 1048576.0) & ((quotient - nearest).abs() > GUARD))
 }
 
 #[cold]
