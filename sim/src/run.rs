@@ -36,7 +36,7 @@ pub struct RunOptions {
     pub keep_images: FramesPolicy,
 }
 
-/// Drives the scene with one seed. `progress` is told the simulated time now and then.
+/// Runs the scene with one seed: its route, or its stations one after another. `progress` is told the simulated time now and then.
 ///
 /// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
 pub fn run(
@@ -48,29 +48,50 @@ pub fn run(
 ) -> Result<RunRecord, RenderError> {
     let began = Instant::now();
     let drawn = Drawn::draw(scene, seed);
-    let mut world = World::new(scene, &drawn);
-    let mut sensors = Sensors::new(scene, seed, &drawn, renderer.as_deref_mut())?;
+    let adapter = renderer.as_deref().map(Renderer::adapter);
+    let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options);
+    if scene.stations.is_empty() {
+        drive(scene, seed, &drawn, renderer.as_deref_mut(), &mut record, progress)?;
+    }
+    for (index, station) in scene.stations.iter().enumerate() {
+        let here = scene.at_station(station);
+        // The robot and the floor are the same at every station; where in its box it stands and the noise are not.
+        let noise_seed = seed.wrapping_add((index as u64 + 1) << 32);
+        let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
+        record.restart(index, here.duration_s, &here);
+        drive(&here, noise_seed, &drawn_here, renderer.as_deref_mut(), &mut record, progress)?;
+    }
+    Ok(record.finish(began))
+}
+
+/// One uninterrupted drive.
+fn drive(
+    scene: &Scene,
+    seed: u64,
+    drawn: &Drawn,
+    mut renderer: Option<&mut Renderer>,
+    record: &mut Recorder,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(), RenderError> {
+    let mut world = World::new(scene, drawn);
+    let mut sensors = Sensors::new(scene, seed, drawn, renderer.as_deref_mut())?;
     let mut localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
     let mut driver = Driver::new(scene);
-    let mut record = Recorder::new(scene, seed, drawn, renderer.as_deref().map(Renderer::adapter), options);
-
-    let n_steps = (scene.duration_s / STEP_S).round() as usize;
-    for step in 0..=n_steps {
+    look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, record)?;
+    record.step(&world.truth(), &localizer);
+    for step in 0..(scene.duration_s / STEP_S).round() as usize {
         let time_s = step as f64 * STEP_S;
         let command = driver.command(&localizer.estimate(), time_s);
-        for _ in 0..if step == 0 { 0 } else { PHYSICS_STEPS } {
+        for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
-            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, &mut record)?;
-        }
-        if step == 0 {
-            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, &mut record)?;
+            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, record)?;
         }
         record.step(&world.truth(), &localizer);
         if step % 50 == 0 {
-            progress(time_s);
+            progress(record.offset_s + time_s);
         }
     }
-    Ok(record.finish(began))
+    Ok(())
 }
 
 /// Hands what arrives at one instant to the localizer.
@@ -120,6 +141,8 @@ struct Recorder {
     wheels: localizer::robot::WheelModel,
     readings: Sha256,
     keep_images: FramesPolicy,
+    /// Time at which the present drive began.
+    offset_s: f64,
 }
 
 impl Recorder {
@@ -132,7 +155,15 @@ impl Recorder {
             wheels: scene.robot_model().wheels,
             readings: Sha256::new(),
             keep_images: options.keep_images,
+            offset_s: 0.0,
         }
+    }
+
+    /// Begins the drive of a station after those before it.
+    fn restart(&mut self, index: usize, lasts_s: f64, here: &Scene) {
+        self.offset_s = index as f64 * (lasts_s + STEP_S);
+        self.odometry = PointOdometry::new(here.nominal_start());
+        self.history.restarts.push(self.history.truths.len());
     }
 
     /// Runs `work` and adds its wall-clock time to a stage.
@@ -161,15 +192,16 @@ impl Recorder {
 
     /// Notes what the methods made of a reading.
     fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
-        let Observation { reading, truth } = observation;
+        let Observation { reading, mut truth } = observation;
+        truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         for account in accounts {
             let failed = account.emptied || !account.posterior.contains(truth.pose);
             let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
             self.history.images.push(ImageRecord {
                 number,
-                measured_s: reading.measured_s(),
-                arrived_s: reading.arrived_s(),
+                measured_s: reading.measured_s() + self.offset_s,
+                arrived_s: reading.arrived_s() + self.offset_s,
                 truth,
                 method: account.method,
                 claims: account.claims,
@@ -185,8 +217,10 @@ impl Recorder {
 
     /// Notes truth and estimate, apart from each other.
     fn step(&mut self, truth: &Truth, localizer: &Localizer) {
-        self.history.truths.push(*truth);
-        self.history.estimates.push(localizer.estimate());
+        let mut estimate = localizer.estimate();
+        estimate.time_s += self.offset_s;
+        self.history.truths.push(Truth { time_s: truth.time_s + self.offset_s, ..*truth });
+        self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
     }
 

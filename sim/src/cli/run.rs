@@ -34,7 +34,7 @@ pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandEr
         renderer = Some(Renderer::new()?);
     }
     let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
-    let bar = progress_bar(files.iter().map(|file| file.scene.duration_s).sum::<f64>() * seeds.clone().count() as f64);
+    let bar = progress_bar(files.iter().map(|file| file.scene.simulated_s()).sum::<f64>() * seeds.clone().count() as f64);
     let mut recorded = Vec::new();
     for file in &files {
         for seed in seeds.clone() {
@@ -44,7 +44,7 @@ pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandEr
                 Some(earlier) => earlier,
                 None => run_one(arguments, file, seed, renderer.as_mut(), &bar)?,
             };
-            bar.set_position(start + milliseconds(file.scene.duration_s));
+            bar.set_position(start + milliseconds(file.scene.simulated_s()));
             recorded.push(one);
         }
     }

@@ -14,6 +14,8 @@ pub struct RunRecord {
     pub drawn: Drawn,
     /// Truth at each step.
     pub truths: Vec<Truth>,
+    /// Indices of the steps at which the robot was put at a station: nothing carries over from the step before.
+    pub restarts: Vec<usize>,
     /// Estimate at each step, same times.
     pub estimates: Vec<Estimate>,
     /// What each image claimed, with the truth at its mid-exposure.
@@ -70,6 +72,14 @@ pub struct Timing {
 }
 
 impl RunRecord {
+    /// The steps of each uninterrupted drive.
+    pub fn drives(&self) -> impl Iterator<Item = &[Truth]> {
+        let mut bounds = vec![0];
+        bounds.extend(self.restarts.iter().copied().filter(|&index| index > 0));
+        bounds.push(self.truths.len());
+        (1..bounds.len()).map(move |index| &self.truths[bounds[index - 1]..bounds[index]])
+    }
+
     /// The record of a run that has not begun.
     pub fn new(seed: u64, adapter: Option<String>, drawn: Drawn) -> Self {
         RunRecord {
@@ -77,6 +87,7 @@ impl RunRecord {
             adapter,
             drawn,
             truths: Vec::new(),
+            restarts: Vec::new(),
             estimates: Vec::new(),
             images: Vec::new(),
             odometry: Vec::new(),

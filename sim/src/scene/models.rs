@@ -6,7 +6,7 @@ use localizer::{
     robot::{BodyModel, FloorCameraModel, Reach, WheelModel},
 };
 
-use super::{FloorCamera, Scene, Tiles};
+use super::{FloorCamera, Scene, Start, Station, Tiles};
 
 impl Scene {
     /// The building as surveyed.
@@ -48,6 +48,25 @@ impl Scene {
     /// The start pose as the scene states it, before its error is drawn.
     pub fn nominal_start(&self) -> Pose {
         Pose { x_m: self.start.x_m, y_m: self.start.y_m, heading_rad: self.start.heading_deg.to_radians() }
+    }
+
+    /// The scene with the robot put at a station, for as long as one image takes to arrive.
+    pub fn at_station(&self, station: &Station) -> Scene {
+        let arrival_s = self.robot.floor_camera.as_ref().map_or(0.0, |camera| {
+            camera.exposure_s + camera.latency_s + camera.latency_tolerance_s
+        });
+        let start = Start { x_m: station.x_m, y_m: station.y_m, heading_deg: station.heading_deg, ..self.start.clone() };
+        // A step more than the arrival, so that the estimate after it is counted too.
+        let duration_s = ((arrival_s / 0.01).ceil() + 1.0) * 0.01;
+        Scene { start, duration_s, stations: Vec::new(), ..self.clone() }
+    }
+
+    /// Simulated time of a run: the drive, or all stations.
+    pub fn simulated_s(&self) -> f64 {
+        if self.stations.is_empty() {
+            return self.duration_s;
+        }
+        self.stations.iter().map(|station| self.at_station(station).duration_s + 0.01).sum()
     }
 
     /// The box in which the localizer is told that the robot starts.

@@ -4,11 +4,14 @@ use crate::{check::verdict::Violation, run::RunRecord, scene::Scene, truth::Trut
 
 use super::Monitor;
 
-/// Violations of the bounds of emergent motion.
+/// Violations of the bounds of emergent motion, drive by drive: nothing rolls from one station to the next.
 pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
-    let mut found = slip(scene, record);
-    found.extend(reach(scene, &record.truths));
-    found.extend(posture(scene, &record.truths));
+    let mut found = Vec::new();
+    for truths in record.drives() {
+        found.extend(slip(scene, truths, record.drawn.wheel_radius_m));
+        found.extend(reach(scene, truths));
+        found.extend(posture(scene, truths));
+    }
     found
 }
 
@@ -19,10 +22,10 @@ struct Rolled {
 }
 
 /// Both slip bounds hold over any window up to the declared one, short ones included: the localizer relies on all of them.
-fn slip(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Violation> {
     let bounds = &scene.bounds;
-    let rolled = rolled(&record.truths, record.drawn.wheel_radius_m);
-    let step_s = record.truths.get(1).map_or(0.01, |second| second.time_s - record.truths[0].time_s);
+    let rolled = rolled(truths, wheel_radius_m);
+    let step_s = truths.get(1).map_or(0.01, |second| second.time_s - truths[0].time_s);
     let window_steps = (bounds.slip_window_s / step_s).round().max(1.0) as usize;
     let slip_bound = [bounds.slip_ratio, bounds.slip_floor_m];
     let side_bound = [bounds.side_slip_ratio, bounds.side_slip_floor_m];
@@ -30,9 +33,9 @@ fn slip(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     for end in 1..rolled.len() {
         let starts = end.saturating_sub(window_steps)..end;
         for wheel in 0..2 {
-            watch_windows(&mut slip, record, &rolled, wheel, slip_bound, starts.clone(), end);
+            watch_windows(&mut slip, truths, &rolled, wheel, slip_bound, starts.clone(), end);
         }
-        watch_windows(&mut side, record, &rolled, 2, side_bound, starts, end);
+        watch_windows(&mut side, truths, &rolled, 2, side_bound, starts, end);
     }
     let mut found = slip.finish();
     found.extend(side.finish());
@@ -44,7 +47,7 @@ fn slip(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
 /// An excess is told at its greatest over all windows, and dated by the shortest windows that show it: a longer one only contains it.
 fn watch_windows(
     monitor: &mut Monitor,
-    record: &RunRecord,
+    truths: &[Truth],
     rolled: &[Rolled],
     channel: usize,
     [ratio, floor_m]: [f64; 2],
@@ -69,9 +72,9 @@ fn watch_windows(
         let is_shortest = !dated && (end - start == 1 || !exceeds(start, end - 1));
         dated = true;
         if is_shortest {
-            monitor.watch([record.truths[start].time_s, record.truths[end].time_s], declared, error_m);
+            monitor.watch([truths[start].time_s, truths[end].time_s], declared, error_m);
         } else {
-            monitor.deepen(record.truths[end].time_s, declared, error_m);
+            monitor.deepen(truths[end].time_s, declared, error_m);
         }
     }
 }
