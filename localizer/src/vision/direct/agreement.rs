@@ -52,6 +52,9 @@ pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
             kept &= common;
         }
     }
+    kept = (0..distinct.len())
+        .filter(|index| kept >> index & 1 == 1 && is_supported(&distinct, kept, *index))
+        .fold(0, |bits, index| bits | 1 << index);
     let evidence = winners.weights[kept];
     let joints =
         distinct.into_iter().enumerate().filter(|(index, _)| kept >> index & 1 == 1).map(|(_, joint)| joint).collect();
@@ -97,6 +100,10 @@ fn agree(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
 
 /// Joints looked at together: all their subsets are tried.
 const MOST_JOINTS: usize = 12;
+/// Likeness that needs no further support: contrasts within a factor of 1.8.
+const LIKENESS_MIN: f64 = 0.3;
+/// Share of its visible length that a line unlike its partners must show.
+const COVER_MIN: f64 = 0.75;
 /// What a line counts without an orthogonal one of its kind, relative to one with it.
 const WITHOUT_PARTNER: f64 = 0.25;
 
@@ -105,6 +112,18 @@ fn likeness(a: &Joint, b: &Joint) -> f64 {
     // The square of the ratio: half the contrast leaves a quarter.
     let ratio = a.depth.min(b.depth) / a.depth.max(b.depth);
     ratio * ratio
+}
+
+/// Whether a member of a set looks like an orthogonal partner, or is at least as long as the picture lets it be.
+///
+/// A printed stripe ends with its tile, and is fainter than a joint; a worn joint is fainter too, but goes on.
+fn is_supported(joints: &[Joint], set: usize, index: usize) -> bool {
+    let joint = &joints[index];
+    let partners = joints.iter().enumerate().filter(|(other, _)| set >> other & 1 == 1);
+    let alike = partners
+        .filter(|(_, other)| other.line.family != joint.line.family)
+        .any(|(_, other)| likeness(joint, other) > LIKENESS_MIN);
+    alike || joint.cover > COVER_MIN
 }
 
 /// Sets of joints, as bits.

@@ -21,6 +21,8 @@ pub(super) struct Joint {
     pub(super) middle_px: [f64; 2],
     /// Length between its first and last point.
     pub(super) span_px: f64,
+    /// Share of the line's visible length that lies between its first and last point.
+    pub(super) cover: f64,
     /// Whether its width is that of a joint rather than only not unlike it.
     pub(super) width_is_sure: bool,
 }
@@ -157,6 +159,7 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
         direction_sd_rad: 3.5 * scatter_px.max(0.05) / (span_px * (accepted.len() as f64).sqrt()),
         middle_px,
         span_px,
+        cover: span_px / (profiles.along_px.last()? - profiles.along_px.first()?),
         width_is_sure,
     })
 }
