@@ -170,3 +170,66 @@ fn evidence(joints: &[Joint], set: usize) -> f64 {
         })
         .sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vision::direct::vote::Candidate;
+
+    fn joint(family: u8, normal_rad: f64, offset_px: f64, depth: f64) -> Joint {
+        let (sin, cos) = normal_rad.sin_cos();
+        Joint {
+            line: Candidate { normal_rad, offset_px, family, dark: true, support: 0.0 },
+            points_px: Vec::new(),
+            depth,
+            direction_sd_rad: 1e-4,
+            middle_px: [offset_px * cos, offset_px * sin],
+            span_px: 400.0,
+            cover: 1.0,
+            width_is_sure: true,
+        }
+    }
+
+    fn kept(joints: Vec<Joint>) -> Vec<(u8, f64)> {
+        let view = FloorView { pixels_per_m: 1333.0, edge_px: [400.0, 600.0], joint_width_px: 5.0, q_items: 0 };
+        let mut kept: Vec<(u8, f64)> =
+            grid(joints, &view).joints.iter().map(|joint| (joint.line.family, joint.line.offset_px)).collect();
+        kept.sort_by(|a, b| a.1.total_cmp(&b.1));
+        kept
+    }
+
+    #[test]
+    fn lines_a_pitch_apart_and_across_agree() {
+        let joints =
+            vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.201, 250.5, 0.8), joint(1, 0.2 + FRAC_PI_2, 40.0, 0.7)];
+        assert_eq!(kept(joints).len(), 3);
+    }
+
+    #[test]
+    fn one_pitch_cannot_serve_both_families_when_they_differ() {
+        // 400 px between the lines of either family, on tiles of 400 × 600 px: one pair of them is no pair of joints.
+        let across = 0.2 + FRAC_PI_2;
+        let joints = vec![
+            joint(0, 0.2, -150.0, 0.8),
+            joint(0, 0.2, 250.0, 0.8),
+            joint(1, across, -100.0, 0.8),
+            joint(1, across, 300.0, 0.8),
+        ];
+        assert!(kept(joints).len() < 4);
+    }
+
+    #[test]
+    fn a_line_askew_or_off_the_pitch_leaves_its_family_in_doubt() {
+        let across = joint(1, 0.2 + FRAC_PI_2, 40.0, 0.8);
+        let askew = vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.24, 100.0, 0.8), across.clone()];
+        assert_eq!(kept(askew), [(0, -150.0), (1, 40.0)]);
+        let off_pitch = vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.2, 100.0, 0.8), across];
+        assert_eq!(kept(off_pitch), [(1, 40.0)]);
+    }
+
+    #[test]
+    fn a_black_wire_does_not_outweigh_a_joint_that_looks_like_its_partner() {
+        let joints = vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.2, 100.0, 1.9), joint(1, 0.2 + FRAC_PI_2, 40.0, 0.8)];
+        assert_eq!(kept(joints), [(0, -150.0), (1, 40.0)]);
+    }
+}
