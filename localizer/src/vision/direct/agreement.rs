@@ -52,6 +52,9 @@ pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
             kept &= common;
         }
     }
+    kept = (0..distinct.len())
+        .filter(|index| kept >> index & 1 == 1 && is_supported(&distinct, kept, *index))
+        .fold(0, |bits, index| bits | 1 << index);
     let evidence = winners.weights[kept];
     let joints =
         distinct.into_iter().enumerate().filter(|(index, _)| kept >> index & 1 == 1).map(|(_, joint)| joint).collect();
@@ -97,6 +100,10 @@ fn agree(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
 
 /// Joints looked at together: all their subsets are tried.
 const MOST_JOINTS: usize = 12;
+/// Likeness that needs no further support: contrasts within a factor of 1.8.
+const LIKENESS_MIN: f64 = 0.3;
+/// Share of its visible length that a line unlike its partners must show.
+const COVER_MIN: f64 = 0.75;
 /// What a line counts without an orthogonal one of its kind, relative to one with it.
 const WITHOUT_PARTNER: f64 = 0.25;
 
@@ -105,6 +112,18 @@ fn likeness(a: &Joint, b: &Joint) -> f64 {
     // The square of the ratio: half the contrast leaves a quarter.
     let ratio = a.depth.min(b.depth) / a.depth.max(b.depth);
     ratio * ratio
+}
+
+/// Whether a member of a set looks like an orthogonal partner, or is at least as long as the picture lets it be.
+///
+/// A printed stripe ends with its tile, and is fainter than a joint; a worn joint is fainter too, but goes on.
+fn is_supported(joints: &[Joint], set: usize, index: usize) -> bool {
+    let joint = &joints[index];
+    let partners = joints.iter().enumerate().filter(|(other, _)| set >> other & 1 == 1);
+    let alike = partners
+        .filter(|(_, other)| other.line.family != joint.line.family)
+        .any(|(_, other)| likeness(joint, other) > LIKENESS_MIN);
+    alike || joint.cover > COVER_MIN
 }
 
 /// Sets of joints, as bits.
@@ -150,4 +169,67 @@ fn evidence(joints: &[Joint], set: usize) -> f64 {
             joint.span_px * best * if joint.width_is_sure { 1.0 } else { 0.5 }
         })
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vision::direct::vote::Candidate;
+
+    fn joint(family: u8, normal_rad: f64, offset_px: f64, depth: f64) -> Joint {
+        let (sin, cos) = normal_rad.sin_cos();
+        Joint {
+            line: Candidate { normal_rad, offset_px, family, dark: true, support: 0.0 },
+            points_px: Vec::new(),
+            depth,
+            direction_sd_rad: 1e-4,
+            middle_px: [offset_px * cos, offset_px * sin],
+            span_px: 400.0,
+            cover: 1.0,
+            width_is_sure: true,
+        }
+    }
+
+    fn kept(joints: Vec<Joint>) -> Vec<(u8, f64)> {
+        let view = FloorView { pixels_per_m: 1333.0, edge_px: [400.0, 600.0], joint_width_px: 5.0, q_items: 0 };
+        let mut kept: Vec<(u8, f64)> =
+            grid(joints, &view).joints.iter().map(|joint| (joint.line.family, joint.line.offset_px)).collect();
+        kept.sort_by(|a, b| a.1.total_cmp(&b.1));
+        kept
+    }
+
+    #[test]
+    fn lines_a_pitch_apart_and_across_agree() {
+        let joints =
+            vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.201, 250.5, 0.8), joint(1, 0.2 + FRAC_PI_2, 40.0, 0.7)];
+        assert_eq!(kept(joints).len(), 3);
+    }
+
+    #[test]
+    fn one_pitch_cannot_serve_both_families_when_they_differ() {
+        // 400 px between the lines of either family, on tiles of 400 × 600 px: one pair of them is no pair of joints.
+        let across = 0.2 + FRAC_PI_2;
+        let joints = vec![
+            joint(0, 0.2, -150.0, 0.8),
+            joint(0, 0.2, 250.0, 0.8),
+            joint(1, across, -100.0, 0.8),
+            joint(1, across, 300.0, 0.8),
+        ];
+        assert!(kept(joints).len() < 4);
+    }
+
+    #[test]
+    fn a_line_askew_or_off_the_pitch_leaves_its_family_in_doubt() {
+        let across = joint(1, 0.2 + FRAC_PI_2, 40.0, 0.8);
+        let askew = vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.24, 100.0, 0.8), across.clone()];
+        assert_eq!(kept(askew), [(0, -150.0), (1, 40.0)]);
+        let off_pitch = vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.2, 100.0, 0.8), across];
+        assert_eq!(kept(off_pitch), [(1, 40.0)]);
+    }
+
+    #[test]
+    fn a_black_wire_does_not_outweigh_a_joint_that_looks_like_its_partner() {
+        let joints = vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.2, 100.0, 1.9), joint(1, 0.2 + FRAC_PI_2, 40.0, 0.8)];
+        assert_eq!(kept(joints), [(0, -150.0), (1, 40.0)]);
+    }
 }

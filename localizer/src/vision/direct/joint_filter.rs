@@ -30,8 +30,11 @@ pub(super) struct JointFilter {
 struct Shift {
     step: Vec<f32>,
     strip: Vec<f32>,
-    /// Norm of the strip before normalisation: depth = projection / norm.
+    /// Norms before normalisation: depth = projection / norm.
+    step_norm: f32,
     strip_norm: f32,
+    /// What a strip of unit depth has in common with the unit step.
+    strip_on_step: f32,
 }
 
 /// Best fit of one profile.
@@ -41,6 +44,8 @@ pub(super) struct Fit {
     pub(super) shift_px: f32,
     /// Height of the strip in units of the profile: negative where the joint is darker.
     pub(super) depth: f32,
+    /// Height of the step from the tile on one side to that on the other.
+    pub(super) step: f32,
     /// Root mean square of what the model leaves, per degree of freedom.
     pub(super) residual: f32,
 }
@@ -70,10 +75,11 @@ impl JointFilter {
                 strip.push((left - right) as f32);
             }
             remove(&mut step, [&ground[0], &ground[1]]);
-            normalise(&mut step);
+            let step_norm = normalise(&mut step);
+            let strip_on_step = dot(&strip, &step);
             remove(&mut strip, [&ground[0], &ground[1], &step]);
             let strip_norm = normalise(&mut strip);
-            shifts.push(Shift { step, strip, strip_norm });
+            shifts.push(Shift { step, strip, step_norm, strip_norm, strip_on_step });
         }
         let middle = &shifts[count / 2];
         let edge = |x: f64| blurred_edge(x, blur_px);
@@ -103,13 +109,15 @@ impl JointFilter {
         let from = to_index(around_px - within_px).floor().clamp(0.0, last as f32) as usize;
         let to = to_index(around_px + within_px).ceil().clamp(0.0, last as f32) as usize;
         let mut explained = [0f32; MAX_SHIFTS];
-        let (mut best, mut best_depth) = (None, 0.0);
+        let (mut best, mut best_depth, mut best_step) = (None, 0.0, 0.0);
         for index in from..=to {
             let shift = &self.shifts[index];
             let (step, strip) = (dot(y, &shift.step), dot(y, &shift.strip));
             explained[index] = step * step + strip * strip;
             if (strip < 0.0) == dark && best.is_none_or(|best: usize| explained[index] > explained[best]) {
-                (best, best_depth) = (Some(index), strip / shift.strip_norm);
+                let depth = strip / shift.strip_norm;
+                (best, best_depth) = (Some(index), depth);
+                best_step = (step - depth * shift.strip_on_step) / shift.step_norm;
             }
         }
         // A maximum at either end of the search is no maximum.
@@ -124,6 +132,7 @@ impl JointFilter {
         Some(Fit {
             shift_px: (best as f32 + offset) / SHIFTS_PER_PX as f32 - self.reach_px as f32,
             depth: best_depth,
+            step: best_step,
             residual: (left / (2 * self.half + 1 - 5) as f32).sqrt(),
         })
     }
@@ -181,4 +190,53 @@ fn normalise(vector: &mut [f32]) -> f32 {
     let length = dot(vector, vector).sqrt().max(1e-12);
     vector.iter_mut().for_each(|value| *value /= length);
     length
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of 5 px at a place on a slope, with half of a step to another tile at each edge: pixels average what they cover.
+    fn profile(half: usize, centre_px: f64, depth: f64, step: f64) -> Vec<f32> {
+        let left_of = |x: f64, edge: f64| (edge - x + 0.5).clamp(0.0, 1.0);
+        (0..=2 * half)
+            .map(|sample| {
+                let x = sample as f64 - half as f64;
+                let (before, after) = (left_of(x, centre_px - 2.5), left_of(x, centre_px + 2.5));
+                let inside = after - before;
+                (4.0 + 0.01 * x + depth * inside + step * (1.0 - after + 0.5 * inside)) as f32
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_centre_is_found_whatever_the_level_the_slope_and_the_step() {
+        let half = JointFilter::half_for(5.0, 0.0, 4.0);
+        let filter = JointFilter::new(5.0, 0.0, 4.0, half);
+        for centre_px in [-2.3, -0.6, 0.0, 0.25, 1.8] {
+            for step in [-0.3, 0.0, 0.3] {
+                let fit = filter.fit(&profile(half, centre_px, -0.5, step), true, 0.0, 4.0);
+                let Some(fit) = fit else { panic!("no strip at {centre_px} px with a step of {step}") };
+                assert!((f64::from(fit.shift_px) - centre_px).abs() < 0.06, "{fit:?} at {centre_px}, step {step}");
+                assert!((fit.depth + 0.5).abs() < 0.05);
+            }
+        }
+    }
+
+    #[test]
+    fn a_strip_of_the_other_polarity_is_none() {
+        let half = JointFilter::half_for(5.0, 0.0, 4.0);
+        let filter = JointFilter::new(5.0, 0.0, 4.0, half);
+        assert!(filter.fit(&profile(half, 0.3, 0.5, 0.0), true, 0.0, 1.0).is_none());
+    }
+
+    #[test]
+    fn a_single_edge_shows_as_a_step_twice_as_high_as_the_strip_is_deep() {
+        // Half of the step at either edge of the strip, and a strip that takes one half back: that is a single edge.
+        let half = JointFilter::half_for(5.0, 0.0, 4.0);
+        let filter = JointFilter::new(5.0, 0.0, 4.0, half);
+        let edge: Vec<f32> = (0..=2 * half).map(|sample| if sample < half { 4.0 } else { 4.5 }).collect();
+        let Some(fit) = filter.fit(&edge, true, 0.0, 4.0) else { panic!("an edge passes for one side of a strip") };
+        assert!((fit.step / fit.depth).abs() > 1.8, "{fit:?}");
+    }
 }

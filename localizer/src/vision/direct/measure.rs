@@ -21,6 +21,8 @@ pub(super) struct Joint {
     pub(super) middle_px: [f64; 2],
     /// Length between its first and last point.
     pub(super) span_px: f64,
+    /// Share of the line's visible length that lies between its first and last point.
+    pub(super) cover: f64,
     /// Whether its width is that of a joint rather than only not unlike it.
     pub(super) width_is_sure: bool,
 }
@@ -56,6 +58,8 @@ const LOOK_REACH_PX: f64 = 1.5;
 /// Residual of a third's mean profile in units of its depth: 99 of 100 joints leave less than 0.13, what is printed beside
 /// some of them more.
 const RESIDUAL_ALLOWED: f32 = 0.12;
+/// Step from tile to tile in units of the strip's depth: at 2 the strip is one side of a single edge, of a tape or a shadow.
+const STEP_ALLOWED: f32 = 1.3;
 /// Widths tried on the mean profile, in units of the joint's.
 const WIDTHS: [f64; 5] = [0.45, 0.7, 1.0, 1.4, 2.1];
 
@@ -164,6 +168,7 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
         direction_sd_rad: 3.5 * scatter_px.max(0.05) / (span_px * (accepted.len() as f64).sqrt()),
         middle_px,
         span_px,
+        cover: span_px / (profiles.along_px.last()? - profiles.along_px.first()?),
         width_is_sure,
     })
 }
@@ -250,7 +255,9 @@ impl Look<'_> {
             let mean = self.mean_profile([from_px, from_px + third_px])?;
             let fit = own.fit(&mean, self.dark, 0.0, LOOK_REACH_PX as f32)?;
             let in_place = f64::from(fit.shift_px).abs() < 2.0 * bound_px(self.blur_px);
-            if !in_place
+            let is_edge = fit.step.abs() > STEP_ALLOWED * fit.depth.abs();
+            if is_edge
+                || !in_place
                 || !(0.3..3.0).contains(&(fit.depth / self.depth))
                 || fit.residual > RESIDUAL_ALLOWED * fit.depth.abs()
             {

@@ -53,3 +53,27 @@ fn average(members: &[Peak]) -> Peak {
     }
     peak
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_on_both_sides_of_the_wrap_are_one_line() {
+        // u = 100 turned by ±0.01: beyond π/2 the perpendicular points the other way.
+        let peaks = [
+            Peak { r_px: 100.0, angle_rad: FRAC_PI_2 - 0.01, votes: 300 },
+            Peak { r_px: -100.0, angle_rad: -FRAC_PI_2 + 0.01, votes: 300 },
+        ];
+        let lines = clustered(&peaks);
+        assert_eq!(lines.len(), 1);
+        assert!((lines[0].r_px.abs() - 100.0).abs() < 1e-9);
+        assert!((lines[0].angle_rad.abs() - FRAC_PI_2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn parallel_joints_a_tile_apart_stay_two() {
+        let peaks = [100.0, 500.0].map(|r_px| Peak { r_px, angle_rad: 0.1, votes: 200 });
+        assert_eq!(clustered(&peaks).len(), 2);
+    }
+}

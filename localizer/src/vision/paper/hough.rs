@@ -73,3 +73,22 @@ fn is_highest(accumulator: &[u32], cells: usize, i: usize, j: usize) -> bool {
         (j - 1..=j + 1).all(|near| accumulator[angle * cells + if mirrored { cells - 1 - near } else { near }] <= votes)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drawn_line_is_the_highest_peak() {
+        // u·cos 30° + v·sin 30° = 120, drawn one pixel a row.
+        let (sin, cos) = 30.0_f64.to_radians().sin_cos();
+        let mut picture = Binary { width: 200, height: 150, pixels: vec![false; 30_000] };
+        for v in 1..149 {
+            let u = ((120.0 - v as f64 * sin) / cos).round();
+            picture.pixels[v * 200 + u as usize] = true;
+        }
+        let best = peaks(&picture, 50)[0];
+        assert!((best.r_px - 120.0).abs() <= CELL_PX);
+        assert!((best.angle_rad - 30.0_f64.to_radians()).abs() <= 2.0 * PI / ANGLES as f64);
+    }
+}

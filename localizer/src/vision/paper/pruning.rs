@@ -65,3 +65,31 @@ fn remove_small_components(skeleton: &mut Binary) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pixels of a row from 5 to 94, with whatever is added.
+    fn row_and(extra: impl Iterator<Item = (usize, usize)>) -> Binary {
+        let mut picture = Binary { width: 100, height: 60, pixels: vec![false; 6000] };
+        for (u, v) in (5..95).map(|u| (u, 30)).chain(extra) {
+            picture.pixels[v * 100 + u] = true;
+        }
+        picture
+    }
+
+    #[test]
+    fn a_spur_goes_and_its_line_stays() {
+        let kept = pruned(row_and((24..30).map(|v| (50, v))));
+        assert!((5..95).all(|u| kept.pixels[3000 + u]));
+        assert!((24..28).all(|v| !kept.pixels[v * 100 + 50]));
+    }
+
+    #[test]
+    fn a_speck_goes_and_a_long_branch_stays() {
+        let kept = pruned(row_and((10..30).map(|v| (50, v)).chain((70..80).map(|u| (u, 50)))));
+        assert!((12..28).all(|v| kept.pixels[v * 100 + 50]));
+        assert!((70..80).all(|u| !kept.pixels[5000 + u]));
+    }
+}

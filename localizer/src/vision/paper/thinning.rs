@@ -31,3 +31,21 @@ fn is_removable(p: &[bool; 8], pass: usize) -> bool {
     let open = if pass == 0 { !(right && below && (above || left)) } else { !(above && left && (right || below)) };
     (2..=6).contains(&count) && rises == 1 && open
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_band_is_thinned_to_its_middle_row() {
+        let mut band = Binary { width: 80, height: 40, pixels: vec![false; 3200] };
+        for index in (16..23).flat_map(|v| (10..70).map(move |u| v * 80 + u)) {
+            band.pixels[index] = true;
+        }
+        let thin = skeleton(band);
+        for u in 16..64 {
+            let column: Vec<usize> = (0..40).filter(|v| thin.pixels[v * 80 + u]).collect();
+            assert!(column.len() == 1 && column[0].abs_diff(19) <= 1, "column {u}: {column:?}");
+        }
+    }
+}
