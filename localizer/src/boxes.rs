@@ -139,9 +139,8 @@ impl<const N: usize> TryFrom<Vec<Interval>> for IntervalBox<N> {
     type Error = String;
     fn try_from(components: Vec<Interval>) -> Result<Self, String> {
         let n_components = components.len();
-        let components = components
-            .try_into()
-            .map_err(|_| format!("read a box of {N} intervals: got {n_components}"))?;
+        let components =
+            components.try_into().map_err(|_| format!("read a box of {N} intervals: got {n_components}"))?;
         Ok(IntervalBox { components })
     }
 }

@@ -1,4 +1,41 @@
 //! One verb, `contract`: shrink a box without losing a solution.
+//!
+//! ```
+//! use localizer::contractor::ForwardBackward;
+//! use localizer::{Contractor, Interval, IntervalBox};
+//!
+//! // An equation becomes a contractor: x² + y² ∈ [1, 4] …
+//! let ring = ForwardBackward::new(|[x, y]| x.sqr() + y.sqr(), Interval::new(1.0, 4.0));
+//! // … and contractors combine: also x = y, again and again until nothing moves.
+//! let diagonal = ForwardBackward::new(|[x, y]| x - y, Interval::ZERO);
+//! let both = ring.then(diagonal).fixpoint(1e-6);
+//! let mut domain = IntervalBox::new([Interval::new(0.0, 9.0), Interval::new(-9.0, 9.0)]);
+//! both.contract(&mut domain);
+//! assert!(domain[1].is_subset_of(Interval::new(0.7, 1.42)));
+//! ```
+
+mod combinators;
+mod distance;
+mod expression;
+mod forward_backward;
+mod linear_pose;
+mod periodic;
+mod pinhole;
+mod polar;
+mod q_relaxed;
+mod rigid_planar;
+mod rigid_rows;
+
+pub use combinators::{Fixpoint, OnAxes, Then, Union};
+pub use distance::Distance;
+pub use expression::Expression;
+pub use forward_backward::{ForwardBackward, Inverse};
+pub use linear_pose::LinearPose;
+pub use periodic::Periodic;
+pub use pinhole::Pinhole;
+pub use polar::Polar;
+pub use q_relaxed::{QRelaxed, q_intersection};
+pub use rigid_planar::RigidPlanar;
 
 use crate::IntervalBox;
 
@@ -27,5 +64,68 @@ pub trait Contractor<const N: usize> {
             Outcome::Feasible => vec![contracted],
             Outcome::Empty(_) => Vec::new(),
         }
+    }
+
+    /// Both constraints: this one first, then `next` on what is left.
+    fn then<Next: Contractor<N>>(self, next: Next) -> Then<Self, Next>
+    where
+        Self: Sized,
+    {
+        Then { first: self, next }
+    }
+
+    /// Either constraint: the hull of what each leaves.
+    fn union<Other: Contractor<N>>(self, other: Other) -> Union<Self, Other>
+    where
+        Self: Sized,
+    {
+        Union { either: self, or: other }
+    }
+
+    /// The same constraint, applied until no width shrinks by more than the share `ratio` of it.
+    fn fixpoint(self, ratio: f64) -> Fixpoint<Self>
+    where
+        Self: Sized,
+    {
+        Fixpoint { contractor: self, ratio }
+    }
+
+    /// The same constraint on `M` variables, of which `axes` are this contractor's, in its order.
+    fn on_axes(self, axes: [usize; N]) -> OnAxes<Self, N>
+    where
+        Self: Sized,
+    {
+        OnAxes { contractor: self, axes }
+    }
+}
+
+impl<const N: usize, C: Contractor<N> + ?Sized> Contractor<N> for Box<C> {
+    fn contract(&self, domain: &mut IntervalBox<N>) -> Outcome {
+        (**self).contract(domain)
+    }
+
+    fn branches(&self, domain: &IntervalBox<N>) -> Vec<IntervalBox<N>> {
+        (**self).branches(domain)
+    }
+}
+
+impl<const N: usize, C: Contractor<N> + ?Sized> Contractor<N> for &C {
+    fn contract(&self, domain: &mut IntervalBox<N>) -> Outcome {
+        (**self).contract(domain)
+    }
+
+    fn branches(&self, domain: &IntervalBox<N>) -> Vec<IntervalBox<N>> {
+        (**self).branches(domain)
+    }
+}
+
+/// Replaces `domain` by what a contraction left of it.
+fn settle<const N: usize>(domain: &mut IntervalBox<N>, left: IntervalBox<N>, cause: &'static str) -> Outcome {
+    if left.is_empty() {
+        *domain = IntervalBox::EMPTY;
+        Outcome::Empty(cause)
+    } else {
+        *domain = left;
+        Outcome::Feasible
     }
 }

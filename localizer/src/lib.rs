@@ -10,18 +10,20 @@
 //! The crate owns its inputs and knows neither files, clocks, graphics nor the simulator: truth cannot leak in.
 //! Modules in reading order, from arithmetic to answer.
 
+pub mod interval;
 pub mod boxes;
 pub mod contractor;
-pub mod interval;
-pub mod localizer;
+pub mod separator;
+pub mod paving;
+pub mod pose;
+pub mod robot;
 pub mod map;
+pub mod reading;
+pub mod motion;
+pub mod vision;
 pub mod method;
 pub mod methods;
-pub mod motion;
-pub mod pose;
-pub mod reading;
-pub mod robot;
-pub mod vision;
+pub mod localizer;
 
 pub use boxes::IntervalBox;
 pub use contractor::{Contractor, Outcome};

@@ -17,9 +17,6 @@ use ramp::Ramp;
 /// Time between two commands.
 pub const PERIOD_S: f64 = 0.01;
 
-/// Share of the robot's limits that the driver plans with, so that corrections stay within them.
-const PLANNED_SHARE: f64 = 0.8;
-
 /// Time in which an acceleration rises to its full value. Shorter ones make the tyres slip more, longer ones overshoot.
 const JERK_RISE_S: f64 = 0.2;
 
@@ -32,8 +29,9 @@ const LOOK_AHEAD_S: f64 = 0.2;
 /// The robot has arrived at a stop when this little of the way is left.
 const ARRIVED_M: f64 = 0.01;
 
-/// The robot faces its way when it is off by less; pure pursuit corrects the rest.
-const FACING_RAD: f64 = 0.03;
+/// The robot faces its way when it is off by less; pure pursuit corrects the rest. With less, an estimate that jumps by
+/// centimetres keeps it turning to and fro.
+const FACING_RAD: f64 = 0.08;
 
 /// With the way ahead farther off than this the robot turns in place first.
 const TURN_FIRST_RAD: f64 = 1.2;
@@ -41,13 +39,16 @@ const TURN_FIRST_RAD: f64 = 1.2;
 /// Speed below which no stop is planned, so that the last millimetres do not take for ever.
 const CREEP_M_PER_S: f64 = 0.02;
 
-/// Turn rate below which no end of a turn is planned.
-const CREEP_RAD_PER_S: f64 = 0.03;
+/// Turn rate per angle left, near the end of a turn: slow enough for the ramp's rise, or the robot swings to and fro.
+const TURN_GAIN_PER_S: f64 = 2.0;
+
+/// Turn rate at which a turn counts as ended.
+const STILL_RAD_PER_S: f64 = 0.01;
 
 /// Without this much progress in `STUCK_S` the waypoint is given up.
 const PROGRESS_M: f64 = 0.02;
 
-/// See `PROGRESS_M`. Longer than any caution lasts at creeping speed.
+/// See `PROGRESS_M`. Longer than any caution lasts, and than any turn.
 const STUCK_S: f64 = 20.0;
 
 /// Drives the route.
@@ -94,15 +95,16 @@ impl Driver {
     /// A driver of the scene's route; without one it stands still.
     pub fn new(scene: &Scene) -> Driver {
         let robot = &scene.robot;
-        let acceleration_m_per_s2 = PLANNED_SHARE * robot.max_acceleration_m_per_s2;
+        let acceleration_m_per_s2 = robot.max_acceleration_m_per_s2;
         Driver {
             path: None,
             scene: scene.clone(),
             segment_idx: 0,
             stage: Stage::Turn,
             speed: Ramp::new(acceleration_m_per_s2, JERK_RISE_S),
-            // Wheels accelerate in a turn by as much as in going straight.
-            turn: Ramp::new(2.0 * acceleration_m_per_s2 / robot.track_m, JERK_RISE_S),
+            // In a turn the wheels accelerate half as hard as straight on: both at once load a tyre, and a robot that ends a
+            // turn swings its rubber from full braking to nothing without rolling on.
+            turn: Ramp::new(acceleration_m_per_s2 / robot.track_m, JERK_RISE_S),
             caution: Caution::new(scene),
             pose: scene.nominal_start(),
             progress: Progress { left_m: f64::INFINITY, at_s: 0.0 },
@@ -154,12 +156,12 @@ impl Driver {
         wish
     }
 
-    /// Gives up a waypoint that does not come closer: behind a wall that the estimate does not know, say.
+    /// Gives up a turn that does not end, and a waypoint that does not come closer: behind a wall, say.
     fn watch_progress(&mut self, path: &Path, time_s: f64) {
         let left_m =
             path.segment(self.segment_idx).map_or(0.0, |segment| segment.length_m - segment.foot_m(self.place_m()));
-        let moves = self.stage == Stage::Drive;
-        if !moves || left_m < self.progress.left_m - PROGRESS_M || left_m > self.progress.left_m + PROGRESS_M {
+        let gets_on = (left_m - self.progress.left_m).abs() > PROGRESS_M;
+        if gets_on || !matches!(self.stage, Stage::Drive | Stage::Turn) {
             self.progress = Progress { left_m, at_s: time_s };
         } else if time_s - self.progress.at_s > STUCK_S {
             self.progress = Progress { left_m, at_s: time_s };
@@ -188,14 +190,19 @@ impl Driver {
     /// Turns in place until the way lies ahead.
     fn turn(&mut self, path: &Path) -> Wish {
         let (off_rad, _) = self.way_ahead(path);
-        if off_rad.abs() < FACING_RAD && self.turn.value().abs() <= 2.0 * CREEP_RAD_PER_S {
-            self.stage = Stage::Drive;
+        if off_rad.abs() < FACING_RAD {
+            if self.turn.value().abs() < STILL_RAD_PER_S {
+                self.stage = Stage::Drive;
+            }
             return Wish::default();
         }
         let robot = &self.scene.robot;
-        let braking_rad_per_s2 = PLANNED_SHARE * robot.max_acceleration_m_per_s2 / robot.track_m;
-        let rate_rad_per_s = (2.0 * braking_rad_per_s2 * off_rad.abs()).sqrt() + CREEP_RAD_PER_S;
-        Wish { speed_m_per_s: 0.0, turn_rad_per_s: off_rad.signum() * rate_rad_per_s.min(self.turn_limit_rad_per_s()) }
+        let braking_rad_per_s2 = 0.5 * robot.max_acceleration_m_per_s2 / robot.track_m;
+        let rate_rad_per_s = (2.0 * braking_rad_per_s2 * off_rad.abs())
+            .sqrt()
+            .min(TURN_GAIN_PER_S * off_rad.abs())
+            .min(self.turn_limit_rad_per_s());
+        Wish { speed_m_per_s: 0.0, turn_rad_per_s: off_rad.signum() * rate_rad_per_s }
     }
 
     /// Pure pursuit (Coulter 1992): the arc through the robot's place, along its heading, to the point ahead: `κ = 2·y/d²`.
@@ -237,8 +244,8 @@ impl Driver {
 
     /// Greatest speed from which the end of the segment can be met at the speed that its corner allows.
     fn approach_speed_m_per_s(&self, path: &Path, left_m: f64) -> f64 {
-        // Half of the planned acceleration: the other half is for the ramp's rise and for jumps of the estimate.
-        let braking_m_per_s2 = 0.5 * PLANNED_SHARE * self.scene.robot.max_acceleration_m_per_s2;
+        // Half of the acceleration: the other half is for the ramp's rise and for jumps of the estimate.
+        let braking_m_per_s2 = 0.5 * self.scene.robot.max_acceleration_m_per_s2;
         if path.stops_after(self.segment_idx) {
             return (2.0 * braking_m_per_s2 * left_m.max(0.0)).sqrt() + CREEP_M_PER_S;
         }
@@ -252,7 +259,7 @@ impl Driver {
 
     /// Greatest speed in a curve: within the turn rate, and with no more acceleration to the side than ahead.
     fn curve_speed_m_per_s(&self, curvature_per_m: f64) -> f64 {
-        let sideways_m_per_s2 = PLANNED_SHARE * self.scene.robot.max_acceleration_m_per_s2;
+        let sideways_m_per_s2 = self.scene.robot.max_acceleration_m_per_s2;
         let curvature_per_m = curvature_per_m.abs().max(1e-9);
         (self.turn_limit_rad_per_s() / curvature_per_m).min((sideways_m_per_s2 / curvature_per_m).sqrt())
     }

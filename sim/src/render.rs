@@ -1,7 +1,7 @@
 //! Pictures of the world as a camera's sensor gives them, drawn headlessly by wgpu.
 //!
 //! ```text
-//! View ─> floor pass (rasterised; sub-frames of the exposure, linear luminance in cd/m²) ─> sensor pass (compute) ─> GrayImage
+//! View ─> floor pass (rasterised faces, then bands; luminance in cd/m²) ─> photon pass (compute) ─> GrayImage
 //! ```
 //!
 //! All views of a tick go in one submit. Same world, views and adapter: same bytes. A further camera is a further
@@ -27,7 +27,7 @@ mod target;
 pub use light::FloorLight;
 
 use device::Graphics;
-use floor::{FloorOnDevice, FloorPass};
+use floor::{Floor, FloorPass};
 use photons::PhotonPass;
 use target::Target;
 
@@ -59,10 +59,10 @@ pub struct NoiseKey {
     pub image: u32,
 }
 
-/// A world on the graphics device, made by [`Renderer::upload`] and drawn by the same renderer.
+/// A world as it is drawn, made by [`Renderer::upload`].
 #[derive(Debug)]
 pub struct RenderedWorld {
-    floor: FloorOnDevice,
+    floor: Floor,
 }
 
 /// Why no picture came.
@@ -139,14 +139,13 @@ impl Renderer {
         self.graphics.adapter_name()
     }
 
-    /// Lays what never changes during a run into device memory.
+    /// Prepares a world for drawing.
     ///
     /// # Errors
-    /// If the floor has more tiles than the device's memory holds, or the driver reports an error.
+    /// If the driver reported an error since.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
-        let floor = self.floor_pass.upload(&self.graphics, scene, drawn)?;
         self.graphics.check()?;
-        Ok(RenderedWorld { floor })
+        Ok(RenderedWorld { floor: Floor::new(scene, drawn) })
     }
 
     /// Takes all pictures of a tick, in the order of `views`.
@@ -159,8 +158,9 @@ impl Renderer {
         }
         let device = &self.graphics.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for (view, target) in views.iter().zip(&self.targets) {
-            self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, target)?;
+        for (view, target) in views.iter().zip(&mut self.targets) {
+            let Target { floor, luminance, .. } = target;
+            self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?;
             self.photon_pass.draw(&self.graphics.queue, &mut encoder, view, target);
             target.stage(&mut encoder);
         }

@@ -47,7 +47,9 @@ pub struct World {
     supports: [Support; 4],
     floor: Floor,
     pushes: Vec<Push>,
+    /// How far the wheels rolled in this step, and what the floor gave them.
     rolled: Rolled,
+    traction: Vector,
     track_m: f64,
     n_steps: u64,
     odometer: Odometer,
@@ -66,6 +68,7 @@ impl World {
             floor: Floor::new(scene),
             pushes: Push::all(scene),
             rolled: Rolled { forward_m: 0.0, turn_rad: 0.0 },
+            traction: Vector::ZERO,
             track_m: drawn.track_m,
             n_steps: 0,
         }
@@ -79,7 +82,7 @@ impl World {
         self.chassis.release();
         self.bear(&body, command);
         self.shove(&body, time_s);
-        self.chassis.advance();
+        self.chassis.advance(&body);
         self.n_steps += 1;
         let time_s = self.n_steps as f64 / STEPS_PER_S;
         self.odometer.advance(time_s, &self.chassis.state(), &self.wheels)
@@ -94,21 +97,23 @@ impl World {
     fn bear(&mut self, body: &BodyState, command: WheelCommand) {
         let robot_left = body.world_from_robot.rotation * Vector::Y;
         let mut rolled_m = [0.0; 2];
+        self.traction = Vector::ZERO;
         for (support_idx, support) in self.supports.iter().enumerate() {
             let (foot, load_n) = support.load(body);
             let mut force = Vector::new(0.0, 0.0, load_n);
             // The first two supports are the wheels; casters roll without friction.
             if let Some(wheel) = self.wheels.get_mut(support_idx) {
-                let velocity = body.velocity_at(foot);
                 let contact = Contact {
-                    velocity_m_per_s: [velocity.dot(body.forward), velocity.dot(body.left)],
+                    velocity_m_per_s: body.coming.over_floor(body, foot),
                     load_n,
                     friction: self.floor.at(foot.x, foot.y).friction,
                 };
                 let before_rad = wheel.angle_rad;
                 let traction = wheel.advance(command.speed_rad_per_s[support_idx], &contact, STEP_S);
                 rolled_m[support_idx] = (wheel.angle_rad - before_rad) * wheel.radius_m;
-                force += body.forward * traction.force_n[0] + body.left * traction.force_n[1];
+                let grip = body.forward * traction.force_n[0] + body.left * traction.force_n[1];
+                force += grip;
+                self.traction += grip;
                 self.chassis.twist(robot_left * traction.reaction_n_m);
             }
             self.chassis.push(force, foot);
@@ -119,7 +124,7 @@ impl World {
         };
     }
 
-    /// Hands push the body, at floor level, where that tilts it least.
+    /// Hands push the body: low against the tyres' grip, at the centre of mass for the rest, so that it stays level.
     fn shove(&mut self, body: &BodyState, time_s: f64) {
         let [left_m, right_m] = [0, 1].map(|wheel_idx: usize| self.wheels[wheel_idx].patch.deflection_m());
         let deflection = (body.forward * (left_m[0] + right_m[0]) + body.left * (left_m[1] + right_m[1])) * 0.5;
@@ -127,7 +132,8 @@ impl World {
         for push in &mut self.pushes {
             let act = push.act(time_s, body, heading_rad, deflection, self.rolled, STEP_S);
             if let Some((force_n, torque_n_m)) = act {
-                self.chassis.push(force_n, body.world_from_robot.translation);
+                self.chassis.push(-self.traction, body.world_from_robot.translation);
+                self.chassis.push(force_n + self.traction, self.chassis.centre_of_mass());
                 self.chassis.twist(Vector::new(0.0, 0.0, torque_n_m));
             }
         }

@@ -73,7 +73,11 @@ fn robot() -> RobotModel {
 fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool) -> Situation {
     let grid = tile_grid(rng);
     let quarter = f64::from(rng.random_range(-9..9)) * std::f64::consts::FRAC_PI_2;
-    let heading = if axis_aligned { grid.rotation_rad + quarter + rng.random_range(-0.02..0.02) } else { rng.random_range(-20.0..20.0) };
+    let heading = if axis_aligned {
+        grid.rotation_rad + quarter + rng.random_range(-0.02..0.02)
+    } else {
+        rng.random_range(-20.0..20.0)
+    };
     let pose = [rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0), heading];
     // Body: tilt about a horizontal axis and heave, at the robot origin.
     let tilted = |rng: &mut ChaCha8Rng| {
@@ -92,7 +96,8 @@ fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool) -> Situation {
         Vector3::new(-1.0, 0.0, 0.0),
         Vector3::new(0.0, 0.0, -1.0),
     ]));
-    let body_from_camera = Isometry3::from_parts(Translation3::new(position[0], position[1], HEIGHT_M), tilted(rng) * yaw * down);
+    let body_from_camera =
+        Isometry3::from_parts(Translation3::new(position[0], position[1], HEIGHT_M), tilted(rng) * yaw * down);
     let offsets = |rng: &mut ChaCha8Rng| (0..200).map(|_| 0.0005 * corner(rng)).collect();
     Situation {
         pose,
@@ -145,7 +150,11 @@ impl Situation {
     }
 
     fn prior(&self, rng: &mut ChaCha8Rng, radius: [f64; 3]) -> PoseBox {
-        PoseBox::from([0, 1, 2].map(|axis| Interval::centred(self.pose[axis] + radius[axis] * rng.random_range(-0.9..0.9), radius[axis])))
+        PoseBox::from(
+            [0, 1, 2].map(|axis| {
+                Interval::centred(self.pose[axis] + radius[axis] * rng.random_range(-0.9..0.9), radius[axis])
+            }),
+        )
     }
 }
 
@@ -197,10 +206,20 @@ fn a_prior_as_wide_as_a_tile_keeps_one_branch_for_each_tile_it_allows() {
         let prior = situation.prior(&mut rng, [0.4, 0.4, 0.3]);
         let Some(constraint) = situation.method().constraint(0.0, lines, &PoseUnion::single(prior)) else { continue };
         let branches = PoseUnion { branches: constraint.on_pose.branches(&prior) };
-        assert!(branches.contains(localizer::Pose { x_m: situation.pose[0], y_m: situation.pose[1], heading_rad: situation.pose[2] }), "trial {trial}");
+        assert!(
+            branches.contains(localizer::Pose {
+                x_m: situation.pose[0],
+                y_m: situation.pose[1],
+                heading_rad: situation.pose[2]
+            }),
+            "trial {trial}"
+        );
         for branch in &branches.branches {
             assert!(branch.is_subset_of(&prior));
-            assert!(branch[2].width() < 0.05, "trial {trial}: a branch spans headings that no joint allows: {branch:?}");
+            assert!(
+                branch[2].width() < 0.05,
+                "trial {trial}: a branch spans headings that no joint allows: {branch:?}"
+            );
         }
     }
 }

@@ -43,7 +43,8 @@ fn drive(rng: &mut ChaCha8Rng, n_readings: usize, slip_share: f64) -> Drive {
     let mut acceleration = [0.0; 2];
     let mut poses = Vec::new();
     for reading in 0..n_readings {
-        let ticks = [0, 1].map(|w| (rolled_m[w] / radius_m[w] / std::f64::consts::TAU * 19_150.0 + phase[w]).floor() as i64);
+        let ticks =
+            [0, 1].map(|w| (rolled_m[w] / radius_m[w] / std::f64::consts::TAU * 19_150.0 + phase[w]).floor() as i64);
         history.push(reading as f64 * 0.01, ticks);
         poses.push(pose);
         if reading % 7 == 0 {
@@ -80,7 +81,8 @@ fn the_true_arc_is_enclosed_with_slip_and_dimensions_at_their_bounds() {
         let Drive { history, poses } = drive(&mut rng, 60, 1.0);
         let from = rng.random_range(0..20);
         for to in from + 1..60 {
-            let motion = history.motion(from as f64 * 0.01, to as f64 * 0.01, &wheels(), &REACH).expect("inside the history");
+            let motion =
+                history.motion(from as f64 * 0.01, to as f64 * 0.01, &wheels(), &REACH).expect("inside the history");
             let reached = moved(&start_box(poses[from]), &motion);
             assert!(reached.contains(&poses[to]), "from {from} to {to}: {reached:?} misses {:?}", poses[to]);
         }

@@ -3,7 +3,7 @@
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use super::Interval;
-use super::rounding::{down, down_regular, down_sum, is_regular, up, up_regular, up_sum};
+use super::rounding::{are_regular, down, down_regular, down_sum, up, up_regular, up_sum};
 
 impl Neg for Interval {
     type Output = Interval;
@@ -18,7 +18,7 @@ impl Add for Interval {
     #[inline]
     fn add(self, other: Interval) -> Interval {
         let (lo, hi) = (self.lo + other.lo, self.hi + other.hi);
-        if is_regular(lo) & is_regular(hi) {
+        if are_regular(lo, hi) {
             Interval::from_bounds(down_regular(lo), up_regular(hi))
         } else {
             Interval::from_bounds(down_sum(lo), up_sum(hi))
@@ -43,9 +43,9 @@ impl Mul for Interval {
         let hl = self.hi * other.lo;
         let hh = self.hi * other.hi;
         let (lo, hi) = (least(least(ll, lh), least(hl, hh)), greatest(greatest(ll, lh), greatest(hl, hh)));
-        // 0 × ∞ gives NaN, which minima and maxima could drop silently: every such product is looked at apart.
-        let any_nan = ll.is_nan() | lh.is_nan() | hl.is_nan() | hh.is_nan();
-        if is_regular(lo) & is_regular(hi) & !any_nan {
+        // 0 × ∞ gives NaN. Where the order of comparisons drops one, the zero times the other, finite bound is an end of the result,
+        // or the result is infinite: neither is regular.
+        if are_regular(lo, hi) {
             Interval::from_bounds(down_regular(lo), up_regular(hi))
         } else {
             multiply_by_cases(self, other)
@@ -98,7 +98,7 @@ impl Div for Interval {
         if divisor.lo > 0.0 {
             let lo = numerator.lo / if numerator.lo < 0.0 { divisor.lo } else { divisor.hi };
             let hi = numerator.hi / if numerator.hi < 0.0 { divisor.hi } else { divisor.lo };
-            if is_regular(lo) & is_regular(hi) {
+            if are_regular(lo, hi) {
                 return Interval::from_bounds(down_regular(lo), up_regular(hi));
             }
         }
@@ -179,7 +179,7 @@ impl Mul<f64> for Interval {
     fn mul(self, factor: f64) -> Interval {
         let (a, b) = (self.lo * factor, self.hi * factor);
         let (lo, hi) = if factor < 0.0 { (b, a) } else { (a, b) };
-        if is_regular(lo) & is_regular(hi) & (factor.abs() <= f64::MAX) {
+        if are_regular(lo, hi) {
             Interval::from_bounds(down_regular(lo), up_regular(hi))
         } else {
             multiply_by_cases(self, Interval::point(factor))

@@ -158,24 +158,12 @@ fn negative_power(x: Interval, n: i32) -> Interval {
 
 /// A lower bound of the n-th root of c ≥ 0, n ≥ 2.
 pub(super) fn root_down(c: f64, n: i32) -> f64 {
-    proven_root(
-        c,
-        n,
-        0.0,
-        |root, c| power_bounds(root, n).hi <= c,
-        |root, step| root - step,
-    )
+    proven_root(c, n, 0.0, |root, c| power_bounds(root, n).hi <= c, |root, step| root - step)
 }
 
 /// An upper bound of the n-th root of c ≥ 0, n ≥ 2.
 pub(super) fn root_up(c: f64, n: i32) -> f64 {
-    proven_root(
-        c,
-        n,
-        f64::INFINITY,
-        |root, c| power_bounds(root, n).lo >= c,
-        |root, step| root + step,
-    )
+    proven_root(c, n, f64::INFINITY, |root, c| power_bounds(root, n).lo >= c, |root, step| root + step)
 }
 
 /// Moves an approximate root outward until its power proves that it is a bound; `trivial` is one that always is.
@@ -207,9 +195,7 @@ fn proven_root(
         Some(current)
     });
     let mut proven = candidates.filter(|candidate| is_bound(*candidate, scaled));
-    proven
-        .next()
-        .map_or(trivial, |bound| bound * 2f64.powi(shift))
+    proven.next().map_or(trivial, |bound| bound * 2f64.powi(shift))
 }
 
 /// The n-th root to about one unit in the last place. Its bounds are proven by taking the power, not by this.
@@ -217,9 +203,5 @@ fn root_nearby(c: f64, n: i32) -> f64 {
     let root = pxfm::f_pow(c, 1.0 / f64::from(n));
     // 1/n is rounded, which costs up to |ln c| units in the last place: one step of Newton's method on the logarithm repairs it.
     let excess = c / pxfm::f_pow(root, f64::from(n)) - 1.0;
-    if excess.is_finite() {
-        root + root * excess / f64::from(n)
-    } else {
-        root
-    }
+    if excess.is_finite() { root + root * excess / f64::from(n) } else { root }
 }

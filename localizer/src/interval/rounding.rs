@@ -13,24 +13,28 @@ const REGULAR: f64 = f64::from_bits((1023 - 960) << 52);
 /// Below 2⁻¹⁰²¹ every multiple of 2⁻¹⁰⁷⁴ is a double, hence every sum is exact.
 const EXACT_SUM: f64 = 2.0 * f64::MIN_POSITIVE;
 
-/// Whether the fast step is valid; false for NaN, true for infinities.
+/// Whether the fast step is valid: false for tiny numbers, infinities and NaN.
 #[inline(always)]
 pub(super) fn is_regular(nearest: f64) -> bool {
-    nearest.abs() >= REGULAR
+    (nearest.abs() >= REGULAR) & (nearest.abs() < f64::INFINITY)
 }
 
-/// The number below a regular one. An overflow to +∞ came from a finite real number, so `f64::MAX` is below it.
+/// Whether it is for both ends of an interval; one subtraction tells infinities and NaN in either.
+#[inline(always)]
+pub(super) fn are_regular(lo: f64, hi: f64) -> bool {
+    (lo.abs() >= REGULAR) & (hi.abs() >= REGULAR) & (hi - lo < f64::INFINITY)
+}
+
+/// The number below a regular one.
 #[inline(always)]
 pub(super) fn down_regular(nearest: f64) -> f64 {
-    let finite = if nearest > f64::MAX { f64::MAX } else { nearest };
-    finite - PHI * finite.abs()
+    nearest - PHI * nearest.abs()
 }
 
 /// The number above a regular one.
 #[inline(always)]
 pub(super) fn up_regular(nearest: f64) -> f64 {
-    let finite = if nearest < f64::MIN { f64::MIN } else { nearest };
-    finite + PHI * finite.abs()
+    nearest + PHI * nearest.abs()
 }
 
 /// A lower bound of the real result that was rounded to `nearest`.

@@ -110,12 +110,7 @@ fn segment(picture: &Picture, candidate: &Candidate) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::vision::synthetic::Random;
-    use crate::vision::trial::{Tally, plain_floor, realistic_floor};
-
-    /// Pictures per kind of floor; a long trial sets `VISION_FRAMES`.
-    fn frames(usual: usize) -> usize {
-        std::env::var("VISION_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
-    }
+    use crate::vision::trial::{Tally, frames, plain_floor, realistic_floor};
 
     #[test]
     fn every_line_found_on_plain_floors_is_a_joint_where_it_claims() {

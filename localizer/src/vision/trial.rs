@@ -9,6 +9,11 @@ use super::{FloorLines, FloorView, line_fit};
 /// The chain under trial.
 pub(super) type Chain = fn(&image::GrayImage, &FloorView, [f64; 2], f64) -> FloorLines;
 
+/// Pictures per kind of floor; a long trial sets `VISION_FRAMES`.
+pub(super) fn frames(usual: usize) -> usize {
+    std::env::var("VISION_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+}
+
 /// What came of a number of pictures.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
@@ -24,6 +29,8 @@ pub(super) struct Tally {
     /// Lines whose set of lines misses the true one.
     pub(super) missed_sets: usize,
     pub(super) points: usize,
+    /// Greatest distance of a point of a right line from its joint, in units of its bound.
+    pub(super) worst: f64,
     pub(super) false_points: usize,
     pub(super) psi_squares: f64,
     pub(super) rho_squares: f64,
@@ -34,7 +41,7 @@ impl Tally {
     pub(super) fn print(&self, name: &str) {
         let right = (self.lines - self.wrong_lines).max(1) as f64;
         println!(
-            "{name:28} frames {:5}  found {:5.1} %  lines {:6}  wrong {:3}  false claims {:3}  missed sets {:3}  false points {:6.3} %  psi {:.3} mrad  rho {:.3} px  {:.2} ms",
+            "{name:28} frames {:5}  found {:5.1} %  lines {:6}  wrong {:3}  false claims {:3}  missed sets {:3}  false points {:6.3} %  worst {:.2}  psi {:.3} mrad  rho {:.3} px  {:.2} ms",
             self.frames,
             100.0 * self.families_found as f64 / self.families_in_view.max(1) as f64,
             self.lines,
@@ -42,6 +49,7 @@ impl Tally {
             self.false_claims,
             self.missed_sets,
             100.0 * self.false_points as f64 / self.points.max(1) as f64,
+            self.worst,
             1e3 * (self.psi_squares / right).sqrt(),
             (self.rho_squares / right).sqrt(),
             self.milliseconds / self.frames.max(1) as f64,
@@ -112,6 +120,9 @@ impl Tally {
             return;
         }
         seen[family] = true;
+        for (distance, point) in distances.iter().zip(&line.points_px) {
+            self.worst = self.worst.max(distance.abs() / point[2]);
+        }
         let Some(set) = line_fit::enclose(&line.points_px, line.share_wrong) else { return };
         // The true line at the set's own centroid and on its branch of the angle.
         let mut true_rad = floor.angle_rad + family as f64 * FRAC_PI_2;

@@ -29,8 +29,12 @@ impl Graphics {
         let adapter = choose(std::env::var(ADAPTER_VARIABLE).ok())?;
         let info = adapter.get_info();
         let unusable = |reason: String| RenderError::Unusable { adapter: describe(&info), reason };
-        let descriptor =
-            wgpu::DeviceDescriptor { label: Some("wherein"), required_limits: adapter.limits(), ..Default::default() };
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("wherein"),
+            required_features: wgpu::Features::FLOAT32_BLENDABLE,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
         let (device, queue) =
             pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| unusable(error.to_string()))?;
         let reported = Arc::new(Mutex::new(None));

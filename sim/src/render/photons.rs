@@ -33,7 +33,8 @@ struct ReadoutUniform {
     read_noise_electrons: f32,
     gain_levels_per_electron: f32,
     row: u32,
-    padding: [u32; 2],
+    row_per_pixel: f32,
+    padding: u32,
 }
 
 impl PhotonPass {
@@ -85,7 +86,8 @@ impl PhotonPass {
             read_noise_electrons: view.photosites.read_noise_electrons as f32,
             gain_levels_per_electron: view.gain_levels_per_electron as f32,
             row: columns * WORKGROUP,
-            padding: [0; 2],
+            row_per_pixel: 1.0 / target.size_px[0] as f32,
+            padding: 0,
         };
         queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&uniform));
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());

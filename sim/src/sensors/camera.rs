@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use image::GrayImage;
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 
 use crate::{drawn::DrawnFloorCamera, scene::FloorCamera, truth::Truth};
 
@@ -42,6 +42,13 @@ impl Intrinsics {
     pub fn ray(&self, pixel: [f64; 2]) -> Vector3<f64> {
         let [cu, cv] = self.principal_point_px;
         vector![(pixel[0] - cu) / self.focal_px, (pixel[1] - cv) / self.focal_px, 1.0]
+    }
+
+    /// Where the ray of a pixel meets the floor plane of the world; `None` above the horizon.
+    pub fn floor_point(&self, world_from_camera: &Isometry3<f64>, pixel: [f64; 2]) -> Option<Point3<f64>> {
+        let ray = world_from_camera.rotation * self.ray(pixel);
+        let centre = world_from_camera.translation.vector;
+        (ray.z < 0.0).then(|| Point3::from(centre - ray * (centre.z / ray.z)))
     }
 }
 

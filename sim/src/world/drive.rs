@@ -70,12 +70,13 @@ impl Wheel {
         let mut mean = Traction::default();
         for _ in 0..SUBSTEPS {
             let torque_n_m = self.motor.torque(commanded_rad_per_s, self.spin_rad_per_s, substep_s);
-            let rolling_m_per_s = self.radius_m * self.spin_rad_per_s;
-            let force_n = self.patch.advance(&self.tyre, contact, rolling_m_per_s, substep_s);
-            // I·Ω̇ = T − R·F_x
+            let force_n = self.patch.force_n(&self.tyre, contact);
+            // I·Ω̇ = T − R·F_x, then the angle and the bristles by the new spin: both must see the same rolling, or every
+            // acceleration would slip by half a substep's worth.
             let surplus_n_m = torque_n_m - self.radius_m * force_n[0];
             self.spin_rad_per_s += surplus_n_m / self.inertia_kg_m2 * substep_s;
             self.angle_rad += self.spin_rad_per_s * substep_s;
+            self.patch.advance(&self.tyre, contact, self.radius_m * self.spin_rad_per_s, substep_s);
             mean.force_n[0] += force_n[0] / f64::from(SUBSTEPS);
             mean.force_n[1] += force_n[1] / f64::from(SUBSTEPS);
             mean.reaction_n_m -= surplus_n_m / f64::from(SUBSTEPS);

@@ -5,7 +5,7 @@ use rapier3d_f64::prelude::Vector;
 
 use crate::{drawn::Drawn, truth::Truth};
 
-use super::{chassis::BodyState, drive::Wheel};
+use super::{STEP_S, chassis::BodyState, drive::Wheel};
 
 /// The truth so far.
 #[derive(Clone, Debug)]
@@ -39,14 +39,14 @@ impl Odometer {
         let chord = Vector::new(origin.x - truth.pose.x_m, origin.y - truth.pose.y_m, 0.0);
         let path = chord * (1.0 + turn_rad * turn_rad / 24.0);
         let half_turn_m = 0.5 * self.track_m * turn_rad;
-        truth.wheel_travel_m[0] += path.dot(mean_forward) - half_turn_m;
-        truth.wheel_travel_m[1] += path.dot(mean_forward) + half_turn_m;
-        truth.lateral_travel_m += path.dot(mean_left);
+        let (forward_m, left_m) = (path.dot(mean_forward), path.dot(mean_left));
+        truth.wheel_travel_m[0] += forward_m - half_turn_m;
+        truth.wheel_travel_m[1] += forward_m + half_turn_m;
+        truth.lateral_travel_m += left_m;
+        truth.velocity = [forward_m / STEP_S, left_m / STEP_S, turn_rad / STEP_S];
 
         truth.time_s = time_s;
         truth.pose = Pose { x_m: origin.x, y_m: origin.y, heading_rad: truth.pose.heading_rad + turn_rad };
-        let velocity = body.velocity_m_per_s;
-        truth.velocity = [velocity.dot(body.forward), velocity.dot(body.left), body.turn_rad_per_s.z];
         truth.heave_m = origin.z;
         truth.tilt_rad = tilt_rad(body);
         truth.wheel_angle_rad = [wheels[0].angle_rad, wheels[1].angle_rad];

@@ -8,16 +8,16 @@ use crate::scene::{Event, Scene};
 use super::{GRAVITY_M_PER_S2, chassis::BodyState};
 
 /// Share of a push in which the hand gathers speed, and again in which it slows down. Its peak speed is
-/// `1/(1 − share)` = 1.18 times the mean.
-const RAMP_SHARE: f64 = 0.15;
+/// `1/(1 − share)` = 1.11 times the mean.
+const RAMP_SHARE: f64 = 0.1;
 
 /// How tightly the hand holds the body to its path, critically damped: the tyres at full slide pull it off by 0.2 mm.
 /// Above 400 per second the 1 ms steps make it ring.
 const GRIP_PER_S: f64 = 200.0;
 
-/// Greatest force of the hand over the robot's weight: twice the tyres' grip at the greatest friction, and little enough
-/// for the walls to withstand.
-const FORCE_LIMIT_OVER_WEIGHT: f64 = 4.0;
+/// Greatest force of the hand over the robot's weight: more than the tyres' grip at the greatest friction, 1.7, and
+/// little enough for the walls to withstand.
+const FORCE_LIMIT_OVER_WEIGHT: f64 = 3.0;
 
 /// One push.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ pub(super) struct Push {
 /// A push that has begun.
 #[derive(Clone, Copy, Debug)]
 struct Progress {
-    /// Where the wheels alone would have brought the tyres' grip on the floor.
+    /// Where the wheels alone would have brought the robot.
     wheels_alone: Pose,
     /// Displacement of the whole push, world frame.
     displacement: Vector,
@@ -66,10 +66,10 @@ impl Push {
         scene.events.iter().filter_map(push).collect()
     }
 
-    /// Force on the body at floor level and torque about its vertical, or `None` when the hand is off.
+    /// Force on the body and torque about its vertical, or `None` when the hand is off.
     ///
-    /// `deflection` is what the tyres' bristles hold back, world frame: the hand places the tyres' grip on the floor, not the
-    /// body, so that the robot stays where it was put when the rubber springs back.
+    /// `deflection` is how far the tyres' bristles hold the body back, world frame. Rubber springs back when the hand lets
+    /// go, so that the hand carries the body farther by as much in the end, and the robot stays where it was meant to.
     pub(super) fn act(
         &mut self,
         time_s: f64,
@@ -83,10 +83,10 @@ impl Push {
         if !(0.0..1.0).contains(&phase) {
             return None;
         }
-        let grip = body.world_from_robot.translation + deflection;
+        let origin = body.world_from_robot.translation;
         let [forward_m, left_m] = self.displacement_m;
         let progress = self.progress.get_or_insert_with(|| Progress {
-            wheels_alone: Pose { x_m: grip.x, y_m: grip.y, heading_rad },
+            wheels_alone: Pose { x_m: origin.x, y_m: origin.y, heading_rad },
             displacement: body.forward * forward_m + body.left * left_m,
         });
         let wheels = &mut progress.wheels_alone;
@@ -99,7 +99,7 @@ impl Push {
         let (share, share_rate) = ramped(phase);
         let place = Vector::new(wheels.x_m, wheels.y_m, 0.0) + progress.displacement * share;
         let velocity = rolled_step / step_s + progress.displacement * (share_rate / self.lasts_s);
-        let mut off_place = place - grip;
+        let mut off_place = place - (origin + deflection * share);
         let mut off_velocity = velocity - body.velocity_m_per_s;
         off_place.z = 0.0;
         off_velocity.z = 0.0;

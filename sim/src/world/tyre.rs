@@ -17,8 +17,8 @@ impl Default for Tyre {
     /// Solid rubber on a wheel of some 0.2 m.
     fn default() -> Self {
         Tyre {
-            // Road tyres have 10 to 30; 20 makes the P3-DX slip by 0.12 % at 0.2 m/s². Half of it doubles every slip.
-            slip_stiffness: 20.0,
+            // Road tyres have 10 to 30; 25 makes the P3-DX slip by 0.24 % at 0.5 m/s². Half of it doubles every slip.
+            slip_stiffness: 25.0,
             // About half the length of a patch, √(2·0.0975·0.0012) m, and the carcass. A shorter one stiffens the body's
             // oscillation on its tyres beyond what 1 ms steps resolve.
             relaxation_length_m: 0.02,
@@ -58,6 +58,7 @@ impl Tyre {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Patch {
     deflection_m: [f64; 2],
+    rate_m_per_s: [f64; 2],
 }
 
 /// What a patch meets during a step.
@@ -72,16 +73,22 @@ pub struct Contact {
 }
 
 impl Patch {
-    /// Displacement of the rim against the floor that the bristles still hold, negated.
+    /// How far the bristles still hold the rim back: its displacement against the floor, negated.
     pub fn deflection_m(&self) -> [f64; 2] {
         self.deflection_m
     }
 
-    /// Advances the bristles by one step and returns the force of the floor on the wheel.
+    /// Force of the floor on the wheel now.
+    pub fn force_n(&self, tyre: &Tyre, contact: &Contact) -> [f64; 2] {
+        let strained_m = [0, 1].map(|axis| self.deflection_m[axis] + tyre.damping_s * self.rate_m_per_s[axis]);
+        tyre.force_n(strained_m, contact.friction, contact.load_n)
+    }
+
+    /// Advances the bristles by one step.
     ///
     /// `u̇ = −V_s − |V_r|/ℓ·u` with the sliding velocity `V_s = V − (V_r, 0)` and the rolling speed `V_r = RΩ`: Pacejka, *Tire
-    /// and Vehicle Dynamics*, section 7.2 (single contact point). Its steady state is the slip `σ = u/ℓ = −V_s/|V_r|`.
-    pub fn advance(&mut self, tyre: &Tyre, contact: &Contact, rolling_m_per_s: f64, step_s: f64) -> [f64; 2] {
+    /// and Vehicle Dynamics*, chapter 7 (single contact point). Its steady state is the slip `σ = u/ℓ = −V_s/|V_r|`.
+    pub fn advance(&mut self, tyre: &Tyre, contact: &Contact, rolling_m_per_s: f64, step_s: f64) {
         let sliding_m_per_s = [contact.velocity_m_per_s[0] - rolling_m_per_s, contact.velocity_m_per_s[1]];
         // Implicit in the relaxation: any step keeps the steady state exact and the decay monotone.
         let relaxation = 1.0 + rolling_m_per_s.abs() / tyre.relaxation_length_m * step_s;
@@ -93,8 +100,7 @@ impl Patch {
             after_m = after_m.map(|component_m| component_m / excess);
         }
         self.deflection_m = after_m;
-        let strained_m = [0, 1].map(|axis| after_m[axis] + tyre.damping_s / step_s * (after_m[axis] - before_m[axis]));
-        tyre.force_n(strained_m, contact.friction, contact.load_n)
+        self.rate_m_per_s = [0, 1].map(|axis| (after_m[axis] - before_m[axis]) / step_s);
     }
 }
 

@@ -26,9 +26,7 @@ impl Monitor {
             Some(last) if span_s[0] <= last.to_s + JOIN_S => {
                 last.from_s = last.from_s.min(span_s[0]);
                 last.to_s = last.to_s.max(span_s[1]);
-                if true_value - declared > last.true_value - last.declared {
-                    (last.true_value, last.declared) = (true_value, declared);
-                }
+                last.deepen(declared, true_value);
             }
             _ => self.found.push(Violation {
                 bound: self.bound.to_string(),
@@ -40,7 +38,23 @@ impl Monitor {
         }
     }
 
+    /// Takes note of a greater excess of the violation that stands at `time_s`, without a say in when it was.
+    pub(super) fn deepen(&mut self, time_s: f64, declared: f64, true_value: f64) {
+        if let Some(last) = self.found.last_mut().filter(|last| time_s <= last.to_s + JOIN_S) {
+            last.deepen(declared, true_value);
+        }
+    }
+
     pub(super) fn finish(self) -> Vec<Violation> {
         self.found
+    }
+}
+
+impl Violation {
+    /// Keeps the greater excess.
+    fn deepen(&mut self, declared: f64, true_value: f64) {
+        if true_value - declared > self.true_value - self.declared {
+            (self.true_value, self.declared) = (true_value, declared);
+        }
     }
 }

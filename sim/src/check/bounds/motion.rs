@@ -24,21 +24,56 @@ fn slip(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let rolled = rolled(&record.truths, record.drawn.wheel_radius_m);
     let step_s = record.truths.get(1).map_or(0.01, |second| second.time_s - record.truths[0].time_s);
     let window_steps = (bounds.slip_window_s / step_s).round().max(1.0) as usize;
+    let slip_bound = [bounds.slip_ratio, bounds.slip_floor_m];
+    let side_bound = [bounds.side_slip_ratio, bounds.side_slip_floor_m];
     let (mut slip, mut side) = (Monitor::new("wheels.slip"), Monitor::new("wheels.side_slip"));
     for end in 1..rolled.len() {
-        for start in end.saturating_sub(window_steps)..end {
-            let span_s = [record.truths[start].time_s, record.truths[end].time_s];
-            let path_m = |channel: usize| rolled[end].path_m[channel] - rolled[start].path_m[channel];
-            let error_m = |channel: usize| (rolled[end].error_m[channel] - rolled[start].error_m[channel]).abs();
-            for wheel in 0..2 {
-                slip.watch(span_s, bounds.slip_ratio * path_m(wheel) + bounds.slip_floor_m, error_m(wheel));
-            }
-            side.watch(span_s, bounds.side_slip_ratio * path_m(2) + bounds.side_slip_floor_m, error_m(2));
+        let starts = end.saturating_sub(window_steps)..end;
+        for wheel in 0..2 {
+            watch_windows(&mut slip, record, &rolled, wheel, slip_bound, starts.clone(), end);
         }
+        watch_windows(&mut side, record, &rolled, 2, side_bound, starts, end);
     }
     let mut found = slip.finish();
     found.extend(side.finish());
     found
+}
+
+/// Watches all windows of one channel that end at `end`.
+///
+/// An excess is told at its greatest over all windows, and dated by the shortest windows that show it: a longer one only contains it.
+fn watch_windows(
+    monitor: &mut Monitor,
+    record: &RunRecord,
+    rolled: &[Rolled],
+    channel: usize,
+    [ratio, floor_m]: [f64; 2],
+    starts: std::ops::Range<usize>,
+    end: usize,
+) {
+    let measure = |start: usize, end: usize| {
+        let path_m = rolled[end].path_m[channel] - rolled[start].path_m[channel];
+        let error_m = (rolled[end].error_m[channel] - rolled[start].error_m[channel]).abs();
+        (ratio * path_m + floor_m, error_m)
+    };
+    let exceeds = |start: usize, end: usize| {
+        let (declared, error_m) = measure(start, end);
+        error_m > declared
+    };
+    let mut dated = false;
+    for start in starts.rev() {
+        let (declared, error_m) = measure(start, end);
+        if error_m <= declared {
+            continue;
+        }
+        let is_shortest = !dated && (end - start == 1 || !exceeds(start, end - 1));
+        dated = true;
+        if is_shortest {
+            monitor.watch([record.truths[start].time_s, record.truths[end].time_s], declared, error_m);
+        } else {
+            monitor.deepen(record.truths[end].time_s, declared, error_m);
+        }
+    }
 }
 
 fn rolled(truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Rolled> {

@@ -3,15 +3,7 @@
 
 override PATTERN: u32 = 0u; // 0 plain, 1 speckle, 2 marble, 3 stripes
 
-// Low-bias integer mixing: two rounds of multiply and xor-shift with the odd constants of Chris Wellons' search
-// (hash "lowbias32").
-fn mixed(value: u32) -> u32 {
-    var h = value;
-    h = (h ^ (h >> 16u)) * 0x7feb352du;
-    h = (h ^ (h >> 15u)) * 0x846ca68bu;
-    return h ^ (h >> 16u);
-}
-
+// One round of Chris Wellons' "lowbias32" hash; the lattice's products are mixed already.
 fn lattice_value(h: u32) -> f32 {
     let m = (h ^ (h >> 15u)) * 0x846ca68bu;
     return f32(m >> 8u) * (2.0 / 16777216.0) - 1.0;
@@ -68,17 +60,8 @@ fn stripes(across_m: f32, width_m: f32, spacing_m: f32) -> f32 {
     return (stripe_integral(x + half) - stripe_integral(x - half)) / (2.0 * half);
 }
 
-// The pattern of a tile at a place counted from the tile's corner.
-fn pattern_at(
-    place_m: vec2<f32>,
-    tile: vec2<i32>,
-    floor_seed: u32,
-    footprint_m: f32,
-    across_m: f32,
-    spacing_m: f32,
-) -> f32 {
-    // Every tile is cut from another place of the stone.
-    let seed = mixed(floor_seed ^ (bitcast<u32>(tile.x) * 0x1f123bb5u) ^ (bitcast<u32>(tile.y) * 0x27d4eb2fu));
+// The pattern at a place counted from the tile's corner; every tile, by its seed, is cut from another place of the stone.
+fn pattern_at(place_m: vec2<f32>, seed: u32, footprint_m: f32, across_m: f32) -> f32 {
     if (PATTERN == 1u) {
         return speckle(place_m, footprint_m, seed);
     }
@@ -86,7 +69,7 @@ fn pattern_at(
         return marble(place_m, footprint_m, seed);
     }
     if (PATTERN == 3u) {
-        return stripes(place_m.x, across_m, spacing_m);
+        return stripes(place_m.x, across_m, view.stripe_spacing_m);
     }
     return 0.0;
 }
