@@ -29,7 +29,7 @@ lint:
 	RUSTDOCFLAGS=-Dwarnings cargo doc --workspace --no-deps
 
 bench: driver
-	cargo bench --workspace
+	cargo bench --profile dev -p wherein-tests --bench speed
 
 experiments: driver build
 	scripts/experiments $(ISSUE)

@@ -39,17 +39,26 @@ pub(super) const COLUMNS: [Column; 17] = [
     number("rmse heading", "°", |line| show(line, "error.heading_rad.rmse_worst_third", DEGREES, 3)),
     number("width", "mm", |line| wider(&line.figures, "width")),
     number("width", "°", |line| show(line, "width.heading_rad.mean", DEGREES, 2)),
-    number("at fix", "mm", |line| wider(&line.figures, "width.at_fix")),
-    number("at fix", "°", |line| show(line, "width.at_fix.heading_rad.mean", DEGREES, 2)),
+    number("at fix", "mm", |line| fixed(line, wider(&line.figures, "width.at_fix"))),
+    number("at fix", "°", |line| fixed(line, show(line, "width.at_fix.heading_rad.mean", DEGREES, 2))),
     number("available", "%", |line| share(line.figures.get("availability"))),
     number("speed", "× real", |line| show(line, "timing.real_time_factor", 1.0, 1)),
     text("verdict", |line| line.verdict.clone()),
 ];
 
+/// Index of the column that names the scene.
+pub(super) const SCENE: usize = 0;
+
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 fn show(line: &Line, figure: &str, scale: f64, digits: usize) -> String {
     line.figures.get(figure).map(|value| format!("{:.digits$}", value * scale)).unwrap_or_default()
+}
+
+/// The cell of a run that had a fix; without one its widths are 0, which no box is.
+fn fixed(line: &Line, cell: String) -> String {
+    let has_fix = line.figures.get("width.at_fix.heading_rad.mean").is_some_and(|width| *width > 0.0);
+    if has_fix { cell } else { String::new() }
 }
 
 fn wider(figures: &Figures, width: &str) -> String {

@@ -2,28 +2,34 @@
 
 use super::{
     Line,
-    columns::{COLUMNS, Column},
+    columns::{COLUMNS, Column, SCENE},
 };
 
-/// Aligned columns under a heading of two lines.
+/// Aligned columns under a heading of two lines, with each scene's name above its lines.
 pub fn as_text(lines: &[Line]) -> String {
     let rows: Vec<Vec<String>> = lines.iter().map(cells).collect();
-    // A column that no line fills only takes room.
-    let shown: Vec<usize> =
-        (0..COLUMNS.len()).filter(|column| rows.iter().any(|row| !row[*column].is_empty())).collect();
-    let headings: [Vec<String>; 2] = [
-        COLUMNS.iter().map(|column| column.heading.to_owned()).collect(),
-        COLUMNS.iter().map(|column| column.unit.to_owned()).collect(),
-    ];
-    let all: Vec<&Vec<String>> = headings.iter().chain(&rows).collect();
-    let width = |column: usize| all.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    // The scene has a line of its own, and a column that no line fills only takes room.
+    let is_shown = |column: usize| column != SCENE && rows.iter().any(|row| !row[column].is_empty());
+    let shown: Vec<usize> = (0..COLUMNS.len()).filter(|column| is_shown(*column)).collect();
+    let (upper, lower): (Vec<String>, Vec<String>) = COLUMNS.iter().map(heading_lines).unzip();
+    let width = |column: usize| {
+        let texts = [&upper, &lower].into_iter().chain(&rows).map(|row| row[column].chars().count());
+        texts.max().unwrap_or(0)
+    };
     let widths: Vec<usize> = (0..COLUMNS.len()).map(width).collect();
-    let mut text = String::new();
-    for row in all {
-        let aligned: Vec<String> =
+    let aligned = |row: &[String]| {
+        let cells: Vec<String> =
             shown.iter().map(|column| align(&row[*column], &COLUMNS[*column], widths[*column])).collect();
-        text.push_str(aligned.join("  ").trim_end());
-        text.push('\n');
+        format!("  {}\n", cells.join("  ")).trim_end().to_owned() + "\n"
+    };
+    let mut text = aligned(&upper) + &aligned(&lower);
+    let mut scene = "";
+    for (line, row) in lines.iter().zip(&rows) {
+        if line.scene != scene {
+            scene = &line.scene;
+            text += &format!("{scene}\n");
+        }
+        text += &aligned(row);
     }
     text
 }
@@ -40,6 +46,14 @@ pub fn as_markdown(lines: &[Line]) -> String {
     text += &row(COLUMNS.iter().map(rule).collect());
     text.extend(lines.iter().map(|line| row(cells(line))));
     text
+}
+
+/// A heading above its unit, or in two lines when it has several words and no unit.
+fn heading_lines(column: &Column) -> (String, String) {
+    match (column.unit, column.heading.split_once(' ')) {
+        ("", Some((first, second))) => (first.to_owned(), second.to_owned()),
+        (unit, _) => (column.heading.to_owned(), unit.to_owned()),
+    }
 }
 
 fn cells(line: &Line) -> Vec<String> {
