@@ -28,24 +28,13 @@ fn nanoseconds(mut work: impl FnMut()) -> f64 {
 
 /// Throughput over arrays, as contractors use it; the loads and stores are part of it.
 fn arithmetic() {
-    let operands: Vec<Interval> = (0..1024)
-        .map(|idx| Interval::centred(f64::from(idx * 7919 % 1024) * 0.01 - 5.12, 0.15))
-        .collect();
+    let operands: Vec<Interval> =
+        (0..1024).map(|idx| Interval::centred(f64::from(idx * 7919 % 1024) * 0.01 - 5.12, 0.15)).collect();
     let reversed: Vec<Interval> = operands.iter().rev().copied().collect();
     let positive: Vec<Interval> = reversed.iter().map(|x| *x + 6.0).collect();
     time("add", |(out, (a, b))| *out = *a + *b, &operands, &reversed);
-    time(
-        "multiply",
-        |(out, (a, b))| *out = *a * *b,
-        &operands,
-        &reversed,
-    );
-    time(
-        "divide",
-        |(out, (a, b))| *out = *a / *b,
-        &operands,
-        &positive,
-    );
+    time("multiply", |(out, (a, b))| *out = *a * *b, &operands, &reversed);
+    time("divide", |(out, (a, b))| *out = *a / *b, &operands, &positive);
     time("sine", |(out, (a, _))| *out = a.sin(), &operands, &reversed);
 }
 
@@ -54,10 +43,7 @@ type Operands<'a> = (&'a mut Interval, (&'a Interval, &'a Interval));
 fn time(name: &str, operation: impl Fn(Operands), a: &[Interval], b: &[Interval]) {
     let mut results = vec![Interval::ZERO; a.len()];
     let per_array = nanoseconds(|| {
-        results
-            .iter_mut()
-            .zip(black_box(a).iter().zip(black_box(b)))
-            .for_each(&operation);
+        results.iter_mut().zip(black_box(a).iter().zip(black_box(b))).for_each(&operation);
         black_box(&results);
     });
     println!("{name:24} {:8.2} ns", per_array / a.len() as f64);
@@ -85,98 +71,54 @@ fn landmarks() -> Vec<([Interval; 2], [Interval; 2])> {
         .collect()
 }
 
-#[allow(
-    clippy::approx_constant,
-    reason = "the problem's prior is ±3.14, not ±π"
-)]
+#[allow(clippy::approx_constant, reason = "the problem's prior is ±3.14, not ±π")]
 fn planar_problem() {
     let landmarks = landmarks();
-    let prior = IntervalBox::new([
-        Interval::centred(0.0, 3.0),
-        Interval::centred(0.0, 3.0),
-        Interval::centred(0.0, 3.14),
-    ]);
+    let prior =
+        IntervalBox::new([Interval::centred(0.0, 3.0), Interval::centred(0.0, 3.0), Interval::centred(0.0, 3.14)]);
     let motion = RigidPlanar::new(&landmarks);
-    let typical = IntervalBox::new([
-        Interval::centred(1.1, 0.5),
-        Interval::centred(0.4, 0.5),
-        Interval::centred(0.45, 0.2),
-    ]);
+    let typical =
+        IntervalBox::new([Interval::centred(1.1, 0.5), Interval::centred(0.4, 0.5), Interval::centred(0.45, 0.2)]);
     let pass = nanoseconds(|| {
         let mut domain = black_box(typical);
         motion.contract(&mut domain);
         black_box(domain);
     });
-    println!(
-        "forward-backward pass    {:8.3} µs (goal: at most 0.5)",
-        pass * 1e-3
-    );
+    println!("forward-backward pass    {:8.3} µs (goal: at most 0.5)", pass * 1e-3);
     let axes = [0, 1, 2];
     let sivia = nanoseconds(|| {
         let motion = RigidPlanar::new(black_box(&landmarks));
         black_box(paving::cover(&motion, prior, &axes, 0.05));
     });
     let coarse = paving::cover(&motion, prior, &axes, 0.05);
-    println!(
-        "SIVIA ε = 0.05           {:8.3} ms (goal: at most 0.20), {} boxes",
-        sivia * 1e-6,
-        coarse.len()
-    );
+    println!("SIVIA ε = 0.05           {:8.3} ms (goal: at most 0.20), {} boxes", sivia * 1e-6, coarse.len());
     match codac(&landmarks) {
-        Some(seconds) => println!(
-            "Codac, same problem      {:8.3} ms ({:.0} times as long)",
-            seconds * 1e3,
-            seconds * 1e9 / sivia
-        ),
+        Some(seconds) => {
+            println!("Codac, same problem      {:8.3} ms ({:.0} times as long)", seconds * 1e3, seconds * 1e9 / sivia)
+        }
         None => println!("Codac, same problem      not measured: Python cannot import codac"),
     }
     for n_slices in [0, 8, 16, 32] {
         let one_shot = nanoseconds(|| {
-            let pose = LinearPose {
-                motion: RigidPlanar::new(black_box(&landmarks)),
-                n_slices,
-            };
+            let pose = LinearPose { motion: RigidPlanar::new(black_box(&landmarks)), n_slices };
             let mut domain = prior;
             pose.contract(&mut domain);
             black_box(domain);
         });
         let mut domain = prior;
-        LinearPose {
-            motion: motion.clone(),
-            n_slices,
-        }
-        .contract(&mut domain);
-        println!(
-            "one shot, {n_slices:2} slices      {:8.3} µs  {}",
-            one_shot * 1e-3,
-            widths(&domain)
-        );
+        LinearPose { motion: motion.clone(), n_slices }.contract(&mut domain);
+        println!("one shot, {n_slices:2} slices      {:8.3} µs  {}", one_shot * 1e-3, widths(&domain));
     }
     let fine = paving::cover(&motion, prior, &axes, 0.0125);
-    println!(
-        "widths, SIVIA ε = 0.05              {}",
-        widths(&paving::hull(&coarse))
-    );
-    println!(
-        "widths, SIVIA ε = 0.0125            {} ({} boxes)",
-        widths(&paving::hull(&fine)),
-        fine.len()
-    );
+    println!("widths, SIVIA ε = 0.05              {}", widths(&paving::hull(&coarse)));
+    println!("widths, SIVIA ε = 0.0125            {} ({} boxes)", widths(&paving::hull(&fine)), fine.len());
 }
 
 /// Seconds of Codac's paving of the same problem, when `$PYTHON` (or `python3`) can import it.
 fn codac(landmarks: &[([Interval; 2], [Interval; 2])]) -> Option<f64> {
-    let script = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/examples/interval_bench_codac.py"
-    );
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/interval_bench_codac.py");
     let python = std::env::var("PYTHON").unwrap_or("python3".into());
-    let mut child = Command::new(python)
-        .arg(script)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .ok()?;
+    let mut child = Command::new(python).arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
     let mut input = child.stdin.take()?;
     for (a, b) in landmarks {
         let bounds = [a[0], a[1], b[0], b[1]].map(|x| format!("{:?} {:?}", x.lo(), x.hi()));
@@ -188,12 +130,7 @@ fn codac(landmarks: &[([Interval; 2], [Interval; 2])]) -> Option<f64> {
 }
 
 fn widths(pose: &IntervalBox<3>) -> String {
-    format!(
-        "x {:.4} m, y {:.4} m, heading {:.4} rad",
-        pose.width(0),
-        pose.width(1),
-        pose.width(2)
-    )
+    format!("x {:.4} m, y {:.4} m, heading {:.4} rad", pose.width(0), pose.width(1), pose.width(2))
 }
 
 fn main() {

@@ -17,13 +17,9 @@ pub struct IntervalBox<const N: usize> {
 
 impl<const N: usize> IntervalBox<N> {
     /// No point at all.
-    pub const EMPTY: Self = IntervalBox {
-        components: [Interval::EMPTY; N],
-    };
+    pub const EMPTY: Self = IntervalBox { components: [Interval::EMPTY; N] };
     /// All of ℝᴺ.
-    pub const ENTIRE: Self = IntervalBox {
-        components: [Interval::ENTIRE; N],
-    };
+    pub const ENTIRE: Self = IntervalBox { components: [Interval::ENTIRE; N] };
 
     /// The product of the intervals.
     #[inline]
@@ -33,9 +29,7 @@ impl<const N: usize> IntervalBox<N> {
 
     /// Exactly one point.
     pub fn point(coordinates: &[f64; N]) -> Self {
-        IntervalBox {
-            components: coordinates.map(Interval::point),
-        }
+        IntervalBox { components: coordinates.map(Interval::point) }
     }
 
     /// Whether there is no point in it.
@@ -46,10 +40,7 @@ impl<const N: usize> IntervalBox<N> {
 
     /// Whether the point is in it.
     pub fn contains(&self, point: &[f64; N]) -> bool {
-        self.components
-            .iter()
-            .zip(point)
-            .all(|(component, &value)| component.contains(value))
+        self.components.iter().zip(point).all(|(component, &value)| component.contains(value))
     }
 
     /// Smallest box around both. Exact.
@@ -66,29 +57,18 @@ impl<const N: usize> IntervalBox<N> {
     /// Common points; the canonical empty box when there is none. Exact.
     pub fn intersect(&self, other: &Self) -> Self {
         let common = self.zip_with(other, Interval::intersect);
-        if common.is_empty() {
-            Self::EMPTY
-        } else {
-            common
-        }
+        if common.is_empty() { Self::EMPTY } else { common }
     }
 
     /// Whether the two have a point in common.
     pub fn overlaps(&self, other: &Self) -> bool {
-        self.components
-            .iter()
-            .zip(&other.components)
-            .all(|(mine, theirs)| mine.overlaps(*theirs))
+        self.components.iter().zip(&other.components).all(|(mine, theirs)| mine.overlaps(*theirs))
     }
 
     /// Whether every point is in `other`; true for the empty box.
     pub fn is_subset_of(&self, other: &Self) -> bool {
         self.is_empty()
-            || self
-                .components
-                .iter()
-                .zip(&other.components)
-                .all(|(mine, theirs)| mine.is_subset_of(*theirs))
+            || self.components.iter().zip(&other.components).all(|(mine, theirs)| mine.is_subset_of(*theirs))
     }
 
     /// The midpoints of the intervals; NaN when empty.
@@ -107,9 +87,7 @@ impl<const N: usize> IntervalBox<N> {
         if self.is_empty() {
             return f64::NAN;
         }
-        self.components
-            .iter()
-            .fold(0.0, |greatest, component| component.width().max(greatest))
+        self.components.iter().fold(0.0, |greatest, component| component.width().max(greatest))
     }
 
     /// Halves that share the midpoint of `axis`; their union is the box.
@@ -134,11 +112,7 @@ impl<const N: usize> IntervalBox<N> {
     }
 
     fn zip_with(&self, other: &Self, operation: impl Fn(Interval, Interval) -> Interval) -> Self {
-        IntervalBox {
-            components: std::array::from_fn(|axis| {
-                operation(self.components[axis], other.components[axis])
-            }),
-        }
+        IntervalBox { components: std::array::from_fn(|axis| operation(self.components[axis], other.components[axis])) }
     }
 }
 
@@ -165,9 +139,8 @@ impl<const N: usize> TryFrom<Vec<Interval>> for IntervalBox<N> {
     type Error = String;
     fn try_from(components: Vec<Interval>) -> Result<Self, String> {
         let n_components = components.len();
-        let components = components
-            .try_into()
-            .map_err(|_| format!("read a box of {N} intervals: got {n_components}"))?;
+        let components =
+            components.try_into().map_err(|_| format!("read a box of {N} intervals: got {n_components}"))?;
         Ok(IntervalBox { components })
     }
 }

@@ -81,10 +81,7 @@ pub trait Contractor<const N: usize> {
     where
         Self: Sized,
     {
-        Union {
-            either: self,
-            or: other,
-        }
+        Union { either: self, or: other }
     }
 
     /// The same constraint, applied until no width shrinks by more than the share `ratio` of it.
@@ -92,10 +89,7 @@ pub trait Contractor<const N: usize> {
     where
         Self: Sized,
     {
-        Fixpoint {
-            contractor: self,
-            ratio,
-        }
+        Fixpoint { contractor: self, ratio }
     }
 
     /// The same constraint on `M` variables, of which `axes` are this contractor's, in its order.
@@ -103,10 +97,7 @@ pub trait Contractor<const N: usize> {
     where
         Self: Sized,
     {
-        OnAxes {
-            contractor: self,
-            axes,
-        }
+        OnAxes { contractor: self, axes }
     }
 }
 
@@ -131,11 +122,7 @@ impl<const N: usize, C: Contractor<N> + ?Sized> Contractor<N> for &C {
 }
 
 /// Replaces `domain` by what a contraction left of it.
-fn settle<const N: usize>(
-    domain: &mut IntervalBox<N>,
-    left: IntervalBox<N>,
-    cause: &'static str,
-) -> Outcome {
+fn settle<const N: usize>(domain: &mut IntervalBox<N>, left: IntervalBox<N>, cause: &'static str) -> Outcome {
     if left.is_empty() {
         *domain = IntervalBox::EMPTY;
         Outcome::Empty(cause)

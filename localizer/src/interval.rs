@@ -28,33 +28,20 @@ pub struct Interval {
 
 impl Interval {
     /// No number at all.
-    pub const EMPTY: Interval = Interval {
-        lo: f64::NAN,
-        hi: f64::NAN,
-    };
+    pub const EMPTY: Interval = Interval { lo: f64::NAN, hi: f64::NAN };
     /// All real numbers.
-    pub const ENTIRE: Interval = Interval {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-    };
+    pub const ENTIRE: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
     /// Exactly 0.
     pub const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
     /// Exactly 1.
     pub const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
     /// Tightest enclosure of π: the nearest double is below π.
-    pub const PI: Interval = Interval {
-        lo: std::f64::consts::PI,
-        hi: std::f64::consts::PI.next_up(),
-    };
+    pub const PI: Interval = Interval { lo: std::f64::consts::PI, hi: std::f64::consts::PI.next_up() };
 
     /// All numbers from `lo` to `hi`; empty when `lo > hi`, a bound is NaN, or both are the same infinity.
     #[inline]
     pub const fn new(lo: f64, hi: f64) -> Interval {
-        if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
-            Interval { lo, hi }
-        } else {
-            Interval::EMPTY
-        }
+        if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY { Interval { lo, hi } } else { Interval::EMPTY }
     }
 
     /// Exactly `value`; empty when it is not finite.
@@ -180,16 +167,8 @@ impl Interval {
         if !self.overlaps(other) {
             return Interval::EMPTY;
         }
-        let lo = if self.lo > other.lo {
-            self.lo
-        } else {
-            other.lo
-        };
-        let hi = if self.hi < other.hi {
-            self.hi
-        } else {
-            other.hi
-        };
+        let lo = if self.lo > other.lo { self.lo } else { other.lo };
+        let hi = if self.hi < other.hi { self.hi } else { other.hi };
         Interval::from_bounds(lo, hi)
     }
 
@@ -203,11 +182,7 @@ impl Interval {
     /// All numbers within `radius` of a member, rounded outward; empty when the radius is negative or NaN.
     #[inline]
     pub fn inflate(self, radius: f64) -> Interval {
-        if radius >= 0.0 {
-            self + Interval::from_bounds(-radius, radius)
-        } else {
-            Interval::EMPTY
-        }
+        if radius >= 0.0 { self + Interval::from_bounds(-radius, radius) } else { Interval::EMPTY }
     }
 }
 

@@ -15,8 +15,8 @@ pub struct Map {
 
 /// Joints of a tiled floor: two families of parallel lines.
 ///
-/// Frame `grid`: the world frame turned by `rotation_rad` about the world origin. The centre line of joint `i` of axis
-/// `a` lies at grid coordinate `edge_m[a]·i + phase_m[a]`, give or take `laying_m` at every point of it in the room.
+/// Frame `grid`: the world frame turned by `rotation_rad` about the world origin. Joint `i` of axis `a` follows a straight
+/// line near grid coordinate `edge_m[a]·i + phase_m[a]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileGrid {
     /// Pitch of the joints along grid x and grid y.
@@ -27,10 +27,10 @@ pub struct TileGrid {
     pub phase_m: [f64; 2],
     /// Width of a joint.
     pub joint_width_m: f64,
-    /// Greatest distance of a point of a joint's centre line from its nominal line, `floor_tiles.laying`.
+    /// Greatest distance, anywhere in the room, of a joint's straight line from its nominal place, `floor_tiles.laying`.
     pub laying_m: f64,
-    /// Greatest angle of a joint to its nominal direction, `floor_tiles.laying_angle`.
+    /// Greatest angle of a joint's straight line to its nominal direction, `floor_tiles.laying_angle`.
     pub laying_angle_rad: f64,
-    /// Greatest bend of a joint about its own straight line, `floor_tiles.straightness`.
+    /// Greatest distance of a joint's centre line from its own straight line, `floor_tiles.straightness`.
     pub straightness_m: f64,
 }

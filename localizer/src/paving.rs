@@ -31,12 +31,7 @@ impl<const N: usize> Paving<N> {
     /// `resolution` wide.
     ///
     /// Variables that are not in `axes` are only contracted: the paving is of those that are.
-    pub fn new(
-        set: &impl Separator<N>,
-        domain: IntervalBox<N>,
-        axes: &[usize],
-        resolution: f64,
-    ) -> Self {
+    pub fn new(set: &impl Separator<N>, domain: IntervalBox<N>, axes: &[usize], resolution: f64) -> Self {
         let mut paving = Paving::default();
         let mut pending = vec![domain];
         while let Some(candidate) = pending.pop() {
@@ -82,24 +77,13 @@ pub fn cover<const N: usize>(
 }
 
 /// Smallest box around boxes; empty when there is none.
-pub fn hull<'a, const N: usize>(
-    boxes: impl IntoIterator<Item = &'a IntervalBox<N>>,
-) -> IntervalBox<N> {
-    boxes
-        .into_iter()
-        .fold(IntervalBox::EMPTY, |hull, one| hull.hull(one))
+pub fn hull<'a, const N: usize>(boxes: impl IntoIterator<Item = &'a IntervalBox<N>>) -> IntervalBox<N> {
+    boxes.into_iter().fold(IntervalBox::EMPTY, |hull, one| hull.hull(one))
 }
 
 /// The widest of `axes` if it is wider than the resolution.
-fn axis_to_bisect<const N: usize>(
-    candidate: &IntervalBox<N>,
-    axes: &[usize],
-    resolution: f64,
-) -> Option<usize> {
-    let widest = axes
-        .iter()
-        .copied()
-        .max_by(|a, b| candidate.width(*a).total_cmp(&candidate.width(*b)))?;
+fn axis_to_bisect<const N: usize>(candidate: &IntervalBox<N>, axes: &[usize], resolution: f64) -> Option<usize> {
+    let widest = axes.iter().copied().max_by(|a, b| candidate.width(*a).total_cmp(&candidate.width(*b)))?;
     let component = candidate[widest];
     // An interval of two neighbouring doubles cannot be halved.
     let is_divisible = component.lo() < component.mid() && component.mid() < component.hi();
@@ -112,11 +96,7 @@ fn halves<const N: usize>(candidate: &IntervalBox<N>, axis: usize) -> [IntervalB
 }
 
 /// Adds boxes that cover `whole` without `part`: one slab at most on each side of each axis.
-fn difference<const N: usize>(
-    whole: &IntervalBox<N>,
-    part: &IntervalBox<N>,
-    slabs: &mut Vec<IntervalBox<N>>,
-) {
+fn difference<const N: usize>(whole: &IntervalBox<N>, part: &IntervalBox<N>, slabs: &mut Vec<IntervalBox<N>>) {
     if part.is_empty() {
         slabs.push(*whole);
         return;

@@ -46,6 +46,19 @@ impl PoseUnion {
         self.branches.iter().fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch))
     }
 
+    /// The union without branches that lie inside another one.
+    pub fn without_repeats(self) -> Self {
+        let mut kept: Vec<PoseBox> = Vec::with_capacity(self.branches.len());
+        for branch in self.branches {
+            if kept.iter().any(|other| branch.is_subset_of(other)) {
+                continue;
+            }
+            kept.retain(|other| !other.is_subset_of(&branch));
+            kept.push(branch);
+        }
+        PoseUnion { branches: kept }
+    }
+
     /// Whether some branch contains the pose.
     pub fn contains(&self, pose: Pose) -> bool {
         self.branches.iter().any(|branch| branch.contains(&pose.to_array()))

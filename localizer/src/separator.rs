@@ -23,10 +23,7 @@ pub trait Separator<const N: usize> {
     }
 
     /// The points of either set.
-    fn or<Other: Separator<N>>(
-        self,
-        other: Other,
-    ) -> Complement<And<Complement<Self>, Complement<Other>>>
+    fn or<Other: Separator<N>>(self, other: Other) -> Complement<And<Complement<Self>, Complement<Other>>>
     where
         Self: Sized,
     {
@@ -52,9 +49,7 @@ pub struct ContractorPair<Inside, Outside> {
     pub keeps_outside: Outside,
 }
 
-impl<const N: usize, Inside: Contractor<N>, Outside: Contractor<N>> Separator<N>
-    for ContractorPair<Inside, Outside>
-{
+impl<const N: usize, Inside: Contractor<N>, Outside: Contractor<N>> Separator<N> for ContractorPair<Inside, Outside> {
     fn separate(&self, domain: &IntervalBox<N>) -> (IntervalBox<N>, IntervalBox<N>) {
         let (mut inside, mut outside) = (*domain, *domain);
         self.keeps_inside.contract(&mut inside);
@@ -91,10 +86,7 @@ impl<const N: usize, One: Separator<N>, Other: Separator<N>> Separator<N> for An
     fn separate(&self, domain: &IntervalBox<N>) -> (IntervalBox<N>, IntervalBox<N>) {
         let (inside_one, outside_one) = self.one.separate(domain);
         let (inside_other, outside_other) = self.other.separate(domain);
-        (
-            inside_one.intersect(&inside_other),
-            outside_one.hull(&outside_other),
-        )
+        (inside_one.intersect(&inside_other), outside_one.hull(&outside_other))
     }
 }
 

@@ -1,0 +1,26 @@
+//! A physics-simulated testbed for indoor localization.
+//!
+//! ```text
+//! scenes/x.toml ─> Scene ─> World ─> Truth ─> Sensors (+ Renderer) ─> Readings ─> Localizer ─> Estimate
+//!                             ^                                                                   │
+//!                             └──────────── WheelCommand <── Driver <─────────────────────────────┤
+//!                  run(): RunRecord { Truth, Estimate } ─> check() ─> Verdict ─> record
+//! ```
+//!
+//! Modules in reading order, from the file to the verdict.
+
+pub mod scene;
+pub mod randomness;
+pub mod drawn;
+pub mod truth;
+pub mod world;
+pub mod render;
+pub mod sensors;
+pub mod driver;
+pub mod run;
+pub mod check;
+pub mod figures;
+pub mod frames;
+pub mod record;
+pub mod table;
+pub mod cli;

@@ -1,8 +1,8 @@
 //! Contractors, separators and pavings on problems whose answer is worked out by hand: one that does nothing fails here.
 
 use localizer::contractor::{
-    Distance, ForwardBackward, Inverse, Landmark, LinearPose, Periodic, Pinhole, Polar, QRelaxed,
-    RigidPlanar, q_intersection,
+    Distance, ForwardBackward, Inverse, Landmark, LinearPose, Periodic, Pinhole, Polar, QRelaxed, RigidPlanar,
+    q_intersection,
 };
 use localizer::paving::{self, Paving};
 use localizer::separator::Separator;
@@ -17,10 +17,7 @@ fn assert_close(actual: Interval, lo: f64, hi: f64) {
 #[test]
 fn distance_is_optimal_on_a_circle() {
     // A circle of radius 5 about the origin; above y = 3 it reaches x = ±4, and right of 0 no further than y = 5.
-    let circle = Distance {
-        landmark: [Interval::ZERO; 2],
-        distance: Interval::point(5.0),
-    };
+    let circle = Distance { landmark: [Interval::ZERO; 2], distance: Interval::point(5.0) };
     let mut domain = IntervalBox::new([Interval::new(0.0, 10.0), Interval::new(3.0, 10.0)]);
     circle.contract(&mut domain);
     assert_close(domain[0], 0.0, 4.0);
@@ -35,32 +32,18 @@ fn polar_is_optimal_within_and_across_quadrants() {
     let pi = std::f64::consts::PI;
     let whole = Interval::new(-9.0, 9.0);
     // Within the first quadrant the corners of the sector decide.
-    let mut sector = IntervalBox::new([
-        whole,
-        whole,
-        Interval::new(1.0, 2.0),
-        Interval::new(pi / 6.0, pi / 3.0),
-    ]);
+    let mut sector = IntervalBox::new([whole, whole, Interval::new(1.0, 2.0), Interval::new(pi / 6.0, pi / 3.0)]);
     Polar.contract(&mut sector);
     assert_close(sector[0], 0.5, 3f64.sqrt());
     assert_close(sector[1], 0.5, 3f64.sqrt());
     // Across the y axis the arc's top decides: y reaches 2 at π/2, and its least is 1 · sin 60°.
-    let mut top = IntervalBox::new([
-        whole,
-        whole,
-        Interval::new(1.0, 2.0),
-        Interval::new(pi / 3.0, 2.0 * pi / 3.0),
-    ]);
+    let mut top = IntervalBox::new([whole, whole, Interval::new(1.0, 2.0), Interval::new(pi / 3.0, 2.0 * pi / 3.0)]);
     Polar.contract(&mut top);
     assert_close(top[0], -1.0, 1.0);
     assert_close(top[1], 0.75f64.sqrt(), 2.0);
     // The heading is found on its own turn, in the third quadrant: atan2(−1, −1) + 2π · 3.
-    let mut heading = IntervalBox::new([
-        Interval::point(-1.0),
-        Interval::point(-1.0),
-        whole,
-        Interval::new(18.0, 24.0),
-    ]);
+    let mut heading =
+        IntervalBox::new([Interval::point(-1.0), Interval::point(-1.0), whole, Interval::new(18.0, 24.0)]);
     Polar.contract(&mut heading);
     assert_close(heading[3], 6.0 * pi + 1.25 * pi, 6.0 * pi + 1.25 * pi);
     assert_close(heading[2], 2f64.sqrt(), 2f64.sqrt());
@@ -68,10 +51,7 @@ fn polar_is_optimal_within_and_across_quadrants() {
 
 #[test]
 fn tile_joints_stay_apart() {
-    let joints = Periodic {
-        period: Interval::point(0.5),
-        offset: Interval::new(0.24, 0.26),
-    };
+    let joints = Periodic { period: Interval::point(0.5), offset: Interval::new(0.24, 0.26) };
     let branches = joints.branches(&IntervalBox::new([Interval::new(0.5, 1.5)]));
     assert_eq!(branches.len(), 2);
     assert_close(branches[0][0], 0.74, 0.76);
@@ -82,19 +62,11 @@ fn tile_joints_stay_apart() {
 
 #[test]
 fn pinhole_needs_no_division_by_a_depth_that_may_be_zero() {
-    let camera = Pinhole {
-        focal_px: Interval::point(320.0),
-    };
+    let camera = Pinhole { focal_px: Interval::point(320.0) };
     let anywhere = Interval::new(-100.0, 100.0);
     let depth = Interval::new(-1.0, 8.0);
     // u = 80 is a slope of a quarter: x = z / 4 ≥ 1 means z ≥ 4, and z ≤ 8 means x ≤ 2.
-    let mut point = IntervalBox::new([
-        Interval::new(1.0, 9.0),
-        anywhere,
-        depth,
-        Interval::point(80.0),
-        Interval::ZERO,
-    ]);
+    let mut point = IntervalBox::new([Interval::new(1.0, 9.0), anywhere, depth, Interval::point(80.0), Interval::ZERO]);
     camera.contract(&mut point);
     assert_close(point[0], 1.0, 2.0);
     assert_close(point[1], 0.0, 0.0);
@@ -106,8 +78,7 @@ fn pinhole_needs_no_division_by_a_depth_that_may_be_zero() {
 
 #[test]
 fn two_of_three_intervals_outvote_the_third() {
-    let boxes = [(0.0, 2.0), (1.0, 3.0), (10.0, 12.0)]
-        .map(|(lo, hi)| IntervalBox::new([Interval::new(lo, hi)]));
+    let boxes = [(0.0, 2.0), (1.0, 3.0), (10.0, 12.0)].map(|(lo, hi)| IntervalBox::new([Interval::new(lo, hi)]));
     assert_eq!(q_intersection(&boxes, 1)[0], Interval::new(1.0, 2.0));
     assert!(q_intersection(&boxes, 0).is_empty());
     assert_eq!(q_intersection(&boxes, 2)[0], Interval::new(0.0, 12.0));
@@ -117,15 +88,8 @@ fn two_of_three_intervals_outvote_the_third() {
 fn two_errors_of_the_same_size_are_two_errors() {
     // e₁ · e₂ with both in [−1, 1] can be −1; the square of one error cannot.
     let error = Interval::new(-1.0, 1.0);
-    let product = ForwardBackward::new(
-        |[x]| x.constant(error) * x.constant(error) + 0.0 * x,
-        Interval::ENTIRE,
-    );
-    assert!(
-        product
-            .evaluate(&IntervalBox::new([Interval::ONE]))
-            .contains(-1.0)
-    );
+    let product = ForwardBackward::new(|[x]| x.constant(error) * x.constant(error) + 0.0 * x, Interval::ENTIRE);
+    assert!(product.evaluate(&IntervalBox::new([Interval::ONE])).contains(-1.0));
 }
 
 #[test]
@@ -133,10 +97,7 @@ fn an_inverse_image_contracts_through_its_formulas() {
     // The place at distance 5 in the frame turned by a quarter and moved: (y − 1, −x).
     let moved = Inverse::new(
         |[x, y]| [y - 1.0, -x],
-        Distance {
-            landmark: [Interval::ZERO; 2],
-            distance: Interval::point(5.0),
-        },
+        Distance { landmark: [Interval::ZERO; 2], distance: Interval::point(5.0) },
     );
     let mut domain = IntervalBox::new([Interval::new(4.0, 9.0), Interval::new(1.0, 9.0)]);
     moved.contract(&mut domain);
@@ -149,85 +110,38 @@ fn a_paving_brackets_the_area_of_a_ring() {
     let ring = ForwardBackward::new(|[x, y]| x.sqr() + y.sqr(), Interval::new(1.0, 4.0));
     let domain = IntervalBox::new([Interval::new(-3.0, 3.0); 2]);
     let paving = Paving::new(&ring, domain, &[0, 1], 0.02);
-    let area = |boxes: &[IntervalBox<2>]| {
-        boxes
-            .iter()
-            .map(|one| one.width(0) * one.width(1))
-            .sum::<f64>()
-    };
+    let area = |boxes: &[IntervalBox<2>]| boxes.iter().map(|one| one.width(0) * one.width(1)).sum::<f64>();
     let (inner, boundary) = (area(&paving.inner), area(&paving.boundary));
     let exact = 3.0 * std::f64::consts::PI;
-    assert!(
-        inner < exact && exact < inner + boundary,
-        "{exact} is not between {inner} and {}",
-        inner + boundary
-    );
+    assert!(inner < exact && exact < inner + boundary, "{exact} is not between {inner} and {}", inner + boundary);
     assert!(boundary < 0.2, "the boundary covers {boundary}");
-    assert!(
-        (inner + boundary + area(&paving.outer) - 36.0).abs() < 1e-6,
-        "the paving does not cover the domain once"
-    );
+    assert!((inner + boundary + area(&paving.outer) - 36.0).abs() < 1e-6, "the paving does not cover the domain once");
     let radius = |point: [f64; 2]| f64::hypot(point[0], point[1]);
-    assert!(
-        paving
-            .inner
-            .iter()
-            .all(|one| (1.0..=2.0).contains(&radius(one.midpoint())))
-    );
-    assert!(
-        paving
-            .outer
-            .iter()
-            .all(|one| !(1.0..=2.0).contains(&radius(one.midpoint())))
-    );
+    assert!(paving.inner.iter().all(|one| (1.0..=2.0).contains(&radius(one.midpoint()))));
+    assert!(paving.outer.iter().all(|one| !(1.0..=2.0).contains(&radius(one.midpoint()))));
 }
 
 #[test]
 fn sets_combine_by_and_or_and_complement() {
-    let disc = |x0: f64| {
-        ForwardBackward::new(
-            move |[x, y]| (x - x0).sqr() + y.sqr(),
-            Interval::new(0.0, 1.0),
-        )
-    };
+    let disc = |x0: f64| ForwardBackward::new(move |[x, y]| (x - x0).sqr() + y.sqr(), Interval::new(0.0, 1.0));
     let lens = disc(0.0).and(disc(1.0));
     let moon = disc(0.0).and(disc(1.0).complement());
     let both = disc(0.0).or(disc(1.0));
     let domain = IntervalBox::new([Interval::new(-3.0, 3.0); 2]);
     let inner_area = |set: &dyn Fn() -> Paving<2>| {
         let paving = set();
-        let area = |boxes: &[IntervalBox<2>]| {
-            boxes
-                .iter()
-                .map(|one| one.width(0) * one.width(1))
-                .sum::<f64>()
-        };
-        (
-            area(&paving.inner),
-            area(&paving.inner) + area(&paving.boundary),
-        )
+        let area = |boxes: &[IntervalBox<2>]| boxes.iter().map(|one| one.width(0) * one.width(1)).sum::<f64>();
+        (area(&paving.inner), area(&paving.inner) + area(&paving.boundary))
     };
     // Two unit discs one apart overlap in 2π/3 − √3/2.
     let overlap = 2.0 * std::f64::consts::FRAC_PI_3 - 0.75f64.sqrt();
     let pi = std::f64::consts::PI;
     for ((least, most), exact) in [
-        (
-            inner_area(&|| Paving::new(&lens, domain, &[0, 1], 0.03)),
-            overlap,
-        ),
-        (
-            inner_area(&|| Paving::new(&moon, domain, &[0, 1], 0.03)),
-            pi - overlap,
-        ),
-        (
-            inner_area(&|| Paving::new(&both, domain, &[0, 1], 0.03)),
-            2.0 * pi - overlap,
-        ),
+        (inner_area(&|| Paving::new(&lens, domain, &[0, 1], 0.03)), overlap),
+        (inner_area(&|| Paving::new(&moon, domain, &[0, 1], 0.03)), pi - overlap),
+        (inner_area(&|| Paving::new(&both, domain, &[0, 1], 0.03)), 2.0 * pi - overlap),
     ] {
-        assert!(
-            least < exact && exact < most && most - least < 0.5,
-            "{exact} is not tightly in [{least}, {most}]"
-        );
+        assert!(least < exact && exact < most && most - least < 0.5, "{exact} is not tightly in [{least}, {most}]");
     }
 }
 
@@ -238,11 +152,7 @@ fn only_the_chosen_axes_are_bisected() {
     let domain = IntervalBox::new([Interval::new(0.0, 1.0), Interval::new(-5.0, 5.0)]);
     let cover = paving::cover(&line, domain, &[0], 0.26);
     assert_eq!(cover.len(), 4);
-    assert!(
-        cover
-            .iter()
-            .all(|one| one.width(0) < 0.26 && one.width(1) < 0.45)
-    );
+    assert!(cover.iter().all(|one| one.width(0) < 0.26 && one.width(1) < 0.45));
 }
 
 #[test]
@@ -251,19 +161,12 @@ fn a_heading_known_but_for_whole_turns_stays_a_union() {
     let seen = |x: f64, y: f64| [Interval::centred(x, 0.01), Interval::centred(y, 0.01)];
     let landmarks = [(2.0, 1.0), (-1.0, 3.0), (1.0, -2.0)].map(|(x, y)| (turned(x, y), seen(x, y)));
     let motion = RigidPlanar::new(&landmarks);
-    let domain = IntervalBox::new([
-        Interval::new(-1.0, 1.0),
-        Interval::new(-1.0, 1.0),
-        Interval::new(-10.0, 10.0),
-    ]);
+    let domain = IntervalBox::new([Interval::new(-1.0, 1.0), Interval::new(-1.0, 1.0), Interval::new(-10.0, 10.0)]);
     let branches = motion.branches(&domain);
     // A quarter turn, with whole turns added: −7π/2 lies outside, −3π/2, π/2 and 5π/2 inside.
     assert_eq!(branches.len(), 3);
     for (branch, quarter_turns) in branches.iter().zip([-3.0, 1.0, 5.0]) {
-        assert!(
-            branch[2].contains(quarter_turns * std::f64::consts::FRAC_PI_2)
-                && branch[2].width() < 0.1
-        );
+        assert!(branch[2].contains(quarter_turns * std::f64::consts::FRAC_PI_2) && branch[2].width() < 0.1);
         assert!(branch[0].contains(0.0) && branch[0].width() < 0.1);
     }
 }
@@ -272,21 +175,13 @@ fn a_heading_known_but_for_whole_turns_stays_a_union() {
 fn four_landmarks() -> (Vec<Landmark>, [f64; 3]) {
     let (x, y, heading) = (1.0, 0.5, 0.4f64);
     let places = [[3.0, 2.0], [-2.0, 3.0], [-3.0, -2.5], [2.5, -3.0]];
-    let errors = [
-        [0.5, -0.3, -0.2, 0.4],
-        [-0.7, 0.2, 0.6, -0.6],
-        [0.1, 0.6, 0.3, 0.1],
-        [-0.4, -0.5, -0.5, 0.7],
-    ];
+    let errors = [[0.5, -0.3, -0.2, 0.4], [-0.7, 0.2, 0.6, -0.6], [0.1, 0.6, 0.3, 0.1], [-0.4, -0.5, -0.5, 0.7]];
     let landmarks = places.iter().zip(&errors).map(|([a_x, a_y], error)| {
         let (across, along) = (a_x - x, a_y - y);
         let b_x = heading.cos() * across + heading.sin() * along;
         let b_y = heading.cos() * along - heading.sin() * across;
         let around = |value: f64, error: f64| Interval::centred(value + 0.1 * error, 0.1);
-        (
-            [around(*a_x, error[0]), around(*a_y, error[1])],
-            [around(b_x, error[2]), around(b_y, error[3])],
-        )
+        ([around(*a_x, error[0]), around(*a_y, error[1])], [around(b_x, error[2]), around(b_y, error[3])])
     });
     (landmarks.collect(), [x, y, heading])
 }
@@ -300,49 +195,23 @@ fn one_shot_pose_is_as_tight_as_bisection_within_a_tenth() {
     let mut plain: Vec<ForwardBackward<3>> = Vec::new();
     for (a, b) in &landmarks {
         let ([a_x, a_y], [b_x, b_y]) = (*a, *b);
-        plain.push(ForwardBackward::new(
-            |[x, _, h]| x + h.cos() * b_x - h.sin() * b_y - a_x,
-            Interval::ZERO,
-        ));
-        plain.push(ForwardBackward::new(
-            |[_, y, h]| y + h.sin() * b_x + h.cos() * b_y - a_y,
-            Interval::ZERO,
-        ));
-        plain.push(ForwardBackward::new(
-            |[x, y, h]| h.cos() * (a_x - x) + h.sin() * (a_y - y) - b_x,
-            Interval::ZERO,
-        ));
-        plain.push(ForwardBackward::new(
-            |[x, y, h]| h.cos() * (a_y - y) - h.sin() * (a_x - x) - b_y,
-            Interval::ZERO,
-        ));
+        plain.push(ForwardBackward::new(|[x, _, h]| x + h.cos() * b_x - h.sin() * b_y - a_x, Interval::ZERO));
+        plain.push(ForwardBackward::new(|[_, y, h]| y + h.sin() * b_x + h.cos() * b_y - a_y, Interval::ZERO));
+        plain.push(ForwardBackward::new(|[x, y, h]| h.cos() * (a_x - x) + h.sin() * (a_y - y) - b_x, Interval::ZERO));
+        plain.push(ForwardBackward::new(|[x, y, h]| h.cos() * (a_y - y) - h.sin() * (a_x - x) - b_y, Interval::ZERO));
     }
-    let all = QRelaxed {
-        contractors: plain.into_iter().map(|one| Box::new(one) as _).collect(),
-        q: 0,
-    };
+    let all = QRelaxed { contractors: plain.into_iter().map(|one| Box::new(one) as _).collect(), q: 0 };
     let reference = paving::hull(&paving::cover(&all, prior, &[0, 1, 2], 0.0125));
     let mut pose = prior;
-    LinearPose {
-        motion: motion.clone(),
-        n_slices: 8,
-    }
-    .contract(&mut pose);
+    LinearPose { motion: motion.clone(), n_slices: 8 }.contract(&mut pose);
     assert!(pose.contains(&truth) && reference.contains(&truth));
     for axis in 0..3 {
         let ratio = pose.width(axis) / reference.width(axis);
-        assert!(
-            ratio < 1.1,
-            "axis {axis} is {ratio} times as wide as by bisection"
-        );
+        assert!(ratio < 1.1, "axis {axis} is {ratio} times as wide as by bisection");
     }
     // And the elimination alone, which the slices start from, is already close.
     let mut eliminated = prior;
-    LinearPose {
-        motion,
-        n_slices: 0,
-    }
-    .contract(&mut eliminated);
+    LinearPose { motion, n_slices: 0 }.contract(&mut eliminated);
     assert!((0..3).all(|axis| eliminated.width(axis) < 1.25 * reference.width(axis)));
     assert!(pose.is_subset_of(&eliminated));
 }
@@ -353,18 +222,11 @@ fn a_landmark_that_is_anywhere_changes_nothing_and_one_that_is_nowhere_leaves_no
     let prior = IntervalBox::new([Interval::new(-3.0, 3.0); 3]);
     let contracted = |landmarks: &[Landmark]| {
         let mut pose = prior;
-        LinearPose {
-            motion: RigidPlanar::new(landmarks),
-            n_slices: 2,
-        }
-        .contract(&mut pose);
+        LinearPose { motion: RigidPlanar::new(landmarks), n_slices: 2 }.contract(&mut pose);
         pose
     };
     let known = contracted(&landmarks);
-    landmarks.push((
-        [Interval::ENTIRE, Interval::new(0.4, f64::INFINITY)],
-        [Interval::ENTIRE; 2],
-    ));
+    landmarks.push(([Interval::ENTIRE, Interval::new(0.4, f64::INFINITY)], [Interval::ENTIRE; 2]));
     assert_eq!(contracted(&landmarks), known);
     assert!(known.contains(&truth));
     landmarks.push(([Interval::EMPTY, Interval::ZERO], [Interval::ZERO; 2]));

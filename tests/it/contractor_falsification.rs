@@ -7,10 +7,7 @@ use localizer::contractor::{LinearPose, RigidPlanar};
 use localizer::{Contractor, Interval, IntervalBox};
 
 fn n_trials() -> u64 {
-    std::env::var("WHEREIN_RIGID_TRIALS")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(100_000)
+    std::env::var("WHEREIN_RIGID_TRIALS").ok().and_then(|text| text.parse().ok()).unwrap_or(100_000)
 }
 
 /// SplitMix64.
@@ -41,8 +38,7 @@ impl Random {
 
     /// An interval of the radius around a value with an error, with room for the rounding of the value itself.
     fn measured(&mut self, value: f64, radius: f64) -> Interval {
-        Interval::centred(value + radius * self.error(), radius)
-            .inflate(1e-14 * (1.0 + value.abs()))
+        Interval::centred(value + radius * self.error(), radius).inflate(1e-14 * (1.0 + value.abs()))
     }
 }
 
@@ -53,11 +49,7 @@ fn rigid_contractors_never_lose_the_truth() {
     for trial in 0..n_trials() {
         let n_landmarks = 1 + (random.bits() % 7) as usize;
         let radius = [0.1, 0.01, 0.001][(random.bits() % 3) as usize];
-        let truth = [
-            3.0 * random.signed(),
-            3.0 * random.signed(),
-            7.0 * random.signed(),
-        ];
+        let truth = [3.0 * random.signed(), 3.0 * random.signed(), 7.0 * random.signed()];
         let [x, y, heading] = truth;
         let landmarks: Vec<_> = (0..n_landmarks)
             .map(|_| {
@@ -71,11 +63,8 @@ fn rigid_contractors_never_lose_the_truth() {
                 )
             })
             .collect();
-        let prior_radius =
-            [[3.0, 3.0, 3.2], [0.3, 0.3, 0.2], [0.02, 0.02, 0.01]][(random.bits() % 3) as usize];
-        let prior = IntervalBox::new(std::array::from_fn(|axis| {
-            random.measured(truth[axis], prior_radius[axis])
-        }));
+        let prior_radius = [[3.0, 3.0, 3.2], [0.3, 0.3, 0.2], [0.02, 0.02, 0.01]][(random.bits() % 3) as usize];
+        let prior = IntervalBox::new(std::array::from_fn(|axis| random.measured(truth[axis], prior_radius[axis])));
         let motion = RigidPlanar::new(&landmarks);
         if trial % 10_000_000 == 9_999_999 {
             println!("rigid contractors: {} problems so far", trial + 1);
@@ -83,23 +72,12 @@ fn rigid_contractors_never_lose_the_truth() {
         let mut domain = prior;
         for _ in 0..2 {
             motion.contract(&mut domain);
-            assert!(
-                domain.contains(&truth),
-                "trial {trial}: pass lost {truth:?}, left {domain:?} of {prior:?}"
-            );
+            assert!(domain.contains(&truth), "trial {trial}: pass lost {truth:?}, left {domain:?} of {prior:?}");
         }
         // Slices are the same pass again and cost the most: every eighth problem is enough for them.
-        for n_slices in if trial % 8 == 0 {
-            [0, 3].as_slice()
-        } else {
-            &[0]
-        } {
+        for n_slices in if trial % 8 == 0 { [0, 3].as_slice() } else { &[0] } {
             let n_slices = *n_slices;
-            let branches = LinearPose {
-                motion: motion.clone(),
-                n_slices,
-            }
-            .branches(&prior);
+            let branches = LinearPose { motion: motion.clone(), n_slices }.branches(&prior);
             assert!(
                 branches.iter().any(|branch| branch.contains(&truth)),
                 "trial {trial}: one shot with {n_slices} slices lost {truth:?}, left {branches:?} of {prior:?}"

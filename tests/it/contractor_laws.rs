@@ -11,10 +11,7 @@ const ROUNDING: f64 = 1e-12;
 /// An interval around a value that may be anywhere in it: at the lower end, at the upper end, in between.
 fn around(value: f64, width: f64, share: f64) -> Interval {
     let rounding = ROUNDING * (1.0 + value.abs());
-    Interval::new(
-        value - share * width - rounding,
-        value + (1.0 - share) * width + rounding,
-    )
+    Interval::new(value - share * width - rounding, value + (1.0 - share) * width + rounding)
 }
 
 /// Shares of a width: both ends often.
@@ -31,32 +28,15 @@ fn surroundings() -> impl Strategy<Value = (f64, f64)> {
     (width(), share())
 }
 
-fn check_laws<const N: usize>(
-    contractor: &impl Contractor<N>,
-    domain: IntervalBox<N>,
-    solution: [f64; N],
-) {
+fn check_laws<const N: usize>(contractor: &impl Contractor<N>, domain: IntervalBox<N>, solution: [f64; N]) {
     assert!(domain.contains(&solution), "the test itself is wrong");
     let mut contracted = domain;
     assert_eq!(contractor.contract(&mut contracted), Outcome::Feasible);
-    assert!(
-        contracted.is_subset_of(&domain),
-        "{contracted:?} is not in {domain:?}"
-    );
-    assert!(
-        contracted.contains(&solution),
-        "{solution:?} lost: {contracted:?} of {domain:?}"
-    );
+    assert!(contracted.is_subset_of(&domain), "{contracted:?} is not in {domain:?}");
+    assert!(contracted.contains(&solution), "{solution:?} lost: {contracted:?} of {domain:?}");
     let branches = contractor.branches(&domain);
-    assert!(
-        branches.iter().any(|branch| branch.contains(&solution)),
-        "{solution:?} is in no branch of {domain:?}"
-    );
-    assert!(
-        branches
-            .iter()
-            .all(|branch| !branch.is_empty() && branch.is_subset_of(&domain))
-    );
+    assert!(branches.iter().any(|branch| branch.contains(&solution)), "{solution:?} is in no branch of {domain:?}");
+    assert!(branches.iter().all(|branch| !branch.is_empty() && branch.is_subset_of(&domain)));
     // At a fixpoint the contractor has nothing more to say.
     let mut fixpoint = contracted;
     for _ in 0..5000 {

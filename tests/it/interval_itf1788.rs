@@ -2,8 +2,6 @@
 //!
 //! The data lie beside the project and not in it (`../shared/data/itf1788` from the project's root, in their own format).
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -49,26 +47,15 @@ fn every_applicable_case_is_contained_and_nearly_tight() {
                 let entry = worst.entry(case.operation.clone()).or_default();
                 *entry = ulps.max(*entry);
             }
-            Some(ulps) => failures.push(format!(
-                "{}: got {actual:?}, {ulps} ulps too wide",
-                case.statement
-            )),
+            Some(ulps) => failures.push(format!("{}: got {actual:?}, {ulps} ulps too wide", case.statement)),
             None => failures.push(format!("{}: got {actual:?}", case.statement)),
         }
     }
-    println!(
-        "ITF1788: {n_run} cases run, {} skipped",
-        cases.len() - n_run
-    );
+    println!("ITF1788: {n_run} cases run, {} skipped", cases.len() - n_run);
     println!("skipped, operation and number of cases: {skipped:?}");
     println!("largest excess in units in the last place: {worst:?}");
     assert!(n_run > 3600, "only {n_run} cases were recognised");
-    assert!(
-        failures.is_empty(),
-        "{} of {n_run} fail:\n{}",
-        failures.len(),
-        failures.join("\n")
-    );
+    assert!(failures.is_empty(), "{} of {n_run} fail:\n{}", failures.len(), failures.join("\n"));
 }
 
 /// The operation's own answer and the excess it is allowed; `None` when the library does not offer it.
@@ -77,9 +64,7 @@ fn evaluate(operation: &str, arguments: &[Value]) -> Option<(Vec<Value>, u64)> {
     let interval = |value: Interval, allowed| Some((vec![I(value)], allowed));
     let truth = |value: bool| Some((vec![Word(value.to_string())], 0));
     let number = |value: f64, allowed| Some((vec![N(value)], allowed));
-    let integer = |value: f64| {
-        (value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX)).then_some(value as i32)
-    };
+    let integer = |value: f64| (value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX)).then_some(value as i32);
     match (operation, arguments) {
         ("pos", [I(x)]) => interval(*x, 0),
         ("neg", [I(x)]) => interval(-*x, 0),
@@ -126,14 +111,7 @@ fn evaluate(operation: &str, arguments: &[Value]) -> Option<(Vec<Value>, u64)> {
         ("tanRev", [I(c)]) => interval(c.tan_rev(Interval::ENTIRE), REVERSE),
         ("tanRevBin", [I(c), I(x)]) => interval(c.tan_rev(*x), REVERSE),
         ("inf", [I(x)]) => number(if x.is_empty() { f64::INFINITY } else { x.lo() }, 0),
-        ("sup", [I(x)]) => number(
-            if x.is_empty() {
-                f64::NEG_INFINITY
-            } else {
-                x.hi()
-            },
-            0,
-        ),
+        ("sup", [I(x)]) => number(if x.is_empty() { f64::NEG_INFINITY } else { x.hi() }, 0),
         ("mid", [I(x)]) => number(x.mid(), 0),
         ("rad", [I(x)]) => number(x.radius(), BASIC),
         ("midRad", [I(x)]) => Some((vec![N(x.mid()), N(x.radius())], BASIC)),
@@ -155,10 +133,9 @@ fn evaluate(operation: &str, arguments: &[Value]) -> Option<(Vec<Value>, u64)> {
         ("strictPrecedes", [I(x), I(y)]) => truth(x.strictly_precedes(*y)),
         ("overlap", [I(x), I(y)]) => Some((vec![Word(overlap_name(x.overlap(*y)))], 0)),
         ("b-numsToInterval", [N(lo), N(hi)]) => interval(Interval::new(*lo, *hi), 0),
-        ("b-textToInterval", [Text(text)]) if !text.contains('?') => interval(
-            text.parse().unwrap_or(Interval::EMPTY),
-            if text.contains('/') { BASIC } else { 0 },
-        ),
+        ("b-textToInterval", [Text(text)]) if !text.contains('?') => {
+            interval(text.parse().unwrap_or(Interval::EMPTY), if text.contains('/') { BASIC } else { 0 })
+        }
         _ => None,
     }
 }
@@ -181,20 +158,11 @@ fn excess(actual: &[Value], expected: &[Value]) -> Option<u64> {
                 // Nothing is the only tight answer, and something is no number of units away from it.
                 actual.is_empty().then_some(0)?
             }
-            (Value::Interval(actual), Value::Interval(expected))
-                if expected.is_subset_of(*actual) =>
-            {
-                ulps_between(actual.lo(), expected.lo())
-                    .max(ulps_between(expected.hi(), actual.hi()))
+            (Value::Interval(actual), Value::Interval(expected)) if expected.is_subset_of(*actual) => {
+                ulps_between(actual.lo(), expected.lo()).max(ulps_between(expected.hi(), actual.hi()))
             }
-            (Value::Number(actual), Value::Number(expected))
-                if actual.is_nan() && expected.is_nan() =>
-            {
-                0
-            }
-            (Value::Number(actual), Value::Number(expected)) if actual >= expected => {
-                ulps_between(*expected, *actual)
-            }
+            (Value::Number(actual), Value::Number(expected)) if actual.is_nan() && expected.is_nan() => 0,
+            (Value::Number(actual), Value::Number(expected)) if actual >= expected => ulps_between(*expected, *actual),
             (Value::Word(actual), Value::Word(expected)) if actual == expected => 0,
             _ => return None,
         };
@@ -215,21 +183,13 @@ fn ulps_between(low: f64, high: f64) -> u64 {
 fn read_cases() -> Option<Vec<Case>> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/itf1788");
     let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!(
-            "ITF1788: no data in {}: nothing was checked",
-            folder.display()
-        );
+        println!("ITF1788: no data in {}: nothing was checked", folder.display());
         return None;
     };
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "itl"));
     paths.sort();
-    Some(
-        paths
-            .iter()
-            .flat_map(|path| parse_cases(&std::fs::read_to_string(path).unwrap()))
-            .collect(),
-    )
+    Some(paths.iter().flat_map(|path| parse_cases(&std::fs::read_to_string(path).unwrap())).collect())
 }
 
 /// Statements are `operation argument… = result…;` inside `testcase name { … }`.
@@ -241,13 +201,8 @@ fn parse_cases(text: &str) -> Vec<Case> {
         rest = comment.split_once("*/").map_or("", |(_, after)| after);
     }
     code.push_str(rest);
-    let code: String = code
-        .lines()
-        .map(|line| line.split("//").next().unwrap_or("").to_owned() + "\n")
-        .collect();
-    code.split([';', '{', '}'])
-        .filter_map(parse_statement)
-        .collect()
+    let code: String = code.lines().map(|line| line.split("//").next().unwrap_or("").to_owned() + "\n").collect();
+    code.split([';', '{', '}']).filter_map(parse_statement).collect()
 }
 
 fn parse_statement(statement: &str) -> Option<Case> {
@@ -279,9 +234,7 @@ fn parse_values(text: &str) -> Option<Vec<Value>> {
             rest = after.trim_start_matches(|c: char| c == '_' || c.is_ascii_alphabetic());
         } else {
             let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-            values.push(
-                parse_number(word).map_or_else(|| Value::Word(word.to_owned()), Value::Number),
-            );
+            values.push(parse_number(word).map_or_else(|| Value::Word(word.to_owned()), Value::Number));
             rest = after;
         }
         rest = rest.trim_start_matches(|c: char| c.is_whitespace() || c == ',');
@@ -296,10 +249,7 @@ fn parse_interval(bounds: &str) -> Option<Interval> {
         "nai" => None,
         bounds => {
             let (lo, hi) = bounds.split_once(',')?;
-            Some(Interval::new(
-                parse_number(lo.trim())?,
-                parse_number(hi.trim())?,
-            ))
+            Some(Interval::new(parse_number(lo.trim())?, parse_number(hi.trim())?))
         }
     }
 }

@@ -2,8 +2,6 @@
 //!
 //! `WHEREIN_INTERVAL_TRIALS` sets the number of function values, and one expression for 20 of them; the experiments set 1.4·10⁷.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -17,10 +15,7 @@ type Big = CachedFBig<Zero, 2>;
 const PRECISION: usize = 160;
 
 fn n_trials() -> u64 {
-    std::env::var("WHEREIN_INTERVAL_TRIALS")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(20_000)
+    std::env::var("WHEREIN_INTERVAL_TRIALS").ok().and_then(|text| text.parse().ok()).unwrap_or(20_000)
 }
 
 /// SplitMix64: tests need no better, and the same numbers everywhere.
@@ -47,9 +42,7 @@ impl Random {
     fn number(&mut self) -> f64 {
         match self.below(8) {
             0..4 => 20.0 * self.unit() - 10.0,
-            4 => {
-                f64::from_bits(self.bits() & !(0x7ff << 52) | ((1023 - 40 + self.below(80)) << 52))
-            }
+            4 => f64::from_bits(self.bits() & !(0x7ff << 52) | ((1023 - 40 + self.below(80)) << 52)),
             5 => self.below(41) as f64 - 20.0,
             6 => {
                 let near = (self.below(400) as f64 - 200.0) * std::f64::consts::FRAC_PI_4;
@@ -80,11 +73,7 @@ impl Random {
             _ => (lo + self.unit() * (hi - lo)).clamp(lo, hi),
         };
         let interval = Interval::new(lo, hi);
-        if interval.contains(member) {
-            (interval, member)
-        } else {
-            self.interval_with_member()
-        }
+        if interval.contains(member) { (interval, member) } else { self.interval_with_member() }
     }
 }
 
@@ -101,24 +90,14 @@ fn encloses(enclosure: Interval, real: &Big, cache: &Rc<RefCell<ConstCache>>) ->
 
 #[test]
 fn functions_enclose_the_real_value() {
-    type Function = (
-        &'static str,
-        fn(Interval) -> Interval,
-        fn(&Big) -> Big,
-        fn(f64) -> bool,
-    );
+    type Function = (&'static str, fn(Interval) -> Interval, fn(&Big) -> Big, fn(f64) -> bool);
     let anywhere: fn(f64) -> bool = |_| true;
     // Arguments of 2^±1000 make the reference slow and are covered by the ITF1788 cases.
     let moderate: fn(f64) -> bool = |x| x == 0.0 || (1e-60..1e60).contains(&x.abs());
     let unit: fn(f64) -> bool = |x| x.abs() <= 1.0 && (x == 0.0 || x.abs() > 1e-60);
     let functions: [Function; 12] = [
         ("sqrt", Interval::sqrt, |x| x.sqrt(), |x| x >= 0.0),
-        (
-            "sqr",
-            Interval::sqr,
-            |x| x.clone() * x.clone(),
-            |x| x == 0.0 || (1e-150..1e150).contains(&x.abs()),
-        ),
+        ("sqr", Interval::sqr, |x| x.clone() * x.clone(), |x| x == 0.0 || (1e-150..1e150).contains(&x.abs())),
         ("exp", Interval::exp, |x| x.exp(), |x| x.abs() < 700.0),
         ("log", Interval::log, |x| x.ln(), |x| x > 0.0),
         ("sin", Interval::sin, |x| x.sin(), moderate),
@@ -127,12 +106,7 @@ fn functions_enclose_the_real_value() {
         ("asin", Interval::asin, |x| x.asin(), unit),
         ("acos", Interval::acos, |x| x.acos(), unit),
         ("atan", Interval::atan, |x| x.atan(), moderate),
-        (
-            "cube",
-            |x| x.pown(3),
-            |x| x.clone() * x.clone() * x.clone(),
-            moderate,
-        ),
+        ("cube", |x| x.pown(3), |x| x.clone() * x.clone() * x.clone(), moderate),
         ("identity", |x| x, |x| x.clone(), anywhere),
     ];
     let cache = Rc::new(RefCell::new(ConstCache::new()));
@@ -147,10 +121,7 @@ fn functions_enclose_the_real_value() {
         n_checked += 1;
         let real = reference(&big(member, &cache));
         let enclosure = function(x);
-        assert!(
-            encloses(enclosure, &real, &cache),
-            "{name} of {member:e} is outside {name}({x}) = {enclosure}"
-        );
+        assert!(encloses(enclosure, &real, &cache), "{name} of {member:e} is outside {name}({x}) = {enclosure}");
     }
     println!("{n_checked} function values inside");
 }
@@ -168,15 +139,9 @@ impl Expression {
             return Expression::Variable(random.below(3) as usize);
         }
         if random.below(3) == 0 {
-            return Expression::Unary(
-                random.below(7),
-                Box::new(Expression::random(random, depth - 1)),
-            );
+            return Expression::Unary(random.below(7), Box::new(Expression::random(random, depth - 1)));
         }
-        let (left, right) = (
-            Expression::random(random, depth - 1),
-            Expression::random(random, depth - 1),
-        );
+        let (left, right) = (Expression::random(random, depth - 1), Expression::random(random, depth - 1));
         Expression::Binary(random.below(6), Box::new(left), Box::new(right))
     }
 
@@ -261,20 +226,14 @@ fn random_expressions_enclose_the_real_value() {
         let members: [f64; 3] = std::array::from_fn(|_| 6.0 * random.unit() - 3.0);
         let intervals = members.map(|member| {
             let reach = [0.0, 1e-9, 0.1, 2.0][random.below(4) as usize];
-            Interval::new(
-                member - reach * random.unit(),
-                member + reach * random.unit(),
-            )
+            Interval::new(member - reach * random.unit(), member + reach * random.unit())
         });
         let Some(real) = expression.real(&members.map(|member| big(member, &cache))) else {
             continue;
         };
         n_checked += 1;
         let enclosure = expression.enclose(&intervals);
-        assert!(
-            encloses(enclosure, &real, &cache),
-            "{real:?} is outside {enclosure}"
-        );
+        assert!(encloses(enclosure, &real, &cache), "{real:?} is outside {enclosure}");
     }
     println!("{n_checked} expression values inside");
 }

@@ -13,9 +13,7 @@ pub struct Then<First, Next> {
     pub(super) next: Next,
 }
 
-impl<const N: usize, First: Contractor<N>, Next: Contractor<N>> Contractor<N>
-    for Then<First, Next>
-{
+impl<const N: usize, First: Contractor<N>, Next: Contractor<N>> Contractor<N> for Then<First, Next> {
     fn contract(&self, domain: &mut IntervalBox<N>) -> Outcome {
         match self.first.contract(domain) {
             Outcome::Feasible => self.next.contract(domain),
@@ -24,11 +22,7 @@ impl<const N: usize, First: Contractor<N>, Next: Contractor<N>> Contractor<N>
     }
 
     fn branches(&self, domain: &IntervalBox<N>) -> Vec<IntervalBox<N>> {
-        self.first
-            .branches(domain)
-            .iter()
-            .flat_map(|branch| self.next.branches(branch))
-            .collect()
+        self.first.branches(domain).iter().flat_map(|branch| self.next.branches(branch)).collect()
     }
 }
 
@@ -116,11 +110,7 @@ impl<Inner, const M: usize> OnAxes<Inner, M> {
         IntervalBox::new(self.axes.map(|axis| domain[axis]))
     }
 
-    fn replace<const N: usize>(
-        &self,
-        domain: &IntervalBox<N>,
-        selected: &IntervalBox<M>,
-    ) -> IntervalBox<N> {
+    fn replace<const N: usize>(&self, domain: &IntervalBox<N>, selected: &IntervalBox<M>) -> IntervalBox<N> {
         let mut replaced = *domain;
         for (axis, component) in self.axes.iter().zip(selected) {
             replaced[*axis] = replaced[*axis].intersect(*component);
@@ -143,10 +133,6 @@ impl<const N: usize, const M: usize, Inner: Contractor<M>> Contractor<N> for OnA
 
     fn branches(&self, domain: &IntervalBox<N>) -> Vec<IntervalBox<N>> {
         let branches = self.contractor.branches(&self.select(domain));
-        branches
-            .iter()
-            .map(|branch| self.replace(domain, branch))
-            .filter(|branch| !branch.is_empty())
-            .collect()
+        branches.iter().map(|branch| self.replace(domain, branch)).filter(|branch| !branch.is_empty()).collect()
     }
 }

@@ -22,10 +22,7 @@ impl Contractor<2> for Distance {
     fn contract(&self, domain: &mut IntervalBox<2>) -> Outcome {
         let across = domain[0] - self.landmark[0];
         let along = domain[1] - self.landmark[1];
-        let squared = self
-            .distance
-            .intersect(Interval::new(0.0, f64::INFINITY))
-            .sqr();
+        let squared = self.distance.intersect(Interval::new(0.0, f64::INFINITY)).sqr();
         let across = (squared - along.sqr()).sqr_rev(across);
         let along = (squared - across.sqr()).sqr_rev(along);
         let left = IntervalBox::new([

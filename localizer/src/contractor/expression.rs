@@ -114,19 +114,12 @@ impl<'a> Expression<'a> {
             Step::Constant(value) => value.is_singleton(),
             _ => true,
         };
-        let known = if is_shared {
-            steps.iter().position(|known| *known == step)
-        } else {
-            None
-        };
+        let known = if is_shared { steps.iter().position(|known| *known == step) } else { None };
         let idx = known.unwrap_or(steps.len());
         if idx == steps.len() {
             steps.push(step);
         }
-        Expression {
-            steps: self.steps,
-            idx,
-        }
+        Expression { steps: self.steps, idx }
     }
 }
 
@@ -140,11 +133,7 @@ impl Neg for Expression<'_> {
 impl Mul for Expression<'_> {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        self.push(if self.idx == other.idx {
-            Step::Sqr(self.idx)
-        } else {
-            Step::Mul(self.idx, other.idx)
-        })
+        self.push(if self.idx == other.idx { Step::Sqr(self.idx) } else { Step::Mul(self.idx, other.idx) })
     }
 }
 
@@ -199,16 +188,11 @@ pub(super) struct Program<const N: usize, const M: usize> {
 }
 
 impl<const N: usize, const M: usize> Program<N, M> {
-    pub(super) fn record(
-        formulas: impl for<'a> FnOnce([Expression<'a>; N]) -> [Expression<'a>; M],
-    ) -> Self {
+    pub(super) fn record(formulas: impl for<'a> FnOnce([Expression<'a>; N]) -> [Expression<'a>; M]) -> Self {
         let steps = RefCell::new(vec![Step::Variable; N]);
-        let outputs = formulas(std::array::from_fn(|idx| Expression { steps: &steps, idx }))
-            .map(|expression| expression.idx);
-        Program {
-            steps: steps.into_inner(),
-            outputs,
-        }
+        let outputs =
+            formulas(std::array::from_fn(|idx| Expression { steps: &steps, idx })).map(|expression| expression.idx);
+        Program { steps: steps.into_inner(), outputs }
     }
 
     /// Encloses every step, given the variables.
@@ -226,11 +210,7 @@ impl<const N: usize, const M: usize> Program<N, M> {
     }
 
     /// Contracts every step by what the outputs may be, last step first; the variables that are left.
-    pub(super) fn backward(
-        &self,
-        mut values: Vec<Interval>,
-        outputs: &IntervalBox<M>,
-    ) -> IntervalBox<N> {
+    pub(super) fn backward(&self, mut values: Vec<Interval>, outputs: &IntervalBox<M>) -> IntervalBox<N> {
         for (idx, output) in self.outputs.iter().zip(outputs) {
             values[*idx] = values[*idx].intersect(*output);
         }
@@ -307,8 +287,7 @@ impl Step {
                 // (x, y) = r (cos z, sin z), and x sin z = y cos z.
                 let (cosine, sine) = (z.cos(), z.sin());
                 let radius = values[x].hypot(values[y]);
-                values[x] =
-                    (values[y] * cosine).mul_rev(sine, values[x].intersect(radius * cosine));
+                values[x] = (values[y] * cosine).mul_rev(sine, values[x].intersect(radius * cosine));
                 values[y] = (values[x] * sine).mul_rev(cosine, values[y].intersect(radius * sine));
             }
             Step::Pown(a, n) => values[a] = z.pown_rev(values[a], n),
@@ -331,9 +310,7 @@ impl Step {
 /// max(x, y) = z: neither is above z, and when one is surely below, the other is z.
 fn backward_max(z: Interval, x: Interval, y: Interval) -> (Interval, Interval) {
     let below = Interval::new(f64::NEG_INFINITY, z.hi());
-    let other = |this: Interval, other: Interval| {
-        this.intersect(if other.hi() < z.lo() { z } else { below })
-    };
+    let other = |this: Interval, other: Interval| this.intersect(if other.hi() < z.lo() { z } else { below });
     (other(x, y), other(y, x))
 }
 
@@ -342,9 +319,5 @@ fn within_half_circle(z: Interval) -> Interval {
     let quarter = std::f64::consts::FRAC_PI_2;
     let inside = z.intersect(Interval::new(-quarter, quarter));
     // Beyond the last doubles before the poles the tangent says nothing.
-    if z.is_subset_of(inside) {
-        inside
-    } else {
-        Interval::ENTIRE
-    }
+    if z.is_subset_of(inside) { inside } else { Interval::ENTIRE }
 }

@@ -20,22 +20,13 @@ pub struct ForwardBackward<const N: usize> {
 
 impl<const N: usize> ForwardBackward<N> {
     /// The points at which the formula's value is in `range`; `Interval::ZERO` for an equation.
-    pub fn new(
-        formula: impl for<'a> FnOnce([Expression<'a>; N]) -> Expression<'a>,
-        range: Interval,
-    ) -> Self {
-        ForwardBackward {
-            program: Program::record(|x| [formula(x)]),
-            range: IntervalBox::new([range]),
-        }
+    pub fn new(formula: impl for<'a> FnOnce([Expression<'a>; N]) -> Expression<'a>, range: Interval) -> Self {
+        ForwardBackward { program: Program::record(|x| [formula(x)]), range: IntervalBox::new([range]) }
     }
 
     /// The same formula with another range.
     pub fn with_range(&self, range: Interval) -> Self {
-        ForwardBackward {
-            program: self.program.clone(),
-            range: IntervalBox::new([range]),
-        }
+        ForwardBackward { program: self.program.clone(), range: IntervalBox::new([range]) }
     }
 
     /// The interval that the value must be in.
@@ -66,14 +57,8 @@ pub struct Inverse<const N: usize, const M: usize, On> {
 
 impl<const N: usize, const M: usize, On: Contractor<M>> Inverse<N, M, On> {
     /// The points whose image satisfies `on`.
-    pub fn new(
-        formulas: impl for<'a> FnOnce([Expression<'a>; N]) -> [Expression<'a>; M],
-        on: On,
-    ) -> Self {
-        Inverse {
-            program: Program::record(formulas),
-            on,
-        }
+    pub fn new(formulas: impl for<'a> FnOnce([Expression<'a>; N]) -> [Expression<'a>; M], on: On) -> Self {
+        Inverse { program: Program::record(formulas), on }
     }
 }
 

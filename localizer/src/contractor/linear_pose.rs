@@ -28,10 +28,7 @@ const WORTHWHILE: f64 = 0.9;
 
 impl Contractor<3> for LinearPose {
     fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
-        let left = self
-            .branches(domain)
-            .iter()
-            .fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch));
+        let left = self.branches(domain).iter().fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch));
         settle(domain, left, CAUSE)
     }
 
@@ -41,9 +38,7 @@ impl Contractor<3> for LinearPose {
         }
         let mut branches = Vec::with_capacity(1);
         for heading in self.motion.turns(domain[2]) {
-            let part = self
-                .motion
-                .bound_by_lengths(&IntervalBox::new([domain[0], domain[1], heading]));
+            let part = self.motion.bound_by_lengths(&IntervalBox::new([domain[0], domain[1], heading]));
             // Without a baseline that decides the heading, the remainder would swallow everything.
             let left = if part.is_empty() || part[2].width() > 3.0 {
                 self.motion.contract_turn(&part)
@@ -68,12 +63,7 @@ impl LinearPose {
                 translation_radius: [0.0; 2],
                 ..About::new(domain[2], [Interval::ZERO; 2])
             };
-            let rows: Vec<[Row; 4]> = self
-                .motion
-                .groups()
-                .iter()
-                .map(|lanes| lanes.rows(&about))
-                .collect();
+            let rows: Vec<[Row; 4]> = self.motion.groups().iter().map(|lanes| lanes.rows(&about)).collect();
             let turn = turn_by_pairs(&rows, about.reach);
             let heading = domain[2].intersect(Interval::new(turn.0, turn.1) + about.heading);
             let shrank = heading.width() < WORTHWHILE * domain[2].width();
@@ -105,8 +95,7 @@ impl LinearPose {
         };
         let mut hull = IntervalBox::EMPTY;
         for idx in 0..self.n_slices {
-            let slice =
-                IntervalBox::new([domain[0], domain[1], Interval::new(end(idx), end(idx + 1))]);
+            let slice = IntervalBox::new([domain[0], domain[1], Interval::new(end(idx), end(idx + 1))]);
             hull = hull.hull(&self.motion.pass(&slice));
         }
         hull
@@ -134,8 +123,7 @@ fn turn_by_pairs(rows: &[[Row; 4]], reach: f64) -> (f64, f64) {
                 let inverse = 1.0 / slope;
                 let quotient = (other_m - m) * inverse;
                 let slack = SLACK * (m.abs() + other_m.abs() + reach * (g.abs() + other_g.abs()));
-                let spread =
-                    (e + other_e + slack) * inverse.abs() * (1.0 + SLACK) + SLACK * quotient.abs();
+                let spread = (e + other_e + slack) * inverse.abs() * (1.0 + SLACK) + SLACK * quotient.abs();
                 turn = common(turn, (quotient - spread, quotient + spread));
             }
         }
@@ -151,13 +139,7 @@ fn value_by_pairs(rows: &[[Row; 4]], direction: usize, turn: (f64, f64)) -> (f64
         let (m, g, e) = entry(rows, direction, i);
         let slack = SLACK * (m.abs() + g.abs() * reach + e);
         let (at_lo, at_hi) = (g * turn.0, g * turn.1);
-        value = common(
-            value,
-            (
-                m - e + at_lo.min(at_hi) - slack,
-                m + e + at_lo.max(at_hi) + slack,
-            ),
-        );
+        value = common(value, (m - e + at_lo.min(at_hi) - slack, m + e + at_lo.max(at_hi) + slack));
         for j in 0..i {
             let (other_m, other_g, other_e) = entry(rows, direction, j);
             if g * other_g >= 0.0 {

@@ -43,26 +43,15 @@ impl Contractor<1> for Periodic {
             return settle(domain, unchanged, "the domain is empty");
         };
         let part = |index: i64| self.line(index).intersect(domain[0]);
-        let lowest = (first..=last)
-            .take(3)
-            .map(part)
-            .find(|part| !part.is_empty());
-        let highest = (first..=last)
-            .rev()
-            .take(3)
-            .map(part)
-            .find(|part| !part.is_empty());
+        let lowest = (first..=last).take(3).map(part).find(|part| !part.is_empty());
+        let highest = (first..=last).rev().take(3).map(part).find(|part| !part.is_empty());
         let left = match (lowest, highest) {
             (Some(lowest), Some(highest)) => lowest.hull(highest),
             // The quotient's rounding admits at most one index too many at each end.
             _ if last - first < 3 => Interval::EMPTY,
             _ => domain[0],
         };
-        settle(
-            domain,
-            IntervalBox::new([left]),
-            "no line meets the interval",
-        )
+        settle(domain, IntervalBox::new([left]), "no line meets the interval")
     }
 
     fn branches(&self, domain: &IntervalBox<1>) -> Vec<IntervalBox<1>> {

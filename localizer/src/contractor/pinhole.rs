@@ -29,15 +29,7 @@ impl Contractor<5> for Pinhole {
         }
         // A point at depth 0 is in no image.
         let behind = z.hi() <= 0.0;
-        let left = if behind {
-            IntervalBox::EMPTY
-        } else {
-            IntervalBox::new([x, y, z, u, v])
-        };
-        settle(
-            domain,
-            left,
-            "no point in front of the camera is seen at that pixel",
-        )
+        let left = if behind { IntervalBox::EMPTY } else { IntervalBox::new([x, y, z, u, v]) };
+        settle(domain, left, "no point in front of the camera is seen at that pixel")
     }
 }

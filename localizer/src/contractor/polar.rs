@@ -22,26 +22,20 @@ const MOST_QUARTERS: i64 = 64;
 impl Contractor<4> for Polar {
     fn contract(&self, domain: &mut IntervalBox<4>) -> Outcome {
         let left = match quarters(domain[3]) {
-            Some((first, last)) => (first..=last).fold(IntervalBox::EMPTY, |hull, quarter| {
-                hull.hull(&in_quarter(domain, quarter))
-            }),
+            Some((first, last)) => {
+                (first..=last).fold(IntervalBox::EMPTY, |hull, quarter| hull.hull(&in_quarter(domain, quarter)))
+            }
             None => {
                 // All directions occur: one turn decides about x, y and r, and the angle is left as it is.
                 let turn = IntervalBox::new([domain[0], domain[1], domain[2], Interval::ENTIRE]);
-                let mut hull = (0..4).fold(IntervalBox::EMPTY, |hull, quarter| {
-                    hull.hull(&in_quarter(&turn, quarter))
-                });
+                let mut hull = (0..4).fold(IntervalBox::EMPTY, |hull, quarter| hull.hull(&in_quarter(&turn, quarter)));
                 if !hull.is_empty() {
                     hull[3] = domain[3];
                 }
                 hull
             }
         };
-        settle(
-            domain,
-            left,
-            "no vector of that length and direction is in the box",
-        )
+        settle(domain, left, "no vector of that length and direction is in the box")
     }
 
     fn branches(&self, domain: &IntervalBox<4>) -> Vec<IntervalBox<4>> {
@@ -53,11 +47,7 @@ impl Contractor<4> for Polar {
             None => {
                 let mut contracted = *domain;
                 self.contract(&mut contracted);
-                if contracted.is_empty() {
-                    Vec::new()
-                } else {
-                    vec![contracted]
-                }
+                if contracted.is_empty() { Vec::new() } else { vec![contracted] }
             }
         }
     }
@@ -67,8 +57,7 @@ impl Contractor<4> for Polar {
 fn quarters(angle: Interval) -> Option<(i64, i64)> {
     let quotient = angle / (Interval::PI / 2.0);
     let (first, last) = (quotient.lo().floor(), quotient.hi().floor());
-    (last - first < MOST_QUARTERS as f64 && first.abs() < 1e9)
-        .then_some((first as i64, last as i64))
+    (last - first < MOST_QUARTERS as f64 && first.abs() < 1e9).then_some((first as i64, last as i64))
 }
 
 /// The constraint with θ in [k π/2, (k + 1) π/2].
@@ -90,11 +79,7 @@ fn in_quarter(domain: &IntervalBox<4>, quarter: i64) -> IntervalBox<4> {
         _ => (y, -x),
     };
     let left = IntervalBox::new([x, y, r, angle.intersect(turned + start)]);
-    if left.is_empty() {
-        IntervalBox::EMPTY
-    } else {
-        left
-    }
+    if left.is_empty() { IntervalBox::EMPTY } else { left }
 }
 
 fn in_first_quadrant(x: Interval, y: Interval, r: Interval, angle: Interval) -> IntervalBox<4> {
@@ -109,10 +94,7 @@ fn in_first_quadrant(x: Interval, y: Interval, r: Interval, angle: Interval) -> 
         if !(x.contains_zero() && y.contains_zero()) {
             angle = angle.intersect(y.atan2(x));
         }
-        let (cosine, sine) = (
-            angle.cos().max(Interval::ZERO),
-            angle.sin().max(Interval::ZERO),
-        );
+        let (cosine, sine) = (angle.cos().max(Interval::ZERO), angle.sin().max(Interval::ZERO));
         x = x.intersect(r * cosine);
         y = y.intersect(r * sine);
         x = (r.sqr() - y.sqr()).sqr_rev(x);

@@ -22,11 +22,7 @@ pub struct QRelaxed<const N: usize> {
 impl<const N: usize> Contractor<N> for QRelaxed<N> {
     fn contract(&self, domain: &mut IntervalBox<N>) -> Outcome {
         if self.q >= self.contractors.len() {
-            return if domain.is_empty() {
-                Outcome::Empty("the domain is empty")
-            } else {
-                Outcome::Feasible
-            };
+            return if domain.is_empty() { Outcome::Empty("the domain is empty") } else { Outcome::Feasible };
         }
         let boxes: Vec<IntervalBox<N>> = self
             .contractors
@@ -50,14 +46,9 @@ pub fn q_intersection<const N: usize>(boxes: &[IntervalBox<N>], q: usize) -> Int
     let needed = boxes.len() - q;
     let mut hull = IntervalBox::ENTIRE;
     loop {
-        let candidates: Vec<IntervalBox<N>> = boxes
-            .iter()
-            .map(|one| one.intersect(&hull))
-            .filter(|one| !one.is_empty())
-            .collect();
-        let narrower = IntervalBox::new(std::array::from_fn(|axis| {
-            hull_of_depth(&candidates, axis, needed)
-        }));
+        let candidates: Vec<IntervalBox<N>> =
+            boxes.iter().map(|one| one.intersect(&hull)).filter(|one| !one.is_empty()).collect();
+        let narrower = IntervalBox::new(std::array::from_fn(|axis| hull_of_depth(&candidates, axis, needed)));
         if narrower.is_empty() {
             return IntervalBox::EMPTY;
         }
@@ -75,14 +66,9 @@ fn hull_of_depth<const N: usize>(boxes: &[IntervalBox<N>], axis: usize, needed: 
     lows.sort_by(f64::total_cmp);
     highs.sort_by(f64::total_cmp);
     // Depth at a low end: lows up to it minus highs before it.
-    let depth =
-        |x: f64| lows.partition_point(|low| *low <= x) - highs.partition_point(|high| *high < x);
+    let depth = |x: f64| lows.partition_point(|low| *low <= x) - highs.partition_point(|high| *high < x);
     let first = lows.iter().copied().find(|low| depth(*low) >= needed);
-    let last = highs
-        .iter()
-        .copied()
-        .rev()
-        .find(|high| depth(*high) >= needed);
+    let last = highs.iter().copied().rev().find(|high| depth(*high) >= needed);
     match (first, last) {
         (Some(lo), Some(hi)) => Interval::new(lo, hi),
         _ => Interval::EMPTY,

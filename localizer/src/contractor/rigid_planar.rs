@@ -15,8 +15,7 @@ use super::rigid_rows::{About, Landmark, Lanes, SLACK};
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
-pub(super) const CAUSE: &str =
-    "no rigid motion carries the landmarks of one view into those of the other";
+pub(super) const CAUSE: &str = "no rigid motion carries the landmarks of one view into those of the other";
 
 /// Boxes of the same landmarks in two frames.
 #[derive(Clone, Debug)]
@@ -31,25 +30,14 @@ impl RigidPlanar {
     ///
     /// A landmark with an unbounded box constrains nothing; one with an empty box leaves no pose.
     pub fn new(landmarks: &[Landmark]) -> RigidPlanar {
-        let is_within = |limit: f64| {
-            move |(a, b): &&Landmark| {
-                [a[0], a[1], b[0], b[1]]
-                    .iter()
-                    .all(|x| x.magnitude() <= limit)
-            }
-        };
-        let is_possible = !landmarks
-            .iter()
-            .any(|(a, b)| [a[0], a[1], b[0], b[1]].iter().any(|x| x.is_empty()));
+        let is_within =
+            |limit: f64| move |(a, b): &&Landmark| [a[0], a[1], b[0], b[1]].iter().all(|x| x.magnitude() <= limit);
+        let is_possible = !landmarks.iter().any(|(a, b)| [a[0], a[1], b[0], b[1]].iter().any(|x| x.is_empty()));
         // Beyond this, squares overflow.
         let bounded: Vec<Landmark> = landmarks.iter().filter(is_within(1e100)).copied().collect();
         RigidPlanar {
             groups: Lanes::groups(&bounded),
-            heading: if is_possible {
-                heading_between_views(&bounded)
-            } else {
-                Some(Interval::EMPTY)
-            },
+            heading: if is_possible { heading_between_views(&bounded) } else { Some(Interval::EMPTY) },
             landmarks: bounded,
         }
     }
@@ -84,8 +72,7 @@ impl RigidPlanar {
         if last - first > 1024.0 || first.abs() > 1e9 {
             return vec![heading];
         }
-        let parts =
-            (first as i64..=last as i64).map(|k| (allowed + k as f64 * turn).intersect(heading));
+        let parts = (first as i64..=last as i64).map(|k| (allowed + k as f64 * turn).intersect(heading));
         parts.filter(|part| !part.is_empty()).collect()
     }
 
@@ -127,11 +114,7 @@ impl RigidPlanar {
     /// Passes over each part of the headings that is small enough for the linearisation to say something.
     pub(super) fn contract_turn(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
         if domain[2].width() <= WIDEST_HEADING || !domain[2].is_bounded() {
-            return if domain[2].is_bounded() {
-                self.pass(domain)
-            } else {
-                *domain
-            };
+            return if domain[2].is_bounded() { self.pass(domain) } else { *domain };
         }
         let (left, right) = domain.bisect(2);
         self.contract_turn(&left).hull(&self.contract_turn(&right))
@@ -148,15 +131,10 @@ impl Contractor<3> for RigidPlanar {
         if domain.is_empty() || self.heading.is_some_and(Interval::is_empty) {
             return settle(domain, IntervalBox::EMPTY, CAUSE);
         }
-        let left = if domain[2].width() <= WIDEST_HEADING
-            && domain[0].is_bounded()
-            && domain[1].is_bounded()
-        {
+        let left = if domain[2].width() <= WIDEST_HEADING && domain[0].is_bounded() && domain[1].is_bounded() {
             self.pass(domain)
         } else {
-            self.branches(domain)
-                .iter()
-                .fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch))
+            self.branches(domain).iter().fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch))
         };
         settle(domain, left, CAUSE)
     }
@@ -165,11 +143,7 @@ impl Contractor<3> for RigidPlanar {
         let parts = self.turns(domain[2]).into_iter().map(|heading| {
             let part = IntervalBox::new([domain[0], domain[1], heading]);
             let bounded = self.bound_by_lengths(&part);
-            if bounded.is_empty() {
-                bounded
-            } else {
-                self.contract_turn(&bounded)
-            }
+            if bounded.is_empty() { bounded } else { self.contract_turn(&bounded) }
         });
         parts.filter(|part| !part.is_empty()).collect()
     }
@@ -226,8 +200,7 @@ fn bound_translation(ranges: [(f64, f64); 4], c: f64, s: f64) -> [(f64, f64); 4]
 fn combine(range: (f64, f64), factor: f64, other: (f64, f64), other_factor: f64) -> (f64, f64) {
     let ((mid, radius), (other_mid, other_radius)) = (mid_radius(range), mid_radius(other));
     let middle = factor * mid + other_factor * other_mid;
-    let size =
-        factor.abs() * (mid.abs() + radius) + other_factor.abs() * (other_mid.abs() + other_radius);
+    let size = factor.abs() * (mid.abs() + radius) + other_factor.abs() * (other_mid.abs() + other_radius);
     let spread = factor.abs() * radius + other_factor.abs() * other_radius + SLACK * size;
     (middle - spread, middle + spread)
 }
@@ -241,10 +214,7 @@ fn mid_radius((lo, hi): (f64, f64)) -> (f64, f64) {
 /// Intersection of two ranges; a bound of `b` that is NaN, which overflow can make it, says nothing.
 #[inline]
 pub(super) fn common(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    (
-        if b.0 > a.0 { b.0 } else { a.0 },
-        if b.1 < a.1 { b.1 } else { a.1 },
-    )
+    (if b.0 > a.0 { b.0 } else { a.0 }, if b.1 < a.1 { b.1 } else { a.1 })
 }
 
 /// Intersects the turns that carry the vectors between landmarks of one view into those of the other.
@@ -285,9 +255,5 @@ fn direction(x: Interval, y: Interval) -> Option<Interval> {
         return None;
     }
     // Away from the cut of the arc tangent: the opposite vector, half a turn later.
-    Some(if x.hi() < 0.0 {
-        (-y).atan2(-x) + Interval::PI
-    } else {
-        y.atan2(x)
-    })
+    Some(if x.hi() < 0.0 { (-y).atan2(-x) + Interval::PI } else { y.atan2(x) })
 }

@@ -96,11 +96,7 @@ impl Lanes {
                     b_y: lane(&|(_, b)| b[1].mid()),
                     b_radius_x: lane(&|(_, b)| b[0].radius()),
                     b_radius_y: lane(&|(_, b)| b[1].radius()),
-                    b_norm: lane(&|(_, b)| {
-                        Interval::point(b[0].mid())
-                            .hypot(Interval::point(b[1].mid()))
-                            .hi()
-                    }),
+                    b_norm: lane(&|(_, b)| Interval::point(b[0].mid()).hypot(Interval::point(b[1].mid())).hi()),
                 }
             })
             .collect()
@@ -113,20 +109,13 @@ impl Lanes {
         let curvature = 0.5 * h * h;
         // |cos θ − c|, |sin θ − s|, |cos θ| and |sin θ| at most, for |θ − θ₀| ≤ h.
         let (cosine_moves, sine_moves) = (s.abs() * h + curvature, c.abs() * h + curvature);
-        let (most_c, most_s) = (
-            (c.abs() + cosine_moves).min(1.0),
-            (s.abs() + sine_moves).min(1.0),
-        );
+        let (most_c, most_s) = ((c.abs() + cosine_moves).min(1.0), (s.abs() + sine_moves).min(1.0));
         let [t_x, t_y] = about.translation;
         let [tau_x, tau_y] = about.translation_radius;
         let bilinear_p = cosine_moves * tau_x + sine_moves * tau_y;
         let bilinear_q = sine_moves * tau_x + cosine_moves * tau_y;
         let t_size = t_x.abs() + t_y.abs();
-        let empty = Row {
-            m: [0.0; LANES],
-            g: [0.0; LANES],
-            e: [0.0; LANES],
-        };
+        let empty = Row { m: [0.0; LANES], g: [0.0; LANES], e: [0.0; LANES] };
         let [mut x, mut y, mut p, mut q] = [empty; 4];
         for lane in 0..LANES {
             let (b_x, b_y) = (self.b_x[lane], self.b_y[lane]);
@@ -153,10 +142,8 @@ impl Lanes {
             let slack = slack * (1.0 + h);
             x.e[lane] = (ra_x + most_c * rb_x + most_s * rb_y + remainder_b) * widen + slack;
             y.e[lane] = (ra_y + most_s * rb_x + most_c * rb_y + remainder_b) * widen + slack;
-            p.e[lane] =
-                (rb_x + most_c * ra_x + most_s * ra_y + remainder_w + bilinear_p) * widen + slack;
-            q.e[lane] =
-                (rb_y + most_s * ra_x + most_c * ra_y + remainder_w + bilinear_q) * widen + slack;
+            p.e[lane] = (rb_x + most_c * ra_x + most_s * ra_y + remainder_w + bilinear_p) * widen + slack;
+            q.e[lane] = (rb_y + most_s * ra_x + most_c * ra_y + remainder_w + bilinear_q) * widen + slack;
         }
         [x, y, p, q]
     }
@@ -169,8 +156,7 @@ impl Row {
         let mut lo = [0.0; LANES];
         let mut hi = [0.0; LANES];
         for lane in 0..LANES {
-            let radius = (self.g[lane].abs() * reach + self.e[lane]) * (1.0 + SLACK)
-                + SLACK * self.m[lane].abs();
+            let radius = (self.g[lane].abs() * reach + self.e[lane]) * (1.0 + SLACK) + SLACK * self.m[lane].abs();
             lo[lane] = self.m[lane] - radius;
             hi[lane] = self.m[lane] + radius;
         }
@@ -189,18 +175,9 @@ impl Row {
             let inverse = 1.0 / if is_flat { 1.0 } else { slope };
             let quotient = (mid - self.m[lane]) * inverse;
             let size = (mid.abs() + self.m[lane].abs()) * SLACK;
-            let spread = (radius + self.e[lane] + size) * inverse.abs() * (1.0 + SLACK)
-                + SLACK * quotient.abs();
-            lo[lane] = if is_flat {
-                f64::NEG_INFINITY
-            } else {
-                quotient - spread
-            };
-            hi[lane] = if is_flat {
-                f64::INFINITY
-            } else {
-                quotient + spread
-            };
+            let spread = (radius + self.e[lane] + size) * inverse.abs() * (1.0 + SLACK) + SLACK * quotient.abs();
+            lo[lane] = if is_flat { f64::NEG_INFINITY } else { quotient - spread };
+            hi[lane] = if is_flat { f64::INFINITY } else { quotient + spread };
         }
         (greatest(lo), least(hi))
     }

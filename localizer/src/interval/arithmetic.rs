@@ -42,10 +42,7 @@ impl Mul for Interval {
         let lh = self.lo * other.hi;
         let hl = self.hi * other.lo;
         let hh = self.hi * other.hi;
-        let (lo, hi) = (
-            least(least(ll, lh), least(hl, hh)),
-            greatest(greatest(ll, lh), greatest(hl, hh)),
-        );
+        let (lo, hi) = (least(least(ll, lh), least(hl, hh)), greatest(greatest(ll, lh), greatest(hl, hh)));
         // 0 × ∞ gives NaN. Where the order of comparisons drops one, the zero times the other, finite bound is an end of the result,
         // or the result is infinite: neither is regular.
         if are_regular(lo, hi) {
@@ -74,9 +71,7 @@ fn multiply_by_cases(a: Interval, b: Interval) -> Interval {
     }
     [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)]
         .into_iter()
-        .fold(Interval::EMPTY, |hull, (x, y)| {
-            hull.hull(enclose_product(x, y))
-        })
+        .fold(Interval::EMPTY, |hull, (x, y)| hull.hull(enclose_product(x, y)))
 }
 
 /// The real product of two bounds, where a bound 0 times an infinite one is 0 (no member is infinite).
@@ -90,11 +85,7 @@ fn enclose_product(x: f64, y: f64) -> Interval {
 /// The real number that was rounded to `nearest` and whose sign is known, so that an underflow does not cross zero.
 fn enclose_signed(nearest: f64, is_positive: bool) -> Interval {
     let (lo, hi) = (down(nearest), up(nearest));
-    if is_positive {
-        Interval::from_bounds(lo.max(0.0), hi)
-    } else {
-        Interval::from_bounds(lo, hi.min(0.0))
-    }
+    if is_positive { Interval::from_bounds(lo.max(0.0), hi) } else { Interval::from_bounds(lo, hi.min(0.0)) }
 }
 
 impl Div for Interval {
@@ -103,24 +94,10 @@ impl Div for Interval {
     #[inline]
     fn div(self, other: Interval) -> Interval {
         // A negative divisor is turned positive; then each end of the dividend needs only the divisor that moves it outward.
-        let (numerator, divisor) = if other.hi < 0.0 {
-            (-self, -other)
-        } else {
-            (self, other)
-        };
+        let (numerator, divisor) = if other.hi < 0.0 { (-self, -other) } else { (self, other) };
         if divisor.lo > 0.0 {
-            let lo = numerator.lo
-                / if numerator.lo < 0.0 {
-                    divisor.lo
-                } else {
-                    divisor.hi
-                };
-            let hi = numerator.hi
-                / if numerator.hi < 0.0 {
-                    divisor.hi
-                } else {
-                    divisor.lo
-                };
+            let lo = numerator.lo / if numerator.lo < 0.0 { divisor.lo } else { divisor.hi };
+            let hi = numerator.hi / if numerator.hi < 0.0 { divisor.hi } else { divisor.lo };
             if are_regular(lo, hi) {
                 return Interval::from_bounds(down_regular(lo), up_regular(hi));
             }
@@ -178,16 +155,8 @@ fn divide_by_positive(numerator: Interval, divisor: Interval) -> Interval {
     if numerator.is_empty() || divisor.is_empty() || divisor.hi == 0.0 {
         return Interval::EMPTY;
     }
-    let low_divisor = if numerator.lo < 0.0 {
-        divisor.lo
-    } else {
-        divisor.hi
-    };
-    let high_divisor = if numerator.hi < 0.0 {
-        divisor.hi
-    } else {
-        divisor.lo
-    };
+    let low_divisor = if numerator.lo < 0.0 { divisor.lo } else { divisor.hi };
+    let high_divisor = if numerator.hi < 0.0 { divisor.hi } else { divisor.lo };
     let lo = enclose_quotient(numerator.lo, low_divisor).lo;
     let hi = enclose_quotient(numerator.hi, high_divisor).hi;
     Interval::from_bounds(lo, hi)

@@ -35,16 +35,8 @@ impl Interval {
     #[inline]
     pub fn sqr(self) -> Interval {
         let (least, greatest) = (self.mignitude(), self.magnitude());
-        let lo = if least == 0.0 {
-            0.0
-        } else {
-            at_least_zero(down(least * least))
-        };
-        let hi = if greatest == 0.0 {
-            0.0
-        } else {
-            up(greatest * greatest)
-        };
+        let lo = if least == 0.0 { 0.0 } else { at_least_zero(down(least * least)) };
+        let hi = if greatest == 0.0 { 0.0 } else { up(greatest * greatest) };
         Interval::from_bounds(lo, hi)
     }
 
@@ -54,16 +46,8 @@ impl Interval {
         if self.is_empty() || self.hi < 0.0 {
             return Interval::EMPTY;
         }
-        let lo = if self.lo > 0.0 {
-            down(self.lo.sqrt())
-        } else {
-            0.0
-        };
-        let hi = if self.hi > 0.0 {
-            up(self.hi.sqrt())
-        } else {
-            0.0
-        };
+        let lo = if self.lo > 0.0 { down(self.lo.sqrt()) } else { 0.0 };
+        let hi = if self.hi > 0.0 { up(self.hi.sqrt()) } else { 0.0 };
         Interval::from_bounds(lo, hi)
     }
 
@@ -74,16 +58,8 @@ impl Interval {
         }
         let least = hypot_nearest(self.mignitude(), other.mignitude());
         let greatest = hypot_nearest(self.magnitude(), other.magnitude());
-        let lo = if least == 0.0 {
-            0.0
-        } else {
-            at_least_zero(down_twice(least))
-        };
-        let hi = if greatest == 0.0 {
-            0.0
-        } else {
-            up_twice(greatest)
-        };
+        let lo = if least == 0.0 { 0.0 } else { at_least_zero(down_twice(least)) };
+        let hi = if greatest == 0.0 { 0.0 } else { up_twice(greatest) };
         Interval::from_bounds(lo, hi)
     }
 
@@ -98,9 +74,7 @@ impl Interval {
             2 => self.sqr(),
             -1 => self.recip(),
             _ if n > 0 && n % 2 == 0 => power_of_non_negative(self.abs(), n),
-            _ if n > 0 => {
-                Interval::from_bounds(power_bounds(self.lo, n).lo, power_bounds(self.hi, n).hi)
-            }
+            _ if n > 0 => Interval::from_bounds(power_bounds(self.lo, n).lo, power_bounds(self.hi, n).hi),
             _ => negative_power(self, n),
         }
     }
@@ -111,16 +85,8 @@ impl Interval {
         if self.is_empty() {
             return Interval::EMPTY;
         }
-        let lo = if self.lo == 0.0 {
-            1.0
-        } else {
-            at_least_zero(down_twice(pxfm::f_exp(self.lo)))
-        };
-        let hi = if self.hi == 0.0 {
-            1.0
-        } else {
-            up_twice(pxfm::f_exp(self.hi))
-        };
+        let lo = if self.lo == 0.0 { 1.0 } else { at_least_zero(down_twice(pxfm::f_exp(self.lo))) };
+        let hi = if self.hi == 0.0 { 1.0 } else { up_twice(pxfm::f_exp(self.hi)) };
         Interval::from_bounds(lo, hi)
     }
 
@@ -138,11 +104,7 @@ impl Interval {
         } else {
             down_twice(pxfm::f_log(self.lo))
         };
-        let hi = if self.hi == 1.0 {
-            0.0
-        } else {
-            up_twice(pxfm::f_log(self.hi))
-        };
+        let hi = if self.hi == 1.0 { 0.0 } else { up_twice(pxfm::f_log(self.hi)) };
         Interval::from_bounds(lo, hi)
     }
 }
@@ -154,26 +116,14 @@ fn at_least_zero(bound: f64) -> f64 {
 
 /// Rounded hypotenuse of non-negative numbers; exact when one is zero, infinite when one is.
 fn hypot_nearest(a: f64, b: f64) -> f64 {
-    if a.is_infinite() || b.is_infinite() {
-        f64::INFINITY
-    } else {
-        pxfm::f_hypot(a, b)
-    }
+    if a.is_infinite() || b.is_infinite() { f64::INFINITY } else { pxfm::f_hypot(a, b) }
 }
 
 /// Bounds of xⁿ for one number x ≠ ±∞·0 and n ≥ 3 or n ≤ −2; the sign of the power is kept.
 fn power_bounds(x: f64, n: i32) -> Interval {
     if x == 0.0 || x.is_infinite() {
-        let limit = if (x == 0.0) == (n > 0) {
-            0.0
-        } else {
-            f64::INFINITY
-        };
-        let signed = if x.is_sign_negative() && n % 2 != 0 {
-            -limit
-        } else {
-            limit
-        };
+        let limit = if (x == 0.0) == (n > 0) { 0.0 } else { f64::INFINITY };
+        let signed = if x.is_sign_negative() && n % 2 != 0 { -limit } else { limit };
         return Interval::from_bounds(signed, signed);
     }
     let nearest = pxfm::f_pow(x, f64::from(n));
@@ -197,11 +147,7 @@ fn negative_power(x: Interval, n: i32) -> Interval {
             return Interval::EMPTY;
         }
         let lo = power_bounds(side.hi, n).lo;
-        let hi = if side.lo <= 0.0 {
-            f64::INFINITY
-        } else {
-            power_bounds(side.lo, n).hi
-        };
+        let hi = if side.lo <= 0.0 { f64::INFINITY } else { power_bounds(side.lo, n).hi };
         Interval::from_bounds(lo, hi)
     };
     let half_line = Interval::from_bounds(0.0, f64::INFINITY);
@@ -212,24 +158,12 @@ fn negative_power(x: Interval, n: i32) -> Interval {
 
 /// A lower bound of the n-th root of c ≥ 0, n ≥ 2.
 pub(super) fn root_down(c: f64, n: i32) -> f64 {
-    proven_root(
-        c,
-        n,
-        0.0,
-        |root, c| power_bounds(root, n).hi <= c,
-        |root, step| root - step,
-    )
+    proven_root(c, n, 0.0, |root, c| power_bounds(root, n).hi <= c, |root, step| root - step)
 }
 
 /// An upper bound of the n-th root of c ≥ 0, n ≥ 2.
 pub(super) fn root_up(c: f64, n: i32) -> f64 {
-    proven_root(
-        c,
-        n,
-        f64::INFINITY,
-        |root, c| power_bounds(root, n).lo >= c,
-        |root, step| root + step,
-    )
+    proven_root(c, n, f64::INFINITY, |root, c| power_bounds(root, n).lo >= c, |root, step| root + step)
 }
 
 /// Moves an approximate root outward until its power proves that it is a bound; `trivial` is one that always is.
@@ -261,9 +195,7 @@ fn proven_root(
         Some(current)
     });
     let mut proven = candidates.filter(|candidate| is_bound(*candidate, scaled));
-    proven
-        .next()
-        .map_or(trivial, |bound| bound * 2f64.powi(shift))
+    proven.next().map_or(trivial, |bound| bound * 2f64.powi(shift))
 }
 
 /// The n-th root to about one unit in the last place. Its bounds are proven by taking the power, not by this.
@@ -271,9 +203,5 @@ fn root_nearby(c: f64, n: i32) -> f64 {
     let root = pxfm::f_pow(c, 1.0 / f64::from(n));
     // 1/n is rounded, which costs up to |ln c| units in the last place: one step of Newton's method on the logarithm repairs it.
     let excess = c / pxfm::f_pow(root, f64::from(n)) - 1.0;
-    if excess.is_finite() {
-        root + root * excess / f64::from(n)
-    } else {
-        root
-    }
+    if excess.is_finite() { root + root * excess / f64::from(n) } else { root }
 }

@@ -45,8 +45,7 @@ impl Interval {
     /// Whether every member has a neighbourhood inside `other`; an infinite bound counts as inside itself.
     pub fn is_interior_of(self, other: Interval) -> bool {
         self.is_empty()
-            || (is_below(other.lo, self.lo, f64::NEG_INFINITY)
-                && is_below(self.hi, other.hi, f64::INFINITY))
+            || (is_below(other.lo, self.lo, f64::NEG_INFINITY) && is_below(self.hi, other.hi, f64::INFINITY))
     }
 
     /// Whether the two have no member in common.
@@ -62,8 +61,7 @@ impl Interval {
     /// As [`is_less`](Self::is_less), strictly; equal infinite bounds count as less.
     pub fn is_strictly_less(self, other: Interval) -> bool {
         (self.is_empty() && other.is_empty())
-            || (is_below(self.lo, other.lo, f64::NEG_INFINITY)
-                && is_below(self.hi, other.hi, f64::INFINITY))
+            || (is_below(self.lo, other.lo, f64::NEG_INFINITY) && is_below(self.hi, other.hi, f64::INFINITY))
     }
 
     /// Whether no member is above a member of `other`.

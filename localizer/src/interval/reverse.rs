@@ -27,11 +27,7 @@ impl Interval {
     pub fn pown_rev(self, known: Interval, n: i32) -> Interval {
         let root = match n {
             0 => {
-                return if self.contains(1.0) {
-                    known
-                } else {
-                    Interval::EMPTY
-                };
+                return if self.contains(1.0) { known } else { Interval::EMPTY };
             }
             i32::MIN => return known,
             _ => self.real_root(n.abs()),
@@ -47,24 +43,12 @@ impl Interval {
 
     /// Real n-th roots, n ≥ 1; the non-negative ones when n is even.
     fn real_root(self, n: i32) -> Interval {
-        let range = if n % 2 == 0 {
-            self.intersect(NON_NEGATIVE)
-        } else {
-            self
-        };
+        let range = if n % 2 == 0 { self.intersect(NON_NEGATIVE) } else { self };
         if range.is_empty() || n == 1 {
             return range;
         }
-        let lo = if range.lo < 0.0 {
-            -root_up(-range.lo, n)
-        } else {
-            root_down(range.lo, n)
-        };
-        let hi = if range.hi < 0.0 {
-            -root_down(-range.hi, n)
-        } else {
-            root_up(range.hi, n)
-        };
+        let lo = if range.lo < 0.0 { -root_up(-range.lo, n) } else { root_down(range.lo, n) };
+        let hi = if range.hi < 0.0 { -root_down(-range.hi, n) } else { root_up(range.hi, n) };
         Interval::from_bounds(lo, hi)
     }
 
@@ -72,9 +56,7 @@ impl Interval {
     pub fn sin_rev(self, known: Interval) -> Interval {
         let principal = self.asin();
         // Branch k is centred on kπ; the sine rises on even ones and falls on odd ones.
-        periodic_reverse(principal, known, 0.5, |k| {
-            pi_times(k) + if k % 2 == 0 { principal } else { -principal }
-        })
+        periodic_reverse(principal, known, 0.5, |k| pi_times(k) + if k % 2 == 0 { principal } else { -principal })
     }
 
     /// Angles in `known` whose cosine is in `self`.
@@ -82,11 +64,7 @@ impl Interval {
         let principal = self.acos();
         // Branch k is [kπ, (k + 1)π]; the cosine falls on even ones and rises on odd ones.
         periodic_reverse(principal, known, 0.0, |k| {
-            if k % 2 == 0 {
-                pi_times(k) + principal
-            } else {
-                pi_times(k + 1) - principal
-            }
+            if k % 2 == 0 { pi_times(k) + principal } else { pi_times(k + 1) - principal }
         })
     }
 
@@ -133,18 +111,11 @@ fn pi_times(k: i64) -> Interval {
 
 /// Operands of an even function that has the value y ≥ 0 exactly at ±y.
 fn even_reverse(magnitude: Interval, known: Interval) -> Interval {
-    magnitude
-        .intersect(known)
-        .hull((-magnitude).intersect(known))
+    magnitude.intersect(known).hull((-magnitude).intersect(known))
 }
 
 /// Hull of the branches that meet `known`. Branch k lies in [(k − offset)π, (k + 1 − offset)π] and moves up with k.
-fn periodic_reverse(
-    principal: Interval,
-    known: Interval,
-    offset: f64,
-    branch: impl Fn(i64) -> Interval,
-) -> Interval {
+fn periodic_reverse(principal: Interval, known: Interval, offset: f64, branch: impl Fn(i64) -> Interval) -> Interval {
     if principal.is_empty() || known.is_empty() {
         return Interval::EMPTY;
     }
@@ -154,20 +125,13 @@ fn periodic_reverse(
         Some(known.lo)
     } else {
         let first = index(known.lo.min(LARGEST_PERIODIC));
-        (first - 1..=first + 2)
-            .map(|k| branch(k).intersect(known))
-            .find(|part| !part.is_empty())
-            .map(Interval::lo)
+        (first - 1..=first + 2).map(|k| branch(k).intersect(known)).find(|part| !part.is_empty()).map(Interval::lo)
     };
     let hi = if known.hi > LARGEST_PERIODIC {
         Some(known.hi)
     } else {
         let last = index(known.hi.max(-LARGEST_PERIODIC));
-        (last - 2..=last + 1)
-            .rev()
-            .map(|k| branch(k).intersect(known))
-            .find(|part| !part.is_empty())
-            .map(Interval::hi)
+        (last - 2..=last + 1).rev().map(|k| branch(k).intersect(known)).find(|part| !part.is_empty()).map(Interval::hi)
     };
     match (lo, hi) {
         (Some(lo), Some(hi)) => Interval::new(lo, hi),

@@ -42,50 +42,30 @@ pub(super) fn up_regular(nearest: f64) -> f64 {
 /// A lower bound of the real result that was rounded to `nearest`.
 #[inline(always)]
 pub(super) fn down(nearest: f64) -> f64 {
-    if is_regular(nearest) {
-        down_regular(nearest)
-    } else {
-        nearest.next_down()
-    }
+    if is_regular(nearest) { down_regular(nearest) } else { nearest.next_down() }
 }
 
 /// An upper bound of the real result that was rounded to `nearest`.
 #[inline(always)]
 pub(super) fn up(nearest: f64) -> f64 {
-    if is_regular(nearest) {
-        up_regular(nearest)
-    } else {
-        nearest.next_up()
-    }
+    if is_regular(nearest) { up_regular(nearest) } else { nearest.next_up() }
 }
 
 /// A lower bound of a sum or difference; tiny sums are exact.
 #[inline(always)]
 pub(super) fn down_sum(nearest: f64) -> f64 {
-    if is_regular(nearest) {
-        down_regular(nearest)
-    } else {
-        down_small_sum(nearest)
-    }
+    if is_regular(nearest) { down_regular(nearest) } else { down_small_sum(nearest) }
 }
 
 /// An upper bound of a sum or difference; tiny sums are exact.
 #[inline(always)]
 pub(super) fn up_sum(nearest: f64) -> f64 {
-    if is_regular(nearest) {
-        up_regular(nearest)
-    } else {
-        -down_small_sum(-nearest)
-    }
+    if is_regular(nearest) { up_regular(nearest) } else { -down_small_sum(-nearest) }
 }
 
 #[cold]
 fn down_small_sum(nearest: f64) -> f64 {
-    if nearest.abs() < EXACT_SUM {
-        nearest
-    } else {
-        nearest.next_down()
-    }
+    if nearest.abs() < EXACT_SUM { nearest } else { nearest.next_down() }
 }
 
 /// Two steps down: a lower bound when the result is off by less than one and a half units in the last place.

@@ -13,9 +13,7 @@ use super::Interval;
 
 /// Text that is not an interval.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "read interval from {text:?}: expected [lower, upper], [number], [empty] or [entire] with lower ≤ upper"
-)]
+#[error("read interval from {text:?}: expected [lower, upper], [number], [empty] or [entire] with lower ≤ upper")]
 pub struct ParseIntervalError {
     text: String,
 }
@@ -23,9 +21,7 @@ pub struct ParseIntervalError {
 impl FromStr for Interval {
     type Err = ParseIntervalError;
     fn from_str(text: &str) -> Result<Interval, ParseIntervalError> {
-        parse_interval(text).ok_or_else(|| ParseIntervalError {
-            text: text.to_owned(),
-        })
+        parse_interval(text).ok_or_else(|| ParseIntervalError { text: text.to_owned() })
     }
 }
 
@@ -39,12 +35,7 @@ impl fmt::Display for Interval {
             Some(n_decimals) => rounded_down(bound, n_decimals),
             None => lower_text(bound),
         };
-        write!(
-            formatter,
-            "[{}, {}]",
-            lower(self.lo),
-            negated_text(lower(-self.hi))
-        )
+        write!(formatter, "[{}, {}]", lower(self.lo), negated_text(lower(-self.hi)))
     }
 }
 
@@ -69,12 +60,7 @@ impl<'de> Deserialize<'de> for Interval {
 }
 
 fn parse_interval(text: &str) -> Option<Interval> {
-    let inside = text
-        .trim()
-        .strip_prefix('[')?
-        .strip_suffix(']')?
-        .trim()
-        .to_ascii_lowercase();
+    let inside = text.trim().strip_prefix('[')?.strip_suffix(']')?.trim().to_ascii_lowercase();
     match inside.as_str() {
         "" | "empty" => return Some(Interval::EMPTY),
         "entire" => return Some(Interval::ENTIRE),
@@ -120,17 +106,11 @@ fn enclose_hexadecimal(literal: &str) -> Option<Interval> {
     let (whole, fraction) = significand.split_once('.').unwrap_or((significand, ""));
     let digits = format!("{whole}{fraction}");
     let bits = u64::from_str_radix(&digits, 16).ok()?;
-    let exponent = exponent
-        .parse::<i32>()
-        .ok()?
-        .checked_sub(4 * i32::try_from(fraction.len()).ok()?)?;
+    let exponent = exponent.parse::<i32>().ok()?.checked_sub(4 * i32::try_from(fraction.len()).ok()?)?;
     // Two factors, because a whole number times 2⁻¹⁰⁷⁴ may be exact while 2¹⁰⁷⁴ overflows.
     let (first, second) = (2f64.powi(exponent / 2), 2f64.powi(exponent - exponent / 2));
     let nearest = bits as f64 * first * second;
-    Some(around(
-        nearest,
-        u128::from(bits).cmp(&((nearest / second / first) as u128)),
-    ))
+    Some(around(nearest, u128::from(bits).cmp(&((nearest / second / first) as u128))))
 }
 
 /// Tightest interval around a non-negative real number: its double, and how the number compares with it.
@@ -153,10 +133,7 @@ fn enclose_decimal(literal: &str) -> Option<Interval> {
     }
     // 767 significant digits write any double exactly.
     let exact = format!("{nearest:.766e}");
-    Some(around(
-        nearest,
-        Decimal::parse(literal)?.cmp(&Decimal::parse(&exact)?),
-    ))
+    Some(around(nearest, Decimal::parse(literal)?.cmp(&Decimal::parse(&exact)?)))
 }
 
 /// 0.d₁d₂d₃… · 10^exponent with d₁ ≠ 0 and no zero at the end; no digit for zero.
@@ -172,16 +149,9 @@ impl Decimal {
         let (whole, fraction) = significand.split_once('.').unwrap_or((significand, ""));
         let digits: Vec<u8> = whole.bytes().chain(fraction.bytes()).collect();
         let leading = digits.iter().take_while(|digit| **digit == b'0').count();
-        let trailing = digits[leading..]
-            .iter()
-            .rev()
-            .take_while(|digit| **digit == b'0')
-            .count();
+        let trailing = digits[leading..].iter().rev().take_while(|digit| **digit == b'0').count();
         let exponent = exponent.parse::<i64>().ok()? + whole.len() as i64 - leading as i64;
-        Some(Decimal {
-            digits: digits[leading..digits.len() - trailing].to_vec(),
-            exponent,
-        })
+        Some(Decimal { digits: digits[leading..digits.len() - trailing].to_vec(), exponent })
     }
 
     fn cmp(&self, other: &Decimal) -> Ordering {
@@ -189,10 +159,7 @@ impl Decimal {
             (true, true) => Ordering::Equal,
             (true, false) => Ordering::Less,
             (false, true) => Ordering::Greater,
-            (false, false) => self
-                .exponent
-                .cmp(&other.exponent)
-                .then_with(|| self.digits.cmp(&other.digits)),
+            (false, false) => self.exponent.cmp(&other.exponent).then_with(|| self.digits.cmp(&other.digits)),
         }
     }
 }
@@ -214,10 +181,7 @@ fn lower_text(bound: f64) -> String {
         true => format!("{bound:.*}", (n_digits as f64 - leading).max(1.0) as usize),
         false => format!("{bound:.n_digits$e}"),
     };
-    (16..40)
-        .map(written)
-        .find(reads_back)
-        .unwrap_or_else(|| format!("{bound:.766e}"))
+    (16..40).map(written).find(reads_back).unwrap_or_else(|| format!("{bound:.766e}"))
 }
 
 /// The bound with this many decimals, not above it.
@@ -228,12 +192,8 @@ fn rounded_down(bound: f64, n_decimals: usize) -> String {
     let step = 10f64.powi(-i32::try_from(n_decimals).unwrap_or(i32::MAX));
     let is_below = |text: &String| enclose_number(text).is_some_and(|read| read.hi <= bound);
     // Rounded to nearest it may be above, one step lower it cannot be, unless the step is lost in the bound itself.
-    let candidates =
-        [bound, bound - step, bound - 2.0 * step].map(|value| format!("{value:.n_decimals$}"));
-    candidates
-        .into_iter()
-        .find(is_below)
-        .unwrap_or_else(|| lower_text(bound))
+    let candidates = [bound, bound - step, bound - 2.0 * step].map(|value| format!("{value:.n_decimals$}"));
+    candidates.into_iter().find(is_below).unwrap_or_else(|| lower_text(bound))
 }
 
 fn negated_text(text: String) -> String {

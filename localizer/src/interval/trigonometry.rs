@@ -45,21 +45,9 @@ impl Interval {
             return FULL;
         }
         let (at_lo, at_hi) = (function(self.lo), function(self.hi));
-        let (least, greatest) = if at_lo < at_hi {
-            (at_lo, at_hi)
-        } else {
-            (at_hi, at_lo)
-        };
-        let lo = if crosses(first, crossed, 2) {
-            -1.0
-        } else {
-            widened_down(least).max(-1.0)
-        };
-        let hi = if crosses(first, crossed, 0) {
-            1.0
-        } else {
-            widened_up(greatest).min(1.0)
-        };
+        let (least, greatest) = if at_lo < at_hi { (at_lo, at_hi) } else { (at_hi, at_lo) };
+        let lo = if crosses(first, crossed, 2) { -1.0 } else { widened_down(least).max(-1.0) };
+        let hi = if crosses(first, crossed, 0) { 1.0 } else { widened_up(greatest).min(1.0) };
         Interval::from_bounds(lo, hi)
     }
 
@@ -69,13 +57,8 @@ impl Interval {
             return Interval::EMPTY;
         }
         match self.quadrants() {
-            Some((first, crossed))
-                if !crosses(first, crossed, 0) && !crosses(first, crossed, 2) =>
-            {
-                Interval::from_bounds(
-                    widened_down(pxfm::f_tan(self.lo)),
-                    widened_up(pxfm::f_tan(self.hi)),
-                )
+            Some((first, crossed)) if !crosses(first, crossed, 0) && !crosses(first, crossed, 2) => {
+                Interval::from_bounds(widened_down(pxfm::f_tan(self.lo)), widened_up(pxfm::f_tan(self.hi)))
             }
             _ => Interval::ENTIRE,
         }
@@ -150,14 +133,7 @@ impl Interval {
         let (first, last) = (quadrant_by_signs(self.lo), quadrant_by_signs(self.hi));
         let crossed = (last + QUADRANTS - first) % QUADRANTS;
         // The same quadrant at both ends is either none crossed (width < π/2) or all four (width > 3π/2).
-        Some((
-            first,
-            if crossed == 0 && width > 3.0 {
-                QUADRANTS
-            } else {
-                crossed
-            },
-        ))
+        Some((first, if crossed == 0 && width > 3.0 { QUADRANTS } else { crossed }))
     }
 }
 
@@ -178,10 +154,7 @@ fn quadrant_count(x: f64) -> (u32, bool) {
     let shifted = quotient + WHOLE;
     let nearest = shifted - WHOLE;
     let floor = (shifted.to_bits() as u32).wrapping_sub(u32::from(nearest > quotient));
-    (
-        floor,
-        (x.abs() < 1048576.0) & ((quotient - nearest).abs() > GUARD),
-    )
+    (floor, (x.abs() < 1048576.0) & ((quotient - nearest).abs() > GUARD))
 }
 
 #[cold]
@@ -197,20 +170,12 @@ fn quadrant_by_signs(x: f64) -> u32 {
 /// Zero is exact in every function here: at no other double is one of them zero, and none is zero at another place.
 #[inline(always)]
 fn widened_down(nearest: f64) -> f64 {
-    if nearest == 0.0 {
-        0.0
-    } else {
-        down_twice(nearest)
-    }
+    if nearest == 0.0 { 0.0 } else { down_twice(nearest) }
 }
 
 #[inline(always)]
 fn widened_up(nearest: f64) -> f64 {
-    if nearest == 0.0 {
-        0.0
-    } else {
-        up_twice(nearest)
-    }
+    if nearest == 0.0 { 0.0 } else { up_twice(nearest) }
 }
 
 /// Angles of a box with y ≥ 0, not the origin alone.
@@ -219,34 +184,18 @@ fn upper_half_plane_angle(y: Interval, x: Interval) -> Interval {
         return Interval::PI;
     }
     // The lowest direction is a corner on the right, the highest a corner on the left; which one depends on the side of the y axis.
-    let lo = if x.hi > 0.0 {
-        angle_down(y.lo, x.hi)
-    } else {
-        angle_down(y.hi, x.hi)
-    };
-    let hi = if x.lo >= 0.0 {
-        angle_up(y.hi, x.lo)
-    } else {
-        angle_up(y.lo, x.lo)
-    };
+    let lo = if x.hi > 0.0 { angle_down(y.lo, x.hi) } else { angle_down(y.hi, x.hi) };
+    let hi = if x.lo >= 0.0 { angle_up(y.hi, x.lo) } else { angle_up(y.lo, x.lo) };
     Interval::from_bounds(lo.max(0.0), hi)
 }
 
 fn angle_down(y: f64, x: f64) -> f64 {
     let nearest = pxfm::f_atan2(y + 0.0, x + 0.0);
     // A tiny angle may have underflowed to zero from either side.
-    if y == 0.0 && x >= 0.0 {
-        0.0
-    } else {
-        down_twice(nearest).max(-PI_UP)
-    }
+    if y == 0.0 && x >= 0.0 { 0.0 } else { down_twice(nearest).max(-PI_UP) }
 }
 
 fn angle_up(y: f64, x: f64) -> f64 {
     let nearest = pxfm::f_atan2(y + 0.0, x + 0.0);
-    if y == 0.0 && x >= 0.0 {
-        0.0
-    } else {
-        up_twice(nearest).min(PI_UP)
-    }
+    if y == 0.0 && x >= 0.0 { 0.0 } else { up_twice(nearest).min(PI_UP) }
 }

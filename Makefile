@@ -1,0 +1,41 @@
+# The README's commands. Everything is built in the dev profile: its hot paths are optimised (Cargo.toml), and what
+# `make demo` builds serves `make test`.
+
+WHEREIN = target/debug/wherein
+DEMO_SCENE = scenes/papers/floor_vision_odometry.toml
+# Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
+export NODEVICE_SELECT = 1
+
+.PHONY: help demo test lint bench experiments driver build
+
+help:
+	@echo "make demo          run the main scene and show its results and pictures"
+	@echo "make test          run all tests"
+	@echo "make lint          formatting, clippy and documentation, warnings refused"
+	@echo "make bench         measure speed"
+	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
+	@echo "make driver        install a software Vulkan driver where no adapter is found"
+
+demo: driver build
+	$(WHEREIN) run $(DEMO_SCENE) --frames every=100 --out renders
+	@echo "Pictures: renders/papers/floor_vision_odometry/0/figure_*.png"
+
+test: driver
+	cargo test --workspace
+
+lint:
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS=-Dwarnings cargo doc --workspace --no-deps
+
+bench: driver
+	cargo bench --workspace
+
+experiments: driver build
+	scripts/experiments $(ISSUE)
+
+driver:
+	@scripts/driver
+
+build:
+	cargo build --workspace --bins

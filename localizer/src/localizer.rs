@@ -1,0 +1,349 @@
+//! The ring of stamped pose unions: predict, hang, contract, account.
+
+mod ring;
+
+use crate::{
+    Constraint, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
+    contractor::Contractor,
+    method::{Assumption, Claim},
+    motion::{WheelHistory, WheelIntegral, moved_union, reach_motion},
+};
+
+use ring::{Ring, Slot};
+
+/// How far back stamps may lie: a reading older than this is refused, a doubt reaches no further.
+const REMEMBER_S: f64 = 3.0;
+/// A doubt goes back at least so far: what was hung since may already have been cut by the assumption that failed.
+const DOUBT_S: f64 = 1.0;
+
+/// The bounds that a prediction by wheels stands on.
+const WHEELS: [Assumption; 6] =
+    ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
+/// The bounds that a prediction by reach stands on.
+const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "room.walls"];
+
+/// Whether the estimate stands on its declared assumptions alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// No assumption is doubted.
+    Sound,
+    /// An empty intersection certified that an assumption failed; the union grows by reach until enough images agree.
+    Recovering,
+}
+
+/// The answer at one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// The time it speaks of.
+    pub time_s: f64,
+    /// The pose is in one of these boxes.
+    pub pose: PoseUnion,
+    /// Whether an assumption is doubted.
+    pub status: Status,
+    /// The declared bounds it stands on.
+    pub relies_on: Vec<Assumption>,
+}
+
+/// What became of a camera reading.
+#[derive(Clone, Debug)]
+pub struct Account {
+    /// The method that read it.
+    pub method: &'static str,
+    /// What the method claimed; empty when the cue was absent.
+    pub claims: Vec<Claim>,
+    /// At most this many of the claims may be false.
+    pub q_items: usize,
+    /// Segments looked at and rejected, `[u0, v0, u1, v1]` in pixels.
+    pub rejected_px: Vec<[f64; 4]>,
+    /// Whether a constraint was hung.
+    pub constrained: bool,
+    /// Whether it left nothing of the union.
+    pub emptied: bool,
+    /// Union at the stamp, just after.
+    pub posterior: PoseUnion,
+}
+
+/// From readings to estimates.
+pub struct Localizer {
+    map: Map,
+    robot: RobotModel,
+    methods: Vec<Box<dyn Method>>,
+    wheels: WheelHistory,
+    ring: Ring,
+    /// The wheels since the ring's last slot.
+    integral: Option<WheelIntegral>,
+    current: PoseUnion,
+    now_s: f64,
+    doubt: Option<Doubt>,
+    relies_on: Vec<Assumption>,
+}
+
+/// A doubt of the wheels: how many images in a row agree with them again.
+#[derive(Clone, Copy, Debug)]
+struct Doubt {
+    agreeing: usize,
+}
+
+impl Localizer {
+    /// A localizer that knows its start within `start` at time 0.
+    pub fn new(map: Map, robot: RobotModel, methods: Vec<Box<dyn Method>>, start: PoseBox) -> Self {
+        let mut localizer = Localizer {
+            map,
+            robot,
+            methods,
+            wheels: WheelHistory::new(REMEMBER_S),
+            ring: Ring::new(REMEMBER_S),
+            integral: None,
+            current: PoseUnion::default(),
+            now_s: 0.0,
+            doubt: None,
+            relies_on: WHEELS.to_vec(),
+        };
+        localizer.current = localizer.inside_room(PoseUnion::single(start));
+        localizer.ring.push(Slot { stamp_s: 0.0, union: localizer.current.clone(), constraint: None });
+        localizer
+    }
+
+    /// Takes in one reading; readings come in order of arrival. Answers with an account of each method that read an image.
+    pub fn observe(&mut self, reading: &Reading) -> Vec<Account> {
+        match reading {
+            Reading::Wheels { measured_s, ticks, .. } => {
+                self.roll(*measured_s, *ticks);
+                Vec::new()
+            }
+            Reading::Camera { .. } => self.look(reading),
+        }
+    }
+
+    /// The answer as of the latest wheel reading.
+    pub fn estimate(&self) -> Estimate {
+        let status = if self.doubt.is_some() { Status::Recovering } else { Status::Sound };
+        Estimate { time_s: self.now_s, pose: self.current.clone(), status, relies_on: self.relies_on.clone() }
+    }
+
+    /// Predicts up to a wheel reading.
+    fn roll(&mut self, time_s: f64, ticks: [i64; 2]) {
+        if !self.wheels.push(time_s, ticks) {
+            return;
+        }
+        self.now_s = time_s;
+        let Some(sample) = self.wheels.latest().copied() else { return };
+        if let Some(integral) = &mut self.integral {
+            integral.advance(&sample, &self.robot.wheels, &self.robot.reach);
+        } else {
+            self.restart_integral();
+        }
+        self.predict();
+        self.anchor_when_due();
+    }
+
+    /// Sets the current union from the last slot.
+    fn predict(&mut self) {
+        let Some(last) = self.ring.last() else { return };
+        let predicted = match (&self.integral, self.doubt) {
+            (Some(integral), None) => moved_union(&last.union, &integral.motion(&self.robot.wheels)),
+            (None, None) => last.union.clone(),
+            (_, Some(_)) => moved_union(&last.union, &reach_motion(self.now_s - last.stamp_s, &self.robot.reach)),
+        };
+        self.current = self.inside_room(predicted);
+        if self.current.is_empty() {
+            // No place in the room fits what the wheels told: they are the first to be doubted.
+            self.begin_doubt();
+        }
+    }
+
+    /// Opens a slot when no image has for two slip windows, so that the slip bound is counted afresh.
+    fn anchor_when_due(&mut self) {
+        let due = self
+            .ring
+            .last()
+            .is_some_and(|last| self.now_s - last.stamp_s > 2.0 * self.robot.wheels.slip_window_s + 1e-6);
+        if due {
+            self.ring.push(Slot { stamp_s: self.now_s, union: self.current.clone(), constraint: None });
+            self.restart_integral();
+        }
+    }
+
+    /// Lets every method read an image and hangs what they answer on the image's own stamp.
+    fn look(&mut self, reading: &Reading) -> Vec<Account> {
+        let stamp_s = reading.measured_s();
+        let Some(prior) = self.union_at(stamp_s) else { return Vec::new() };
+        let twist = self.wheels.twist(stamp_s, &self.robot.wheels);
+        let mut methods = std::mem::take(&mut self.methods);
+        let accounts = methods
+            .iter_mut()
+            .map(|method| {
+                let name = method.name();
+                match method.constrain(reading, &prior, &twist) {
+                    Some(constraint) => self.hang(constraint),
+                    None => Account::absent(name, prior.clone()),
+                }
+            })
+            .collect();
+        self.methods = methods;
+        accounts
+    }
+
+    /// What is known of the pose at a past stamp; `None` when it lies outside of the memory or after the last wheel reading.
+    fn union_at(&self, stamp_s: f64) -> Option<PoseUnion> {
+        let slot = self.ring.before(stamp_s)?;
+        self.carried(&slot.union, slot.stamp_s, stamp_s, self.doubt.is_some())
+    }
+
+    /// A union carried from one stamp to a later one, by reach when the wheels are doubted.
+    fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
+        let motion = if doubted {
+            reach_motion(to_s - from_s, &self.robot.reach)
+        } else if to_s == from_s {
+            return Some(union.clone());
+        } else {
+            self.wheels.motion(from_s, to_s, &self.robot.wheels, &self.robot.reach)?
+        };
+        Some(self.inside_room(moved_union(union, &motion)))
+    }
+
+    /// Hangs a constraint on its stamp and brings every later slot up to date.
+    fn hang(&mut self, constraint: Constraint) -> Account {
+        let stamp_s = constraint.stamp_s;
+        let mut account = Account::of(&constraint);
+        for assumption in &constraint.relies_on {
+            if !self.relies_on.contains(assumption) {
+                self.relies_on.push(assumption);
+            }
+        }
+        let agrees = self.agrees_with_wheels(&constraint);
+        self.ring.insert(Slot { stamp_s, union: PoseUnion::default(), constraint: Some(constraint) });
+        if let Some(doubt) = &mut self.doubt {
+            doubt.agreeing = if agrees { doubt.agreeing + 1 } else { 0 };
+        }
+        account.emptied = !self.replay(stamp_s);
+        if account.emptied {
+            self.begin_doubt();
+        } else {
+            self.end_doubt_when_supported();
+        }
+        account.posterior = self.ring.at(stamp_s).map(|slot| slot.union.clone()).unwrap_or_default();
+        self.restart_integral();
+        self.predict();
+        account
+    }
+
+    /// Recomputes every slot from `from_s` on. Answers whether each constraint left something; stops at the first that does not,
+    /// unless the wheels are doubted already: then a constraint that contradicts even reach is left out.
+    fn replay(&mut self, from_s: f64) -> bool {
+        let doubted = self.doubt.is_some();
+        let Some(first) = self.ring.index_at(from_s) else { return true };
+        for index in first.max(1)..self.ring.len() {
+            let (before, slot) = (&self.ring[index - 1], &self.ring[index]);
+            let Some(predicted) = self.carried(&before.union, before.stamp_s, slot.stamp_s, doubted) else { continue };
+            let contracted = match &slot.constraint {
+                Some(constraint) => contract_union(&predicted, constraint.on_pose.as_ref()),
+                None => predicted.clone(),
+            };
+            if !contracted.is_empty() {
+                self.ring[index].union = contracted;
+            } else if doubted {
+                self.ring[index].union = predicted;
+            } else {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// An assumption failed, perhaps some time ago: goes back and carries on by reach alone, with every image since.
+    fn begin_doubt(&mut self) {
+        self.doubt = Some(Doubt { agreeing: 0 });
+        self.relies_on.retain(|assumption| !WHEELS.contains(assumption));
+        self.relies_on.extend(
+            REACH.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
+        );
+        let doubtful_s = self.now_s - DOUBT_S;
+        self.ring.drop_anchors_after(doubtful_s);
+        self.replay(doubtful_s);
+        let growing = self
+            .ring
+            .last()
+            .map(|last| moved_union(&last.union, &reach_motion(self.now_s - last.stamp_s, &self.robot.reach)));
+        self.current = self.inside_room(growing.unwrap_or_default());
+        if self.current.is_empty() {
+            // Even reach contradicts the walls: the memory is wrong from its beginning, and the room is all that is left.
+            self.current = PoseUnion::single(self.whole_room());
+            let union = self.current.clone();
+            self.ring.restart(Slot { stamp_s: self.now_s, union, constraint: None });
+        }
+    }
+
+    /// Trusts the wheels again once q + 2 images in a row agree with them: the last slot then stands on reach and images alone.
+    fn end_doubt_when_supported(&mut self) {
+        let groups_needed = 2;
+        if self.doubt.is_some_and(|doubt| doubt.agreeing >= groups_needed) {
+            self.doubt = None;
+            self.relies_on.extend(
+                WHEELS.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
+            );
+        }
+    }
+
+    /// Whether the wheels lead from the last image's union to one that this constraint allows.
+    fn agrees_with_wheels(&self, constraint: &Constraint) -> bool {
+        let Some(before) = self.ring.before(constraint.stamp_s).filter(|slot| slot.constraint.is_some()) else {
+            return false;
+        };
+        self.carried(&before.union, before.stamp_s, constraint.stamp_s, false)
+            .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
+    }
+
+    fn restart_integral(&mut self) {
+        self.integral = self
+            .ring
+            .last()
+            .and_then(|last| self.wheels.integrate_from(last.stamp_s, &self.robot.wheels, &self.robot.reach));
+    }
+
+    /// The part of a union in which the body does not stand in a wall.
+    fn inside_room(&self, union: PoseUnion) -> PoseUnion {
+        let room = self.whole_room();
+        let mut branches: Vec<PoseBox> = union.branches.iter().map(|branch| branch.intersect(&room)).collect();
+        branches.retain(|branch| !branch.is_empty());
+        PoseUnion { branches }.without_repeats()
+    }
+
+    fn whole_room(&self) -> PoseBox {
+        let keep_m = self.robot.body.clearance_m;
+        let [x, y] = self.map.room_m.map(|range| crate::Interval::new(range.lo() + keep_m, range.hi() - keep_m));
+        IntervalBox::from([x, y, crate::Interval::ENTIRE])
+    }
+}
+
+impl Account {
+    fn absent(method: &'static str, union: PoseUnion) -> Self {
+        Account {
+            method,
+            claims: Vec::new(),
+            q_items: 0,
+            rejected_px: Vec::new(),
+            constrained: false,
+            emptied: false,
+            posterior: union,
+        }
+    }
+
+    fn of(constraint: &Constraint) -> Self {
+        Account {
+            method: constraint.method,
+            claims: constraint.claims.clone(),
+            q_items: constraint.q_items,
+            rejected_px: constraint.rejected_px.clone(),
+            constrained: true,
+            emptied: false,
+            posterior: PoseUnion::default(),
+        }
+    }
+}
+
+/// Every branch, contracted and cut.
+fn contract_union(union: &PoseUnion, contractor: &(dyn Contractor<3> + Send + Sync)) -> PoseUnion {
+    PoseUnion { branches: union.branches.iter().flat_map(|branch| contractor.branches(branch)).collect() }
+        .without_repeats()
+}

@@ -1,0 +1,104 @@
+//! Stamped slots in the order of their stamps: the window of the recent past.
+
+use std::{
+    collections::VecDeque,
+    ops::{Index, IndexMut},
+};
+
+use crate::{Constraint, PoseUnion};
+
+/// What is known of the pose at one stamp.
+pub(super) struct Slot {
+    pub(super) stamp_s: f64,
+    /// Union at the stamp, with the slot's own constraint.
+    pub(super) union: PoseUnion,
+    /// What an image says of this stamp; none for an anchor.
+    pub(super) constraint: Option<Constraint>,
+}
+
+/// The window.
+pub(super) struct Ring {
+    slots: VecDeque<Slot>,
+    keep_s: f64,
+}
+
+impl Ring {
+    pub(super) fn new(keep_s: f64) -> Self {
+        Ring { slots: VecDeque::new(), keep_s }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    pub(super) fn last(&self) -> Option<&Slot> {
+        self.slots.back()
+    }
+
+    /// Last slot strictly before a stamp or at it.
+    pub(super) fn before(&self, stamp_s: f64) -> Option<&Slot> {
+        self.slots.iter().rev().find(|slot| slot.stamp_s <= stamp_s)
+    }
+
+    /// Last slot at exactly this stamp.
+    pub(super) fn at(&self, stamp_s: f64) -> Option<&Slot> {
+        self.slots.iter().rev().find(|slot| slot.stamp_s == stamp_s)
+    }
+
+    /// Index of the first slot at a stamp or after it.
+    pub(super) fn index_at(&self, stamp_s: f64) -> Option<usize> {
+        self.slots.iter().position(|slot| slot.stamp_s >= stamp_s)
+    }
+
+    pub(super) fn push(&mut self, slot: Slot) {
+        self.slots.push_back(slot);
+        self.forget();
+    }
+
+    /// Puts a slot in its place; anchors after it go, because what they hold is out of date and the slot anchors as well.
+    pub(super) fn insert(&mut self, slot: Slot) {
+        let place = self.slots.iter().rposition(|other| other.stamp_s <= slot.stamp_s).map_or(0, |index| index + 1);
+        self.slots.insert(place, slot);
+        let mut index = place + 1;
+        while index < self.slots.len() {
+            if self.slots[index].constraint.is_none() {
+                self.slots.remove(index);
+            } else {
+                index += 1;
+            }
+        }
+        self.forget();
+    }
+
+    /// Removes the anchors after a stamp.
+    pub(super) fn drop_anchors_after(&mut self, stamp_s: f64) {
+        self.slots.retain(|slot| slot.stamp_s <= stamp_s || slot.constraint.is_some());
+    }
+
+    /// Forgets everything but one slot.
+    pub(super) fn restart(&mut self, slot: Slot) {
+        self.slots.clear();
+        self.slots.push_back(slot);
+    }
+
+    fn forget(&mut self) {
+        let Some(newest_s) = self.slots.back().map(|slot| slot.stamp_s) else { return };
+        while self.slots.len() > 1 && self.slots[0].stamp_s < newest_s - self.keep_s {
+            self.slots.pop_front();
+        }
+    }
+}
+
+impl Index<usize> for Ring {
+    type Output = Slot;
+
+    fn index(&self, index: usize) -> &Slot {
+        &self.slots[index]
+    }
+}
+
+impl IndexMut<usize> for Ring {
+    fn index_mut(&mut self, index: usize) -> &mut Slot {
+        &mut self.slots[index]
+    }
+}

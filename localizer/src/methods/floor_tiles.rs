@@ -1,0 +1,143 @@
+//! `floor_tiles`: joints of a tiled floor, seen by a camera that looks straight down.
+//!
+//! After Lv, Kang and Qin, *FVO: floor vision aided odometry* (2019), in a form without quadrants: a joint whose image has its
+//! normal at ψ (robot frame, counter-clockwise from forward) and distance ρ belongs to the family k with
+//! θ + ψ = k·π/2 + γ, and says of the pose n(k·π/2 + γ)·P ∈ ±(E·ℤ + phase) − n(ψ)·a − ρ. Each axis is contracted on its own; which
+//! tile and which quadrant stay a union of branches.
+
+mod joint;
+mod pose_contractor;
+
+use crate::{
+    Interval, Map, PoseUnion, Reading, RobotModel,
+    method::{Assumption, Claim, Constraint, Method, Twist},
+    reading::Camera,
+    vision::{self, FloorLines, FloorView, line_fit},
+};
+
+use joint::Joint;
+use pose_contractor::TileJoints;
+
+/// The declared bounds a floor-tile constraint stands on.
+pub const RELIES_ON: [Assumption; 12] = [
+    "floor_tiles.laying",
+    "floor_tiles.laying_angle",
+    "floor_tiles.straightness",
+    "floor_camera.scale",
+    "floor_camera.position",
+    "floor_camera.yaw",
+    "floor_camera.tilt",
+    "floor_camera.stamp",
+    "body.tilt",
+    "body.heave",
+    "reach.speed",
+    "reach.turn_rate",
+];
+
+/// How joints are found in an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Chain {
+    /// Ridge points, one vote for both families, matched filters across each line.
+    #[default]
+    Direct,
+    /// The paper's: deconvolution, Canny, skeleton, pruning, Hough, clustering.
+    Paper,
+}
+
+/// The method; see the module.
+#[derive(Clone, Debug)]
+pub struct FloorTiles {
+    geometry: Geometry,
+    view: FloorView,
+    chain: Chain,
+}
+
+/// What turns a line in the image into a statement on the pose: declared values only.
+#[derive(Clone, Debug)]
+struct Geometry {
+    robot: RobotModel,
+    camera: crate::robot::FloorCameraModel,
+    grid: crate::map::TileGrid,
+}
+
+impl FloorTiles {
+    /// The method for this robot on this map; `None` if there is no floor camera or no tiled floor.
+    pub fn new(map: &Map, robot: &RobotModel, chain: Chain) -> Option<Self> {
+        let (camera, grid) = (robot.floor_camera.clone()?, map.tiles.clone()?);
+        let scale = camera.pixels_per_m.mid();
+        let view = FloorView {
+            pixels_per_m: scale,
+            edge_px: grid.edge_m.map(|edge_m| edge_m * scale),
+            joint_width_px: grid.joint_width_m * scale,
+            q_items: camera.q_items,
+        };
+        Some(FloorTiles { geometry: Geometry { robot: robot.clone(), camera, grid }, view, chain })
+    }
+
+    /// What lines found in an image of `stamp_s` say of the pose; `None` when no line is left.
+    pub fn constraint(&self, stamp_s: f64, found: FloorLines, prior: &PoseUnion) -> Option<Constraint> {
+        let FloorLines { lines, mut rejected_px } = found;
+        let straightness_px = self.geometry.grid.straightness_m * self.geometry.camera.pixels_per_m.hi();
+        let mut joints = Vec::new();
+        let mut claims = Vec::new();
+        for line in lines {
+            let mut points = line.points_px.clone();
+            points.iter_mut().for_each(|point| point[2] += straightness_px);
+            let set = line_fit::enclose(&points, line.share_wrong);
+            let Some(joint) = set.and_then(|set| Joint::new(set, &self.geometry)) else { continue };
+            // Eq. (20): the paper drops a line that no heading of the odometric prior explains. The direct chain's lines are
+            // orthogonal and at the pitch already; one that contradicts the prior then speaks against the prior.
+            if self.chain == Chain::Paper && !joint.agrees(prior, &self.geometry) {
+                rejected_px.push(ends(&line.points_px));
+                continue;
+            }
+            joints.push(joint);
+            claims.push(Claim::FloorJoint { points_px: line.points_px, share_wrong: line.share_wrong });
+        }
+        if joints.is_empty() {
+            return None;
+        }
+        Some(Constraint {
+            method: self.name(),
+            stamp_s,
+            on_pose: Box::new(TileJoints::new(joints, self.geometry.clone(), self.view.q_items)),
+            relies_on: RELIES_ON.to_vec(),
+            claims,
+            q_items: self.view.q_items,
+            rejected_px,
+        })
+    }
+
+    /// Motion of the picture over the exposure, at its centre, in pixels right and down.
+    ///
+    /// The floor passes under the camera against the camera's own motion (v, ω·a_f); image up is forward, image right is right.
+    fn blur_px(&self, twist: &Twist, exposure_s: f64) -> [f64; 2] {
+        let [forward_m, left_m] = self.geometry.camera.position_m.map(Interval::mid);
+        let speed = [twist.forward_m_per_s - twist.turn_rad_per_s * left_m, twist.turn_rad_per_s * forward_m];
+        [speed[1] * exposure_s * self.view.pixels_per_m, speed[0] * exposure_s * self.view.pixels_per_m]
+    }
+}
+
+impl Method for FloorTiles {
+    fn name(&self) -> &'static str {
+        "floor_tiles"
+    }
+
+    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
+        let Reading::Camera { measured_s, camera: Camera::Floor, exposure_s, image, .. } = reading else { return None };
+        let (blur_px, turn_rad) = (self.blur_px(twist, *exposure_s), twist.turn_rad_per_s * exposure_s);
+        let lines = match self.chain {
+            Chain::Direct => vision::direct::detect(image, &self.view, blur_px, turn_rad),
+            Chain::Paper => vision::paper::detect(image, &self.view, blur_px, turn_rad),
+        };
+        self.constraint(*measured_s, lines, prior)
+    }
+}
+
+/// First and last point of a line, as a segment.
+fn ends(points_px: &[[f64; 3]]) -> [f64; 4] {
+    match (points_px.first(), points_px.last()) {
+        (Some(first), Some(last)) => [first[0], first[1], last[0], last[1]],
+        _ => [0.0; 4],
+    }
+}

@@ -1,0 +1,147 @@
+//! One line of an image as a statement on heading and position.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::{Interval, PoseUnion, vision::line_fit::LineSet};
+
+use super::Geometry;
+
+/// A line in the camera frame (forward, left; metres on the floor), with every declared error of the optics around it.
+///
+/// The feasible set of its normal angle ψ and its offset from the centroid stays that of the image: only its hull would lose
+/// how the two go together.
+#[derive(Clone, Debug)]
+pub(super) struct Joint {
+    set: LineSet,
+    /// Centroid in the camera frame, in pixels: forward and left of the principal point.
+    centroid_px: [f64; 2],
+    /// Hull of the normal angle in the camera frame, as seen.
+    angle_rad: Interval,
+    /// Greatest turn of the line by tilts of mount and body.
+    tilt_angle_rad: f64,
+    /// Greatest shift of the line along its normal, at the centroid, by tilts, heave and stamp.
+    shift_m: f64,
+}
+
+impl Joint {
+    /// The statement of a fitted line; `None` when the line passes so far out that its tilt bound makes no sense.
+    pub(super) fn new(set: LineSet, geometry: &Geometry) -> Option<Self> {
+        let camera = &geometry.camera;
+        let middle_px = [(f64::from(camera.width_px) - 1.0) / 2.0, (f64::from(camera.height_px) - 1.0) / 2.0];
+        // Image up is forward, image right is right: forward = v₀ − v, left = u₀ − u.
+        let centroid_px = [middle_px[1] - set.centroid_px[1], middle_px[0] - set.centroid_px[0]];
+        let angle_rad = camera_angle(Interval::new(set.normal_angle_rad[0], set.normal_angle_rad[1]));
+        let mut joint = Joint { set, centroid_px, angle_rad, tilt_angle_rad: 0.0, shift_m: 0.0 };
+        joint.account_for_posture(geometry);
+        (joint.tilt_angle_rad < FRAC_PI_2 / 4.0).then_some(joint)
+    }
+
+    /// Bounds of what mount tilt ε, body tilt φ, heave and stamp do to a line at distance ρ, seen at p from height h.
+    ///
+    /// To first order a tilt of the mount by the vector a shifts the floor point p by h·a + p·(p·a)/h, and one of the body by
+    /// g shifts it by p·(q·g)/h, q = p + mount position: both shift the normal component by what stands below, and turn a line by at most
+    /// |ρ|/h times the tilt. The second order is below 2 % of the first for tilts up to 1°, hence the factor.
+    fn account_for_posture(&mut self, geometry: &Geometry) {
+        const SECOND_ORDER: f64 = 1.02;
+        let (camera, body, reach) = (&geometry.camera, &geometry.robot.body, &geometry.robot.reach);
+        let (height_m, scale) = (camera.height_m, camera.pixels_per_m.lo());
+        let point_m = self.centroid_px[0].hypot(self.centroid_px[1]) / scale;
+        let normal = Interval::point(1.0) * self.angle_rad;
+        let distance_m = (normal.cos() * self.centroid_px[0] + normal.sin() * self.centroid_px[1] + self.offset_hull())
+            .magnitude()
+            / scale;
+        let arm_m = point_m + camera.position_m[0].magnitude().hypot(camera.position_m[1].magnitude());
+        let slope = distance_m / height_m;
+
+        let mount_m =
+            camera.tilt_rad * (height_m * height_m + 2.0 * distance_m * distance_m + (slope * point_m).powi(2)).sqrt();
+        let posture_m = slope * (arm_m * body.tilt_rad + body.heave_m);
+        let stamp_m = camera.stamp_error_s * (reach.speed_m_per_s + reach.turn_rate_rad_per_s * arm_m);
+        self.shift_m = SECOND_ORDER * (mount_m + posture_m) + stamp_m;
+        self.tilt_angle_rad =
+            SECOND_ORDER * slope * (camera.tilt_rad + body.tilt_rad) + camera.stamp_error_s * reach.turn_rate_rad_per_s;
+    }
+
+    /// Hull of ψ, the normal angle in the robot frame.
+    pub(super) fn robot_angle(&self, geometry: &Geometry) -> Interval {
+        (self.angle_rad + geometry.camera.yaw_rad).inflate(self.tilt_angle_rad)
+    }
+
+    /// The families k with k·π/2 + γ ∈ θ + ψ, give or take the laying angle: inclusive range, empty when first > last.
+    pub(super) fn families(&self, heading: Interval, geometry: &Geometry) -> (i64, i64) {
+        let turned =
+            (heading + self.robot_angle(geometry) - geometry.grid.rotation_rad).inflate(geometry.grid.laying_angle_rad);
+        let quarter = turned / (Interval::PI * 0.5);
+        (quarter.lo().ceil() as i64, quarter.hi().floor() as i64)
+    }
+
+    /// θ = k·π/2 + γ − ψ: the headings that make this line a joint of family `family`.
+    pub(super) fn heading(&self, family: i64, geometry: &Geometry) -> Interval {
+        (family_angle(family, geometry) - self.robot_angle(geometry)).inflate(geometry.grid.laying_angle_rad)
+    }
+
+    /// Whether some heading of the prior makes the line a joint.
+    pub(super) fn agrees(&self, prior: &PoseUnion, geometry: &Geometry) -> bool {
+        prior.branches.iter().any(|branch| {
+            let (first, last) = self.families(branch[2], geometry);
+            first <= last
+        })
+    }
+
+    /// σ·(n(ψ)·a + n(ψ_camera)·c + offset), what lies between the robot origin and the joint along the grid axis of the family:
+    /// grid coordinate of the joint minus that of the robot origin. Empty when no line of the feasible set fits the heading.
+    pub(super) fn ahead(&self, family: i64, heading: Interval, geometry: &Geometry) -> Interval {
+        let camera = &geometry.camera;
+        let robot_angle = (family_angle(family, geometry) - heading)
+            .inflate(geometry.grid.laying_angle_rad)
+            .intersect(self.robot_angle(geometry));
+        let camera_angle = (robot_angle - camera.yaw_rad).inflate(self.tilt_angle_rad).intersect(self.angle_rad);
+        if robot_angle.is_empty() || camera_angle.is_empty() {
+            return Interval::EMPTY;
+        }
+        let mount = robot_angle.cos() * camera.position_m[0] + robot_angle.sin() * camera.position_m[1];
+        let ahead = (mount + self.distance(camera_angle) / camera.pixels_per_m).inflate(self.shift_m);
+        if family.rem_euclid(4) < 2 { ahead } else { -ahead }
+    }
+
+    /// n(ψ)·c + offset in pixels, over the part of the feasible set with ψ in `angle`, slice by slice so that offset and angle stay together.
+    fn distance(&self, angle: Interval) -> Interval {
+        const SLICES: usize = 4;
+        let step = angle.width() / SLICES as f64;
+        let mut distance = Interval::EMPTY;
+        for slice in 0..SLICES {
+            let lo = angle.lo() + slice as f64 * step;
+            let hi = if slice + 1 == SLICES { angle.hi() } else { lo + step };
+            // A hair of overlap, so that no angle falls between two slices by rounding.
+            let part = Interval::new(lo, hi.max(lo)).inflate(1e-12);
+            let image = image_angle(part, self.set.direction_rad);
+            let Some([offset_lo, offset_hi]) = self.set.offset_at(image.lo(), image.hi()) else { continue };
+            let along = part.cos() * self.centroid_px[0] + part.sin() * self.centroid_px[1];
+            distance = distance.hull(along + Interval::new(offset_lo, offset_hi));
+        }
+        distance
+    }
+
+    fn offset_hull(&self) -> Interval {
+        Interval::new(self.set.offset_px[0], self.set.offset_px[1])
+    }
+}
+
+/// k·π/2 + γ.
+fn family_angle(family: i64, geometry: &Geometry) -> Interval {
+    Interval::PI * 0.5 * (family as f64) + geometry.grid.rotation_rad
+}
+
+/// Normal angle in the camera frame (forward, left) of a normal at `image` in pixels (right, down).
+///
+/// forward and left are minus down and minus right, so n = (cos α, sin α) in (u, v) is −(sin α, cos α) in (forward, left): ψ = −π/2 − α.
+fn camera_angle(image: Interval) -> Interval {
+    -(image + Interval::PI * 0.5)
+}
+
+/// The inverse of [`camera_angle`], on the turn of the circle nearest to `near`.
+fn image_angle(camera: Interval, near: f64) -> Interval {
+    let angle = -(camera + Interval::PI * 0.5);
+    let turns = ((near - angle.mid()) / (2.0 * PI)).round();
+    angle + Interval::PI * 2.0 * turns
+}

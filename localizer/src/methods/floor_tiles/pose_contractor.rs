@@ -1,0 +1,213 @@
+//! All joints of one image as a contractor on the pose.
+
+use crate::{Contractor, Interval, IntervalBox, Outcome};
+
+use super::{Geometry, joint::Joint};
+
+/// At least all but `q_items` of the lines are joints of the grid.
+///
+/// Sound: heading and grid position are cut into slices of heading, each slice keeps what all but q lines allow, and the hull of the
+/// slices is returned; nothing between two tiles or two quadrants is kept by [`Contractor::branches`]. Optimal up to the slices'
+/// width for one line of each family.
+pub(super) struct TileJoints {
+    joints: Vec<Joint>,
+    geometry: Geometry,
+    q_items: usize,
+}
+
+/// A pose box in the grid frame, of which only a slice of heading is looked at.
+#[derive(Clone, Copy)]
+struct GridBox {
+    position: [Interval; 2],
+    heading: Interval,
+}
+
+impl TileJoints {
+    pub(super) fn new(joints: Vec<Joint>, geometry: Geometry, q_items: usize) -> Self {
+        TileJoints { joints, geometry, q_items }
+    }
+
+    /// Headings that all but q lines allow, as disjoint intervals inside `heading`.
+    fn headings(&self, heading: Interval) -> Vec<Interval> {
+        let mut found = Vec::new();
+        // With q lines wrong, one of any q + 1 lines is right: their headings together miss no truth.
+        for joint in self.joints.iter().take(self.q_items + 1) {
+            let (first, last) = joint.families(heading, &self.geometry);
+            found.extend((first..=last).map(|family| joint.heading(family, &self.geometry).intersect(heading)));
+        }
+        if self.joints.len() <= self.q_items {
+            return vec![heading];
+        }
+        disjoint(found)
+    }
+
+    /// Places along grid axis `axis` that all but q lines allow, as disjoint intervals inside the box.
+    fn places(&self, grid: &GridBox, axis: usize) -> Vec<Interval> {
+        let lines: Vec<Interval> =
+            self.joints.iter().filter_map(|joint| self.ahead(joint, grid.heading, axis)).collect();
+        if lines.len() <= self.q_items {
+            return vec![grid.position[axis]];
+        }
+        let mut found = Vec::new();
+        for ahead in lines.iter().take(self.q_items + 1) {
+            found.extend(self.periods(*ahead, grid.position[axis], axis));
+        }
+        disjoint(found)
+    }
+
+    /// What lies between robot origin and joint along `axis`, when the line is of that axis's family at every heading of the slice.
+    fn ahead(&self, joint: &Joint, heading: Interval, axis: usize) -> Option<Interval> {
+        let (first, last) = joint.families(heading, &self.geometry);
+        (first == last && first.rem_euclid(2) as usize == axis).then(|| joint.ahead(first, heading, &self.geometry))
+    }
+
+    /// E·i + phase ± laying − ahead, for every joint i that meets `place`.
+    fn periods(&self, ahead: Interval, place: Interval, axis: usize) -> Vec<Interval> {
+        let grid = &self.geometry.grid;
+        let origin = (Interval::point(grid.phase_m[axis]) - ahead).inflate(grid.laying_m);
+        if origin.is_empty() || place.is_empty() {
+            return Vec::new();
+        }
+        let index = (place - origin) / grid.edge_m[axis];
+        let (first, last) = (index.lo().ceil(), index.hi().floor());
+        if !first.is_finite() || !last.is_finite() || last - first > MOST_PERIODS {
+            return vec![place];
+        }
+        (first as i64..=last as i64)
+            .map(|i| (origin + Interval::point(grid.edge_m[axis]) * (i as f64)).intersect(place))
+            .collect()
+    }
+
+    /// Contracts one slice; `None` when more than q lines contradict it.
+    fn slice(&self, grid: &GridBox) -> Option<GridBox> {
+        let mut wrong = 0;
+        let mut allowed: [Vec<Interval>; 2] = [Vec::new(), Vec::new()];
+        for joint in &self.joints {
+            let (first, last) = joint.families(grid.heading, &self.geometry);
+            if first > last {
+                wrong += 1;
+                continue;
+            }
+            if first < last {
+                // The slice is too wide to tell the family: the line says nothing yet.
+                continue;
+            }
+            let axis = first.rem_euclid(2) as usize;
+            let places = self.periods(joint.ahead(first, grid.heading, &self.geometry), grid.position[axis], axis);
+            match places.into_iter().reduce(Interval::hull) {
+                Some(hull) if !hull.is_empty() => allowed[axis].push(hull),
+                _ => wrong += 1,
+            }
+        }
+        let left = self.q_items.checked_sub(wrong)?;
+        let position = [0, 1].map(|axis| all_but(left, &allowed[axis], grid.position[axis]));
+        (!position[0].is_empty() && !position[1].is_empty()).then_some(GridBox { position, heading: grid.heading })
+    }
+
+    /// Contracts a world box slice by slice; empty when no slice is left.
+    fn slices(&self, domain: &IntervalBox<3>, grid: &GridBox) -> IntervalBox<3> {
+        let n_slices = (grid.heading.width() / SLICE_RAD).ceil().clamp(1.0, MOST_SLICES) as usize;
+        let step = grid.heading.width() / n_slices as f64;
+        let mut hull = IntervalBox::EMPTY;
+        for slice in 0..n_slices {
+            let lo = grid.heading.lo() + slice as f64 * step;
+            let hi = if slice + 1 == n_slices { grid.heading.hi() } else { lo + step };
+            let heading = Interval::new(lo, hi.max(lo)).inflate(1e-12).intersect(grid.heading);
+            if let Some(kept) = self.slice(&GridBox { position: grid.position, heading }) {
+                hull = hull.hull(&self.to_world(&kept, domain));
+            }
+        }
+        hull
+    }
+
+    /// Position of a world box in the grid frame: turned by −γ.
+    fn to_grid(&self, domain: &IntervalBox<3>) -> [Interval; 2] {
+        let angle = Interval::point(self.geometry.grid.rotation_rad);
+        let (cos, sin) = (angle.cos(), angle.sin());
+        [domain[0] * cos + domain[1] * sin, domain[1] * cos - domain[0] * sin]
+    }
+
+    /// A grid box in the world frame, inside `domain`: turned by γ.
+    fn to_world(&self, grid: &GridBox, domain: &IntervalBox<3>) -> IntervalBox<3> {
+        let angle = Interval::point(self.geometry.grid.rotation_rad);
+        let (cos, sin) = (angle.cos(), angle.sin());
+        let [x, y] = [grid.position[0] * cos - grid.position[1] * sin, grid.position[0] * sin + grid.position[1] * cos];
+        IntervalBox::from([x.intersect(domain[0]), y.intersect(domain[1]), grid.heading.intersect(domain[2])])
+    }
+}
+
+/// Headings are looked at in slices of this: what a line of 0.4 m, seen to 0.3 px, leaves open in heading is a few of them.
+const SLICE_RAD: f64 = 0.001;
+/// More slices than this are not worth their time; wider headings are narrowed by the next contraction.
+const MOST_SLICES: f64 = 16.0;
+/// A place that spans more tiles than this is not cut into branches.
+const MOST_PERIODS: f64 = 200.0;
+/// More branches than this from one box say that the box is too wide to be cut: it keeps its place.
+const MOST_BRANCHES: usize = 512;
+
+impl Contractor<3> for TileJoints {
+    fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
+        *domain = self.branches(domain).iter().fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch));
+        if domain.is_empty() { Outcome::Empty("floor_tiles.joints") } else { Outcome::Feasible }
+    }
+
+    fn branches(&self, domain: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
+        if domain.is_empty() {
+            return Vec::new();
+        }
+        let position = self.to_grid(domain);
+        let mut branches = Vec::new();
+        for heading in self.headings(domain[2]) {
+            let grid = GridBox { position, heading };
+            let (across, along) = (self.places(&grid, 0), self.places(&grid, 1));
+            if across.len() * along.len() > MOST_BRANCHES {
+                branches.push(IntervalBox::from([domain[0], domain[1], heading]));
+                continue;
+            }
+            for &x in &across {
+                for &y in &along {
+                    let kept = self.slices(domain, &GridBox { position: [x, y], heading });
+                    if !kept.is_empty() {
+                        branches.push(kept);
+                    }
+                }
+            }
+        }
+        branches
+    }
+}
+
+/// The points of `place` that all but `left` of the intervals contain: their hull.
+fn all_but(left: usize, intervals: &[Interval], place: Interval) -> Interval {
+    if left >= intervals.len() {
+        return place;
+    }
+    if left == 0 {
+        return intervals.iter().fold(place, |kept, &interval| kept.intersect(interval));
+    }
+    let needed = intervals.len() - left;
+    let supported = |point: f64| intervals.iter().filter(|interval| interval.contains(point)).count() >= needed;
+    // The first and the last point that enough intervals contain are ends of intervals.
+    let lo =
+        intervals.iter().map(|interval| interval.lo()).filter(|&point| supported(point)).fold(f64::INFINITY, f64::min);
+    let hi = intervals
+        .iter()
+        .map(|interval| interval.hi())
+        .filter(|&point| supported(point))
+        .fold(f64::NEG_INFINITY, f64::max);
+    if lo > hi { Interval::EMPTY } else { Interval::new(lo, hi).intersect(place) }
+}
+
+/// The union of some intervals, as disjoint intervals in rising order.
+fn disjoint(mut intervals: Vec<Interval>) -> Vec<Interval> {
+    intervals.retain(|interval| !interval.is_empty());
+    intervals.sort_by(|a, b| a.lo().total_cmp(&b.lo()));
+    let mut merged: Vec<Interval> = Vec::new();
+    for interval in intervals {
+        match merged.last_mut() {
+            Some(last) if interval.lo() <= last.hi() => *last = last.hull(interval),
+            _ => merged.push(interval),
+        }
+    }
+    merged
+}

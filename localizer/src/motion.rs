@@ -1,0 +1,155 @@
+//! Wheels to motion: an enclosure of where the robot has gone between two stamps.
+//!
+//! The true arc of a differential drive, per-wheel bounds with a floor, side slip, and reach. Ticks telescope: over any span
+//! the quantisation counts once, because a wheel's count is a difference of two latched totals.
+
+mod integral;
+mod odometry;
+
+use std::collections::VecDeque;
+
+use crate::{
+    Interval, IntervalBox, PoseBox, PoseUnion,
+    method::Twist,
+    robot::{Reach, WheelModel},
+};
+
+pub use integral::WheelIntegral;
+pub use odometry::PointOdometry;
+
+/// Motion of the robot relative to its first pose, in that pose's robot frame: forward, left (metres), turn (radians).
+pub type Motion = IntervalBox<3>;
+
+/// Encoder counts at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelSample {
+    /// When the counters were latched.
+    pub time_s: f64,
+    /// Cumulative ticks, left and right; fractional when interpolated between two readings.
+    pub ticks: [f64; 2],
+    /// Bound of the interpolation's error, in ticks; 0 at a reading.
+    pub ticks_error: f64,
+}
+
+/// Recent encoder readings.
+#[derive(Clone, Debug)]
+pub struct WheelHistory {
+    samples: VecDeque<WheelSample>,
+    keep_s: f64,
+}
+
+impl WheelHistory {
+    /// A history that forgets what is older than `keep_s`.
+    pub fn new(keep_s: f64) -> Self {
+        WheelHistory { samples: VecDeque::new(), keep_s }
+    }
+
+    /// Adds a reading; a reading no later than the last one is a duplicate and is dropped. Returns whether it was new.
+    pub fn push(&mut self, time_s: f64, ticks: [i64; 2]) -> bool {
+        if self.latest().is_some_and(|latest| time_s <= latest.time_s) {
+            return false;
+        }
+        self.samples.push_back(WheelSample { time_s, ticks: ticks.map(|count| count as f64), ticks_error: 0.0 });
+        // One sample older than the span stays, so that every stamp inside it lies between two samples.
+        while self.samples.len() > 2 && self.samples[1].time_s < time_s - self.keep_s {
+            self.samples.pop_front();
+        }
+        true
+    }
+
+    /// The newest reading.
+    pub fn latest(&self) -> Option<&WheelSample> {
+        self.samples.back()
+    }
+
+    /// Counts at `time_s`, linear between the readings around it; `None` outside of the history.
+    ///
+    /// A wheel that accelerates by at most a departs from the chord of an interval T by at most a·T²/8.
+    pub fn at(&self, time_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelSample> {
+        let after = self.samples.partition_point(|sample| sample.time_s < time_s);
+        let right = self.samples.get(after)?;
+        if right.time_s == time_s {
+            return Some(*right);
+        }
+        let left = self.samples.get(after.checked_sub(1)?)?;
+        let span_s = right.time_s - left.time_s;
+        let share = (time_s - left.time_s) / span_s;
+        let ticks = [0, 1].map(|wheel| left.ticks[wheel] + share * (right.ticks[wheel] - left.ticks[wheel]));
+        let bend_m = reach.acceleration_m_per_s2 * span_s * span_s / 8.0;
+        let least_m_per_tick = wheels.metres_per_tick(0).lo().min(wheels.metres_per_tick(1).lo());
+        Some(WheelSample { time_s, ticks, ticks_error: bend_m / least_m_per_tick })
+    }
+
+    /// The wheels' integral from `from_s` on, through every reading since; `None` if `from_s` lies outside of the history.
+    pub fn integrate_from(&self, from_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelIntegral> {
+        let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
+        let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
+        self.samples.iter().skip(next).for_each(|sample| integral.advance(sample, wheels, reach));
+        Some(integral)
+    }
+
+    /// Motion from `from_s` to `to_s`; `None` if either lies outside of the history.
+    pub fn motion(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Motion> {
+        let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
+        let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
+        for sample in self.samples.iter().skip(next).take_while(|sample| sample.time_s < to_s) {
+            integral.advance(sample, wheels, reach);
+        }
+        integral.advance(&self.at(to_s, wheels, reach)?, wheels, reach);
+        Some(integral.motion(wheels))
+    }
+
+    /// Nominal body motion at `time_s`, from the readings up to 20 ms around it; zero where there are none.
+    pub fn twist(&self, time_s: f64, wheels: &WheelModel) -> Twist {
+        // Two readings on each side: one alone resolves a speed no better than a tick per period.
+        let middle = self.samples.partition_point(|sample| sample.time_s < time_s);
+        let first = middle.saturating_sub(2);
+        let last = (middle + 2).min(self.samples.len().saturating_sub(1));
+        let (Some(left), Some(right)) = (self.samples.get(first), self.samples.get(last)) else {
+            return Twist::default();
+        };
+        let span_s = right.time_s - left.time_s;
+        if span_s <= 0.0 {
+            return Twist::default();
+        }
+        let speed =
+            [0, 1].map(|wheel| wheels.metres_per_tick(wheel).mid() * (right.ticks[wheel] - left.ticks[wheel]) / span_s);
+        Twist {
+            forward_m_per_s: 0.5 * (speed[0] + speed[1]),
+            turn_rad_per_s: (speed[1] - speed[0]) / wheels.track_m.mid(),
+        }
+    }
+}
+
+impl WheelModel {
+    /// Rolled distance of one tick of the left (0) or right (1) wheel.
+    pub fn metres_per_tick(&self, wheel: usize) -> Interval {
+        self.radius_m[wheel] * (Interval::PI * 2.0 / self.ticks_per_turn)
+    }
+}
+
+/// Motion of anything that keeps to its reach for `span_s`: it may go anywhere within speed times time.
+pub fn reach_motion(span_s: f64, reach: &Reach) -> Motion {
+    let distance = Interval::centred(0.0, reach.speed_m_per_s * span_s);
+    IntervalBox::from([distance, distance, Interval::centred(0.0, reach.turn_rate_rad_per_s * span_s)])
+}
+
+/// `pose ⊕ motion`: the poses reached from `pose` by `motion`, which is given in the frame of `pose`.
+///
+/// x′ = x + f·cos θ − l·sin θ, y′ = y + f·sin θ + l·cos θ, θ′ = θ + turn.
+pub fn moved(pose: &PoseBox, motion: &Motion) -> PoseBox {
+    if pose.is_empty() {
+        return PoseBox::EMPTY;
+    }
+    let (cos, sin) = (pose[2].cos(), pose[2].sin());
+    IntervalBox::from([
+        pose[0] + motion[0] * cos - motion[1] * sin,
+        pose[1] + motion[0] * sin + motion[1] * cos,
+        pose[2] + motion[2],
+    ])
+}
+
+/// Every branch of `union`, moved.
+pub fn moved_union(union: &PoseUnion, motion: &Motion) -> PoseUnion {
+    PoseUnion { branches: union.branches.iter().map(|branch| moved(branch, motion)).collect() }
+}

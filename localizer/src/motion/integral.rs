@@ -1,0 +1,150 @@
+//! The wheels' motion since a stamp, one reading at a time.
+//!
+//! With R the distance rolled by the axle middle as the ticks tell it, e the error of its travel and φ the true heading
+//! relative to the start, the displacement is ∫ (cos φ, sin φ) d(R + e) plus the side slip's ∫ (−sin φ, cos φ) dL. Only the
+//! totals |e| and |L| are bounded, not their parts; summation by parts turns ∫ cos φ de into e·cos φ at the end and a remainder of
+//! at most |e| times the total turning.
+
+use crate::{
+    Interval, IntervalBox,
+    robot::{Reach, WheelModel},
+};
+
+use super::{Motion, WheelSample};
+
+/// Motion since a stamp.
+#[derive(Clone, Debug)]
+pub struct WheelIntegral {
+    start: WheelSample,
+    latest: WheelSample,
+    /// Per wheel: Σ Δn·cos φ and Σ Δn·sin φ over the readings, in ticks.
+    cos_ticks: [Interval; 2],
+    sin_ticks: [Interval; 2],
+    /// Per wheel: Σ |Δn|, the ticks rolled without regard to sign.
+    path_ticks: [f64; 2],
+    /// Heading relative to the start, at the latest sample.
+    turn_rad: Interval,
+    /// Greatest total turning, |Δφ| summed over the readings.
+    turning_rad: f64,
+    /// Bound of what the midpoint rule leaves out, in metres.
+    remainder_m: f64,
+}
+
+impl WheelIntegral {
+    /// An integral that has not moved.
+    pub fn new(start: WheelSample) -> Self {
+        WheelIntegral {
+            start,
+            latest: start,
+            cos_ticks: [Interval::ZERO; 2],
+            sin_ticks: [Interval::ZERO; 2],
+            path_ticks: [0.0; 2],
+            turn_rad: Interval::ZERO,
+            turning_rad: 0.0,
+            remainder_m: 0.0,
+        }
+    }
+
+    /// Where the integral begins.
+    pub fn start_s(&self) -> f64 {
+        self.start.time_s
+    }
+
+    /// Goes on to the next sample, which must be later than the latest one; an equal one changes nothing.
+    pub fn advance(&mut self, sample: &WheelSample, wheels: &WheelModel, reach: &Reach) {
+        let step_s = sample.time_s - self.latest.time_s;
+        if step_s <= 0.0 {
+            return;
+        }
+        let delta = [0, 1].map(|wheel| sample.ticks[wheel] - self.latest.ticks[wheel]);
+        let turn_before = self.turn_rad;
+        self.latest = *sample;
+        (0..2).for_each(|wheel| self.path_ticks[wheel] += delta[wheel].abs());
+        let travel = [self.travel(0, wheels), self.travel(1, wheels)];
+        // θ̇ = (v_r − v_l)/W, Eq. (2c): exact for the true travels of the two contact points.
+        self.turn_rad = (travel[1] - travel[0]) / wheels.track_m;
+
+        // Over one step both ends of φ share the same errors of start and scale, so that the step's own turn is known
+        // much better than the difference of the two enclosures.
+        let step_turn_rad = self.step_turn(delta, wheels);
+        let middle = (turn_before + self.turn_rad) * 0.5;
+        let half = 0.5 * step_turn_rad.magnitude();
+        self.turning_rad += 2.0 * half + half * half / 6.0;
+        // The chord of an arc is sinc(Δφ/2) of its length, and 1 − h²/6 ≤ sinc(h) ≤ 1.
+        let chord = Interval::new(1.0 - half * half / 6.0 * (1.0 + 1e-9), 1.0);
+        let (cos, sin) = (middle.cos() * chord, middle.sin() * chord);
+        for (wheel, ticks) in delta.into_iter().enumerate() {
+            self.cos_ticks[wheel] += cos * ticks;
+            self.sin_ticks[wheel] += sin * ticks;
+        }
+        self.remainder_m += midpoint_remainder(delta, step_turn_rad.magnitude(), step_s, wheels, reach);
+    }
+
+    /// Motion from the start to the latest sample.
+    pub fn motion(&self, wheels: &WheelModel) -> Motion {
+        let middle =
+            |ticks: &[Interval; 2]| (wheels.metres_per_tick(0) * ticks[0] + wheels.metres_per_tick(1) * ticks[1]) * 0.5;
+        let error_m = 0.5 * (self.travel_error(0, wheels) + self.travel_error(1, wheels));
+        let side_m = self.side_slip(wheels);
+        // The remainders of the summation by parts are at right angles to what they accompany, hence common to both axes.
+        let parts_m = (error_m + side_m) * self.turning_rad + self.remainder_m;
+        let (cos, sin) = (self.turn_rad.cos(), self.turn_rad.sin());
+        let (error, side) = (Interval::centred(0.0, error_m), Interval::centred(0.0, side_m));
+        IntervalBox::from([
+            (middle(&self.cos_ticks) + error * cos - side * sin).inflate(parts_m),
+            (middle(&self.sin_ticks) + error * sin + side * cos).inflate(parts_m),
+            self.turn_rad,
+        ])
+    }
+
+    /// True travel of one contact point since the start.
+    fn travel(&self, wheel: usize, wheels: &WheelModel) -> Interval {
+        let ticks = self.latest.ticks[wheel] - self.start.ticks[wheel];
+        (wheels.metres_per_tick(wheel) * ticks).inflate(self.travel_error(wheel, wheels))
+    }
+
+    /// Bound of the travel's error: quantisation once, slip in proportion to what was rolled, and the floor of each window.
+    fn travel_error(&self, wheel: usize, wheels: &WheelModel) -> f64 {
+        let per_tick_m = wheels.metres_per_tick(wheel).hi();
+        let counts = 1.0 + self.start.ticks_error + self.latest.ticks_error;
+        let rolled_m = (self.path_ticks[wheel] + counts) * per_tick_m;
+        (counts * per_tick_m + wheels.slip_ratio * rolled_m + self.windows(wheels) * wheels.slip_floor_m) * ABOVE
+    }
+
+    /// Bound of the lateral travel of the axle middle.
+    fn side_slip(&self, wheels: &WheelModel) -> f64 {
+        let rolled_m =
+            0.5 * (0..2).map(|wheel| (self.path_ticks[wheel] + 2.0) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
+        (wheels.side_slip_ratio * rolled_m + self.windows(wheels) * wheels.side_slip_floor_m) * ABOVE
+    }
+
+    /// Number of started slip windows.
+    fn windows(&self, wheels: &WheelModel) -> f64 {
+        // A hair less than a whole number of windows, so that 0.2 s in binary is one window of 0.2 s.
+        ((self.latest.time_s - self.start.time_s) / wheels.slip_window_s - 1e-6).ceil().max(1.0)
+    }
+
+    /// Turn of one step alone, with the step's own slip and quantisation.
+    fn step_turn(&self, delta: [f64; 2], wheels: &WheelModel) -> Interval {
+        let travel = [0, 1].map(|wheel| {
+            let per_tick = wheels.metres_per_tick(wheel);
+            let rolled_m = (delta[wheel].abs() + 1.0) * per_tick.hi();
+            (per_tick * delta[wheel])
+                .inflate((per_tick.hi() + wheels.slip_ratio * rolled_m + wheels.slip_floor_m) * ABOVE)
+        });
+        (travel[1] - travel[0]) / wheels.track_m
+    }
+}
+
+/// Makes up for the few roundings of a sum of positive terms.
+const ABOVE: f64 = 1.0 + 1e-12;
+
+/// Bound of |∫ (cos φ, sin φ) dS − chord| over one step when speeds and turn rates change by at most their accelerations:
+/// |D|·α·T²/8 + a·|ω|·T³/8.
+fn midpoint_remainder(delta: [f64; 2], turn_rad: f64, step_s: f64, wheels: &WheelModel, reach: &Reach) -> f64 {
+    let acceleration = reach.acceleration_m_per_s2;
+    let turn_acceleration = 2.0 * acceleration / wheels.track_m.lo();
+    let distance_m =
+        0.5 * (0..2).map(|wheel| (delta[wheel].abs() + 1.0) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
+    (distance_m * turn_acceleration * step_s * step_s + acceleration * turn_rad * step_s * step_s) / 8.0
+}

@@ -1,0 +1,167 @@
+//! Ridge points: where a binned, logarithmic picture is darkest or lightest across a thin structure.
+
+use std::f32::consts::FRAC_PI_2;
+
+use image::GrayImage;
+
+/// A picture of floating-point values, row-major, `height × width`.
+pub(super) struct Plane {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) values: Vec<f32>,
+}
+
+impl Plane {
+    /// The row above, the row itself and the row below.
+    fn three_rows(&self, row: usize) -> [&[f32]; 3] {
+        [row - 1, row, row + 1].map(|row| &self.values[row * self.width..(row + 1) * self.width])
+    }
+}
+
+/// A point on the centre of a thin dark or light structure, to a fraction of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RidgePoint {
+    /// Position relative to the centre of the picture, full-resolution pixels.
+    pub(super) position_px: [f32; 2],
+    /// Angle of the structure's normal, known modulo a half turn.
+    pub(super) normal_rad: f32,
+    /// Second derivative across, in units of the detection threshold: at least 1, capped.
+    pub(super) weight: f32,
+    /// Whether the structure is darker than its surroundings.
+    pub(super) dark: bool,
+}
+
+/// Mean grey level below which eight bits leave no contrast to measure, and above which the sensor clips.
+const USABLE_GREY: [f32; 2] = [5.0, 250.0];
+
+/// Averages `bin × bin` pixels and takes the logarithm: uneven light becomes an additive, slowly varying term, so that a
+/// joint has the same contrast in the light and in the dark. `None` when half of the picture is black or clipped.
+pub(super) fn binned_log(image: &GrayImage, bin: usize) -> Option<Plane> {
+    let (width, height) = (image.width() as usize / bin, image.height() as usize / bin);
+    if width < 8 || height < 8 {
+        return None;
+    }
+    let (stride, pixels) = (image.width() as usize, image.as_raw());
+    let mut values = Vec::with_capacity(width * height);
+    let mut sums = vec![0u16; width * bin];
+    let (per_cell, mut unusable) = (1.0 / (bin * bin) as f32, 0);
+    for row in 0..height {
+        sums.fill(0);
+        for line in pixels[row * bin * stride..].chunks(stride).take(bin) {
+            for (sum, &pixel) in sums.iter_mut().zip(line) {
+                *sum += u16::from(pixel);
+            }
+        }
+        for cell in sums.chunks_exact(bin) {
+            let grey = cell.iter().map(|&sum| u32::from(sum)).sum::<u32>() as f32 * per_cell;
+            unusable += usize::from(!(USABLE_GREY[0]..USABLE_GREY[1]).contains(&grey));
+            // One grey level added keeps the logarithm of a black cell finite.
+            values.push((grey + 1.0).ln());
+        }
+    }
+    (2 * unusable < width * height).then_some(Plane { width, height, values })
+}
+
+/// Binomial smoothing `[1 4 6 4 1]/16` along rows, then along columns; the two outermost cells are left as they are.
+fn smoothed(plane: &Plane) -> Plane {
+    let (width, height) = (plane.width, plane.height);
+    let mut across = plane.values.clone();
+    for (out, row) in across.chunks_mut(width).zip(plane.values.chunks(width)) {
+        for (cell, near) in out[2..width - 2].iter_mut().zip(row.windows(5)) {
+            *cell = (near[0] + near[4] + 4.0 * (near[1] + near[3]) + 6.0 * near[2]) / 16.0;
+        }
+    }
+    let mut values = across.clone();
+    for row in 2..height - 2 {
+        let near = |offset: usize| &across[(row + offset - 2) * width..(row + offset - 1) * width];
+        let (a, b, c, d, e) = (near(0), near(1), near(2), near(3), near(4));
+        for (column, cell) in values[row * width..(row + 1) * width].iter_mut().enumerate() {
+            *cell = (a[column] + e[column] + 4.0 * (b[column] + d[column]) + 6.0 * c[column]) / 16.0;
+        }
+    }
+    Plane { width, height, values }
+}
+
+/// Cells at the border that smoothing and second differences cannot serve.
+const BORDER_CELLS: usize = 3;
+
+/// Ridge points of the picture: cells where the curvature across dominates and whose extremum lies inside the cell.
+pub(super) fn ridge_points(plane: &Plane, bin: usize, image_size_px: [f32; 2]) -> Vec<RidgePoint> {
+    let smooth = smoothed(plane);
+    let width = smooth.width;
+    let mut curvature = vec![0f32; smooth.values.len()];
+    let rows = BORDER_CELLS..smooth.height - BORDER_CELLS;
+    for row in rows.clone() {
+        let near = smooth.three_rows(row);
+        let out = &mut curvature[row * width..(row + 1) * width];
+        for (column, across) in out.iter_mut().enumerate().take(width - BORDER_CELLS).skip(BORDER_CELLS) {
+            let (uu, vv, uv) = hessian(near, column);
+            let (half_sum, half_difference) = (0.5 * (uu + vv), 0.5 * (uu - vv));
+            let root = (half_difference * half_difference + uv * uv).sqrt();
+            *across = half_sum + root.copysign(half_sum);
+        }
+    }
+    let threshold = threshold(&curvature, width);
+    let mut points = Vec::with_capacity(1024);
+    for row in rows {
+        let near = smooth.three_rows(row);
+        for column in BORDER_CELLS..width - BORDER_CELLS {
+            let across = curvature[row * width + column];
+            if across.abs() < threshold {
+                continue;
+            }
+            let Some((step, normal_rad)) = extremum(near, column, across) else { continue };
+            let cell = [column as f32 + step[0], row as f32 + step[1]];
+            points.push(RidgePoint {
+                position_px: [0, 1].map(|axis| (cell[axis] + 0.5) * bin as f32 - 0.5 * image_size_px[axis]),
+                normal_rad,
+                weight: (across.abs() / threshold).min(WEIGHT_CAP),
+                dark: across > 0.0,
+            });
+        }
+    }
+    points
+}
+
+/// Way from the middle of a cell to the extremum across a ridge, and the ridge's normal angle; `None` if the extremum
+/// lies in another cell or nothing straight is there. `across` is the Hessian's eigenvalue of greatest size.
+fn extremum(near: [&[f32]; 3], column: usize, across: f32) -> Option<([f32; 2], f32)> {
+    let (uu, vv, uv) = hessian(near, column);
+    // A blob or a crossing curves both ways: its direction means nothing.
+    if (uu + vv - across).abs() > 0.5 * across.abs() {
+        return None;
+    }
+    // Half of this angle is the direction of greatest second derivative: the normal of a dark ridge, the course of a light one.
+    let normal_rad = 0.5 * (2.0 * uv).atan2(uu - vv) + if across > 0.0 { 0.0 } else { FRAC_PI_2 };
+    let (sin, cos) = normal_rad.sin_cos();
+    let [above, here, below] = near;
+    let slope = 0.5 * ((here[column + 1] - here[column - 1]) * cos + (below[column] - above[column]) * sin);
+    let step = [-slope / across * cos, -slope / across * sin];
+    // A tenth of a cell of overlap loses no extremum at the seam.
+    (step[0].abs() <= 0.6 && step[1].abs() <= 0.6).then_some((step, normal_rad))
+}
+
+/// No point votes for more than this many weak ones: a lamp's reflection must not outvote a joint.
+const WEIGHT_CAP: f32 = 4.0;
+
+/// Second differences of three neighbouring rows at a column: uu, vv, uv.
+#[inline(always)]
+fn hessian([above, here, below]: [&[f32]; 3], column: usize) -> (f32, f32, f32) {
+    let uu = here[column + 1] - 2.0 * here[column] + here[column - 1];
+    let vv = below[column] - 2.0 * here[column] + above[column];
+    let uv = 0.25 * (below[column + 1] - below[column - 1] - above[column + 1] + above[column - 1]);
+    (uu, vv, uv)
+}
+
+/// Curvature that counts as a ridge: three times the median of the picture (noise and texture), a share of its strong
+/// ridges (else their side lobes count), and no less than 1 % of contrast, below which eight-bit steps in a dark picture
+/// make ridges of their own.
+fn threshold(curvature: &[f32], width: usize) -> f32 {
+    // Every seventh cell tells the quantiles; seven divides no usual width, so that columns take turns.
+    let mut sample: Vec<f32> = curvature[BORDER_CELLS * width..].iter().step_by(7).map(|value| value.abs()).collect();
+    let count = sample.len();
+    let (_, &mut median, _) = sample.select_nth_unstable_by(count / 2, f32::total_cmp);
+    // One joint across a picture fills about one per cent of its cells.
+    let (_, &mut strong, _) = sample.select_nth_unstable_by(count * 98 / 100, f32::total_cmp);
+    (3.0 * median).max(0.15 * strong).max(0.01)
+}

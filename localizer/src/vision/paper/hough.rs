@@ -1,0 +1,75 @@
+//! The standard Hough transform of a skeleton (paper 1, equations (11) to (13)).
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::Binary;
+
+/// A line `u·cos ϑ + v·sin ϑ = r` (11), in pixels from the first pixel, with its votes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Peak {
+    /// Signed distance of the origin from the line, `[−r_max, r_max]` (12).
+    pub(super) r_px: f64,
+    /// Angle from the u axis to the perpendicular, `[−π/2, π/2)`.
+    pub(super) angle_rad: f64,
+    pub(super) votes: u32,
+}
+
+/// N_ϑ: steps of a quarter of a degree; half of one is 0.7 px at the end of a line across the picture.
+const ANGLES: usize = 720;
+/// Width of a cell of r: the skeleton is a pixel wide.
+const CELL_PX: f64 = 1.0;
+
+/// Cells of the accumulator that have at least `votes_min` votes and no greater neighbour, by falling votes.
+pub(super) fn peaks(skeleton: &Binary, votes_min: u32) -> Vec<Peak> {
+    // (12): r_max = −r_min = √(µ² + ν²).
+    let r_max_px = (skeleton.width as f64).hypot(skeleton.height as f64);
+    let cells = (2.0 * r_max_px / CELL_PX).ceil() as usize + 1;
+    let white: Vec<(f64, f64)> = (0..skeleton.pixels.len())
+        .filter(|&index| skeleton.pixels[index])
+        .map(|index| ((index % skeleton.width) as f64, (index / skeleton.width) as f64))
+        .collect();
+    // (13a), (13b): row i of the accumulator is an angle, column j a distance.
+    let mut accumulator = vec![0u32; ANGLES * cells];
+    for (i, row) in accumulator.chunks_exact_mut(cells).enumerate() {
+        let (sin, cos) = angle_rad(i).sin_cos();
+        for &(u, v) in &white {
+            let j = ((u * cos + v * sin + r_max_px) / CELL_PX + 0.5) as usize;
+            row[j] += 1;
+        }
+    }
+    let mut peaks = Vec::new();
+    for i in 0..ANGLES {
+        for j in 1..cells - 1 {
+            let votes = accumulator[i * cells + j];
+            if votes >= votes_min && is_highest(&accumulator, cells, i, j) {
+                peaks.push(Peak { r_px: j as f64 * CELL_PX - r_max_px, angle_rad: angle_rad(i), votes });
+            }
+        }
+    }
+    peaks.sort_by_key(|peak| std::cmp::Reverse(peak.votes));
+    peaks
+}
+
+fn angle_rad(i: usize) -> f64 {
+    i as f64 * PI / ANGLES as f64 - FRAC_PI_2
+}
+
+/// Whether no neighbouring cell has more votes; beyond the first and the last angle r changes its sign.
+fn is_highest(accumulator: &[u32], cells: usize, i: usize, j: usize) -> bool {
+    let votes = accumulator[i * cells + j];
+    let row = |step: usize| {
+        // (i + step − 1) modulo the half turn, with r mirrored when it wraps.
+        let angle = i + step;
+        if angle == 0 {
+            (ANGLES - 1, true)
+        } else if angle == ANGLES + 1 {
+            (0, true)
+        } else {
+            (angle - 1, false)
+        }
+    };
+    (0..3).all(|step| {
+        let (angle, mirrored) = row(step);
+        (j - 1..=j + 1).all(|near| accumulator[angle * cells + if mirrored { cells - 1 - near } else { near }] <= votes)
+    })
+}

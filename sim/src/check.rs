@@ -1,0 +1,121 @@
+//! Compares a run's estimates with its truth and names what was broken. Pure.
+
+mod bounds;
+mod claims;
+mod judge;
+mod statistics;
+mod verdict;
+
+pub use bounds::violations;
+pub use claims::is_true;
+pub use verdict::{
+    AxisError, AxisWidth, Containment, ErrorTable, FirstFailure, FixWidth, Judgement, MethodCounts, Passed,
+    PositionError, Verdict, Violation, WidthTable,
+};
+
+use std::collections::BTreeMap;
+
+use localizer::{Pose, Status};
+
+use crate::{
+    run::{ImageRecord, RunRecord},
+    scene::Scene,
+};
+
+/// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
+pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
+    let violations = violations(scene, record);
+    let false_claims: Vec<usize> =
+        record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
+    let containment = judge::containment(record, &violations, &false_claims);
+    let midpoints: Vec<Pose> =
+        record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
+    let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
+    let baselines = BTreeMap::from([("odometry".to_string(), statistics::errors(&record.odometry, &truths))]);
+    let mut verdict = Verdict {
+        containment,
+        violations,
+        error: statistics::errors(&midpoints, &truths),
+        width: statistics::widths(record),
+        availability: availability(scene, record),
+        methods: method_counts(record, &false_claims),
+        baselines,
+        metrics: metrics(record),
+        verdict: Passed::default(),
+    };
+    // A verdict of numbers and strings always has a value; were it otherwise, every expectation would be told as unmet.
+    let failed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default());
+    verdict.verdict = Passed { passed: failed.is_empty(), failed };
+    verdict
+}
+
+/// Share of steps that are sound and narrower than the scene declares.
+fn availability(scene: &Scene, record: &RunRecord) -> f64 {
+    let (width_m, width_rad) = (scene.localizer.declared_width_m, scene.localizer.declared_width_deg.to_radians());
+    let available = record.estimates.iter().filter(|estimate| {
+        let hull = estimate.pose.hull();
+        estimate.status == Status::Sound
+            && !hull.is_empty()
+            && hull[0].width() <= width_m
+            && hull[1].width() <= width_m
+            && hull[2].width() <= width_rad
+    });
+    share(available.count(), record.estimates.len())
+}
+
+fn method_counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<String, MethodCounts> {
+    let mut counts: BTreeMap<String, MethodCounts> = BTreeMap::new();
+    for (image, &n_false) in record.images.iter().zip(false_claims) {
+        let count = counts.entry(image.method.to_string()).or_default();
+        count.readings += 1;
+        count.constraints += usize::from(image.constrained);
+        count.empty += usize::from(image.emptied);
+        count.claims += image.claims.len();
+        count.false_claims += n_false;
+    }
+    counts
+}
+
+/// What helps to understand a run besides: how far it drove, how many branches there were, how long it was in doubt or outside.
+fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
+    let distance_m: f64 = record
+        .truths
+        .windows(2)
+        .map(|pair| (pair[1].pose.x_m - pair[0].pose.x_m).hypot(pair[1].pose.y_m - pair[0].pose.y_m))
+        .sum();
+    let n_branches =
+        |index: usize| record.estimates.get(index).map_or(0, |estimate| estimate.pose.branches.len()) as f64;
+    let most = record.estimates.iter().map(|estimate| estimate.pose.branches.len()).max().unwrap_or(0);
+    let recovering = record.estimates.iter().filter(|estimate| estimate.status == Status::Recovering).count();
+    BTreeMap::from([
+        ("distance_m".to_string(), distance_m),
+        ("branches_max".to_string(), most as f64),
+        ("branches_at_end".to_string(), n_branches(record.estimates.len().saturating_sub(1))),
+        ("recovering_share".to_string(), share(recovering, record.estimates.len())),
+        ("longest_outside_s".to_string(), longest_outside_s(record)),
+    ])
+}
+
+/// Longest time without the truth in the union.
+fn longest_outside_s(record: &RunRecord) -> f64 {
+    let mut longest_s = 0.0_f64;
+    let mut since_s = None;
+    for (truth, estimate) in record.truths.iter().zip(&record.estimates) {
+        if estimate.pose.contains(truth.pose) {
+            since_s = None;
+        } else {
+            let from_s = *since_s.get_or_insert(truth.time_s);
+            longest_s = longest_s.max(truth.time_s - from_s);
+        }
+    }
+    longest_s
+}
+
+/// Whether more claims of an image were false than its method declares possible.
+fn misperceived(image: &ImageRecord, n_false: usize) -> bool {
+    n_false > image.q_items
+}
+
+fn share(part: usize, whole: usize) -> f64 {
+    if whole == 0 { 0.0 } else { part as f64 / whole as f64 }
+}

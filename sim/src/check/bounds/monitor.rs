@@ -1,0 +1,60 @@
+//! One declared bound, watched over time.
+
+use crate::check::verdict::Violation;
+
+/// Excesses closer together than this are one violation: several windows and images see the same cause.
+const JOIN_S: f64 = 0.25;
+
+/// Collects the time ranges in which a value exceeds its bound.
+pub(super) struct Monitor {
+    bound: &'static str,
+    found: Vec<Violation>,
+}
+
+impl Monitor {
+    pub(super) fn new(bound: &'static str) -> Self {
+        Monitor { bound, found: Vec::new() }
+    }
+
+    /// Looks at a value over a span of time; spans come in the order of their ends.
+    pub(super) fn watch(&mut self, span_s: [f64; 2], declared: f64, true_value: f64) {
+        // A drawn value at the very corner of its bound is inside, whatever the rounding of the comparison.
+        if true_value <= declared * (1.0 + 1e-9) + 1e-15 {
+            return;
+        }
+        match self.found.last_mut() {
+            Some(last) if span_s[0] <= last.to_s + JOIN_S => {
+                last.from_s = last.from_s.min(span_s[0]);
+                last.to_s = last.to_s.max(span_s[1]);
+                last.deepen(declared, true_value);
+            }
+            _ => self.found.push(Violation {
+                bound: self.bound.to_string(),
+                from_s: span_s[0],
+                to_s: span_s[1],
+                declared,
+                true_value,
+            }),
+        }
+    }
+
+    /// Takes note of a greater excess of the violation that stands at `time_s`, without a say in when it was.
+    pub(super) fn deepen(&mut self, time_s: f64, declared: f64, true_value: f64) {
+        if let Some(last) = self.found.last_mut().filter(|last| time_s <= last.to_s + JOIN_S) {
+            last.deepen(declared, true_value);
+        }
+    }
+
+    pub(super) fn finish(self) -> Vec<Violation> {
+        self.found
+    }
+}
+
+impl Violation {
+    /// Keeps the greater excess.
+    fn deepen(&mut self, declared: f64, true_value: f64) {
+        if true_value - declared > self.true_value - self.declared {
+            (self.true_value, self.declared) = (true_value, declared);
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Slip, side slip, reach, posture and walls against the true motion.
+
+use crate::{check::verdict::Violation, run::RunRecord, scene::Scene, truth::Truth};
+
+use super::Monitor;
+
+/// Violations of the bounds of emergent motion, drive by drive: nothing rolls from one station to the next.
+pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+    let mut found = Vec::new();
+    for truths in record.drives() {
+        found.extend(slip(scene, truths, record.drawn.wheel_radius_m));
+        found.extend(reach(scene, truths));
+        found.extend(posture(scene, truths));
+    }
+    found
+}
+
+/// Rolled path and error of travel since the start: wheels left and right, then the axle middle's lateral travel.
+struct Rolled {
+    path_m: [f64; 3],
+    error_m: [f64; 3],
+}
+
+/// Both slip bounds hold over any window up to the declared one, short ones included: the localizer relies on all of them.
+fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Violation> {
+    let bounds = &scene.bounds;
+    let rolled = rolled(truths, wheel_radius_m);
+    let step_s = truths.get(1).map_or(0.01, |second| second.time_s - truths[0].time_s);
+    let window_steps = (bounds.slip_window_s / step_s).round().max(1.0) as usize;
+    let slip_bound = [bounds.slip_ratio, bounds.slip_floor_m];
+    let side_bound = [bounds.side_slip_ratio, bounds.side_slip_floor_m];
+    let (mut slip, mut side) = (Monitor::new("wheels.slip"), Monitor::new("wheels.side_slip"));
+    for end in 1..rolled.len() {
+        let starts = end.saturating_sub(window_steps)..end;
+        for wheel in 0..2 {
+            watch_windows(&mut slip, truths, &rolled, wheel, slip_bound, starts.clone(), end);
+        }
+        watch_windows(&mut side, truths, &rolled, 2, side_bound, starts, end);
+    }
+    let mut found = slip.finish();
+    found.extend(side.finish());
+    found
+}
+
+/// Watches all windows of one channel that end at `end`.
+///
+/// An excess is told at its greatest over all windows, and dated by the shortest windows that show it: a longer one only contains it.
+fn watch_windows(
+    monitor: &mut Monitor,
+    truths: &[Truth],
+    rolled: &[Rolled],
+    channel: usize,
+    [ratio, floor_m]: [f64; 2],
+    starts: std::ops::Range<usize>,
+    end: usize,
+) {
+    let measure = |start: usize, end: usize| {
+        let path_m = rolled[end].path_m[channel] - rolled[start].path_m[channel];
+        let error_m = (rolled[end].error_m[channel] - rolled[start].error_m[channel]).abs();
+        (ratio * path_m + floor_m, error_m)
+    };
+    let exceeds = |start: usize, end: usize| {
+        let (declared, error_m) = measure(start, end);
+        error_m > declared
+    };
+    let mut dated = false;
+    for start in starts.rev() {
+        let (declared, error_m) = measure(start, end);
+        if error_m <= declared {
+            continue;
+        }
+        let is_shortest = !dated && (end - start == 1 || !exceeds(start, end - 1));
+        dated = true;
+        if is_shortest {
+            monitor.watch([truths[start].time_s, truths[end].time_s], declared, error_m);
+        } else {
+            monitor.deepen(truths[end].time_s, declared, error_m);
+        }
+    }
+}
+
+fn rolled(truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Rolled> {
+    let mut path_m = [0.0; 3];
+    let mut before: Option<&Truth> = None;
+    truths
+        .iter()
+        .map(|truth| {
+            if let Some(before) = before {
+                let step_m = [0, 1].map(|wheel| {
+                    wheel_radius_m[wheel] * (truth.wheel_angle_rad[wheel] - before.wheel_angle_rad[wheel]).abs()
+                });
+                (path_m[0], path_m[1]) = (path_m[0] + step_m[0], path_m[1] + step_m[1]);
+                path_m[2] += 0.5 * (step_m[0] + step_m[1]);
+            }
+            before = Some(truth);
+            let error_m =
+                [0, 1].map(|wheel| truth.wheel_travel_m[wheel] - wheel_radius_m[wheel] * truth.wheel_angle_rad[wheel]);
+            Rolled { path_m, error_m: [error_m[0], error_m[1], truth.lateral_travel_m] }
+        })
+        .collect()
+}
+
+fn reach(scene: &Scene, truths: &[Truth]) -> Vec<Violation> {
+    let bounds = &scene.bounds;
+    let mut speed = Monitor::new("reach.speed");
+    let mut turn_rate = Monitor::new("reach.turn_rate");
+    let mut acceleration = Monitor::new("reach.acceleration");
+    for pair in truths.windows(2) {
+        let (before, truth) = (&pair[0], &pair[1]);
+        let (span_s, step_s) = ([before.time_s, truth.time_s], truth.time_s - before.time_s);
+        let moved_m = (truth.pose.x_m - before.pose.x_m).hypot(truth.pose.y_m - before.pose.y_m);
+        speed.watch(span_s, bounds.reach_speed_m_per_s, moved_m / step_s);
+        let turned_rad = (truth.pose.heading_rad - before.pose.heading_rad).abs();
+        turn_rate.watch(span_s, bounds.reach_turn_rate_rad_per_s, turned_rad / step_s);
+        for side in [-1.0, 1.0] {
+            let along = |truth: &Truth| truth.velocity[0] + side * 0.5 * scene.robot.track_m * truth.velocity[2];
+            let change = (along(truth) - along(before)).abs() / step_s;
+            acceleration.watch(span_s, bounds.reach_acceleration_m_per_s2, change);
+        }
+    }
+    [speed, turn_rate, acceleration].into_iter().flat_map(Monitor::finish).collect()
+}
+
+fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Violation> {
+    let (bounds, room) = (&scene.bounds, &scene.room);
+    let keep_m = scene.robot_model().body.clearance_m;
+    let (mut tilt, mut heave, mut walls) =
+        (Monitor::new("body.tilt"), Monitor::new("body.heave"), Monitor::new("room.walls"));
+    for truth in truths {
+        let span_s = [truth.time_s, truth.time_s];
+        tilt.watch(span_s, bounds.body_tilt_deg.to_radians(), truth.tilt_rad[0].hypot(truth.tilt_rad[1]));
+        heave.watch(span_s, bounds.body_heave_m, truth.heave_m.abs());
+        let to_wall_m = [truth.pose.x_m, room.width_m - truth.pose.x_m, truth.pose.y_m, room.depth_m - truth.pose.y_m]
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+        // Declared is how close the robot origin may come to a wall, so the bound is on how much closer it is.
+        walls.watch(span_s, 0.0, keep_m - to_wall_m);
+    }
+    [tilt, heave, walls].into_iter().flat_map(Monitor::finish).collect()
+}

@@ -1,0 +1,66 @@
+//! Whether what a method claims to have seen is so, by the simulator's own camera model and the floor as it was laid.
+
+use std::collections::BTreeMap;
+
+use localizer::Claim;
+use nalgebra::Point3;
+
+use crate::{
+    drawn::{Drawn, DrawnFloorCamera},
+    run::{ImageRecord, RunRecord},
+    scene::Scene,
+    sensors::camera::{floor_camera_intrinsics, world_from_floor_camera},
+    truth::Truth,
+};
+
+/// Number of an image's claims that are false.
+pub(super) fn false_claims(scene: &Scene, record: &RunRecord, image: &ImageRecord) -> usize {
+    image.claims.iter().filter(|claim| !is_true(claim, scene, &record.drawn, &image.truth)).count()
+}
+
+/// Whether a claim about an image taken at `truth` holds.
+pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
+    match claim {
+        Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
+    }
+}
+
+/// Some joint has all but the share of the points within their bounds of its centre line.
+fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
+    let (Some(camera), Some(tiles), Some(laid), Some(mount)) =
+        (&scene.robot.floor_camera, &scene.floor.tiles, &drawn.tiles, &drawn.floor_camera)
+    else {
+        return false;
+    };
+    let intrinsics = floor_camera_intrinsics(camera, mount);
+    let mut near: BTreeMap<(usize, i32), usize> = BTreeMap::new();
+    for &[u_px, v_px, bound_px] in points_px {
+        let Some((place_m, pixels_per_m)) = on_floor(&intrinsics.ray([u_px, v_px]), truth, mount, intrinsics.focal_px)
+        else {
+            continue;
+        };
+        for joint in laid.joints_within(tiles, place_m, bound_px / pixels_per_m) {
+            *near.entry(joint).or_default() += 1;
+        }
+    }
+    let needed = ((1.0 - share_wrong) * points_px.len() as f64).ceil() as usize;
+    near.values().any(|&count| count >= needed)
+}
+
+/// Where a ray of the floor camera meets the floor, and how many pixels a metre there takes; `None` if it never does.
+fn on_floor(
+    ray_in_camera: &nalgebra::Vector3<f64>,
+    truth: &Truth,
+    mount: &DrawnFloorCamera,
+    focal_px: f64,
+) -> Option<([f64; 2], f64)> {
+    let world_from_camera = world_from_floor_camera(truth, mount);
+    let direction = world_from_camera * ray_in_camera;
+    let origin = world_from_camera * Point3::origin();
+    if direction.z >= 0.0 {
+        return None;
+    }
+    let depth_m = -origin.z / direction.z;
+    let place = origin + direction * depth_m;
+    Some(([place.x, place.y], focal_px / depth_m))
+}

@@ -1,0 +1,84 @@
+//! Containment and blame, step by step.
+
+use crate::run::RunRecord;
+
+use super::verdict::{Containment, FirstFailure, Judgement, Violation};
+
+/// A cause may lie so long before the step at which the truth is found outside: as long as the localizer remembers.
+const CAUSE_WITHIN_S: f64 = 3.0;
+
+/// Counts of judgements over all steps, and the first step outside.
+///
+/// A step outside inherits the cause of the step before it: a box that went wrong stays wrong until something resolves it.
+pub(super) fn containment(record: &RunRecord, violations: &[Violation], false_claims: &[usize]) -> Containment {
+    let mut counts = Containment { checks: record.truths.len().min(record.estimates.len()), ..Containment::default() };
+    let mut last_contained_s = 0.0;
+    let mut standing: Option<(Judgement, String)> = None;
+    for (truth, estimate) in record.truths.iter().zip(&record.estimates) {
+        if estimate.pose.contains(truth.pose) {
+            counts.contained += 1;
+            last_contained_s = truth.time_s;
+            standing = None;
+            continue;
+        }
+        let explained = standing.as_ref().is_some_and(|(judgement, _)| *judgement != Judgement::Unsound);
+        if !explained {
+            let from_s = last_contained_s - CAUSE_WITHIN_S;
+            standing = Some(blame(record, violations, false_claims, &estimate.relies_on, [from_s, truth.time_s]));
+        }
+        let Some((judgement, cause)) = &standing else { continue };
+        match judgement {
+            Judgement::Contained => {}
+            Judgement::BoundBroken => counts.bound_broken += 1,
+            Judgement::Perception => counts.perception += 1,
+            Judgement::Unsound => counts.unsound += 1,
+        }
+        if counts.first_failure.is_none() {
+            let (axis, margin) = farthest_axis(&estimate.pose.hull(), truth.pose);
+            counts.first_failure =
+                Some(FirstFailure { time_s: truth.time_s, axis, margin, outcome: *judgement, blame: cause.clone() });
+        }
+    }
+    counts
+}
+
+/// The cause of a truth outside: a bound that the estimate relies on, exceeded in `span_s`; else too many false claims; else our own.
+fn blame(
+    record: &RunRecord,
+    violations: &[Violation],
+    false_claims: &[usize],
+    relies_on: &[&str],
+    span_s: [f64; 2],
+) -> (Judgement, String) {
+    let overlaps = |from_s: f64, to_s: f64| from_s <= span_s[1] && to_s >= span_s[0];
+    let broken = violations
+        .iter()
+        .filter(|violation| relies_on.contains(&violation.bound.as_str()) && overlaps(violation.from_s, violation.to_s))
+        .max_by(|a, b| (a.true_value / a.declared).total_cmp(&(b.true_value / b.declared)));
+    if let Some(violation) = broken {
+        return (Judgement::BoundBroken, violation.bound.clone());
+    }
+    let misread =
+        record.images.iter().zip(false_claims).find(|(image, n_false)| {
+            overlaps(image.measured_s, image.arrived_s) && super::misperceived(image, **n_false)
+        });
+    match misread {
+        Some((image, n_false)) => {
+            (Judgement::Perception, format!("{}: {n_false} false claims in image {}", image.method, image.number))
+        }
+        None => (Judgement::Unsound, "no declared bound was exceeded and no claim was false".to_string()),
+    }
+}
+
+/// The axis along which a pose lies farthest outside of a box, and how far; between branches the distance is 0.
+fn farthest_axis(hull: &localizer::PoseBox, truth: localizer::Pose) -> (&'static str, f64) {
+    if hull.is_empty() {
+        return ("x_m", f64::MAX);
+    }
+    let truth = truth.to_array();
+    let outside = |axis: usize| (hull[axis].lo() - truth[axis]).max(truth[axis] - hull[axis].hi()).max(0.0);
+    // Metres and radians are compared through the widths of the box.
+    let relative = |axis: usize| outside(axis) / hull[axis].width().max(1e-9);
+    let axis = (0..3).max_by(|&a, &b| relative(a).total_cmp(&relative(b))).unwrap_or(0);
+    (["x_m", "y_m", "heading_rad"][axis], outside(axis))
+}

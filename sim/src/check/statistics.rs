@@ -1,0 +1,86 @@
+//! Errors and widths over a run.
+
+use localizer::{Pose, PoseBox};
+
+use crate::run::RunRecord;
+
+use super::verdict::{AxisError, AxisWidth, ErrorTable, FixWidth, PositionError, WidthTable};
+
+/// Midpoint of a box; not a number when the box is empty.
+pub(super) fn midpoint(hull: &PoseBox) -> Pose {
+    let middle = |axis: usize| if hull.is_empty() { f64::NAN } else { hull[axis].mid() };
+    Pose { x_m: middle(0), y_m: middle(1), heading_rad: middle(2) }
+}
+
+/// Errors of `estimates` against `truths`, step by step; steps without an estimate are left out.
+pub(super) fn errors(estimates: &[Pose], truths: &[Pose]) -> ErrorTable {
+    let pairs = || estimates.iter().zip(truths);
+    let axis = |component: fn(&Pose) -> f64| {
+        axis_error(&pairs().map(|(estimate, truth)| component(estimate) - component(truth)).collect::<Vec<_>>())
+    };
+    let distances: Vec<f64> = pairs()
+        .map(|(estimate, truth)| (estimate.x_m - truth.x_m).hypot(estimate.y_m - truth.y_m))
+        .filter(|distance| distance.is_finite())
+        .collect();
+    ErrorTable {
+        x_m: axis(|pose| pose.x_m),
+        y_m: axis(|pose| pose.y_m),
+        heading_rad: axis(|pose| pose.heading_rad),
+        position_m: position_error(&distances),
+    }
+}
+
+/// Full widths of the hull over all steps, and just after each constraint.
+pub(super) fn widths(record: &RunRecord) -> WidthTable {
+    let hulls: Vec<PoseBox> = record.estimates.iter().map(|estimate| estimate.pose.hull()).collect();
+    let fixes: Vec<PoseBox> = record
+        .images
+        .iter()
+        .filter(|image| image.constrained && !image.emptied)
+        .map(|image| image.posterior.hull())
+        .collect();
+    let [x_m, y_m, heading_rad] = [0, 1, 2].map(|axis| axis_width(&hulls, axis));
+    let [fix_x_m, fix_y_m, fix_heading_rad] = [0, 1, 2].map(|axis| axis_width(&fixes, axis));
+    WidthTable { x_m, y_m, heading_rad, at_fix: FixWidth { x_m: fix_x_m, y_m: fix_y_m, heading_rad: fix_heading_rad } }
+}
+
+fn axis_error(errors: &[f64]) -> AxisError {
+    let n_steps = errors.len();
+    let third = |index: usize| rmse(&errors[index * n_steps / 3..(index + 1) * n_steps / 3]);
+    AxisError {
+        rmse: rmse(errors),
+        max: errors.iter().filter(|error| error.is_finite()).fold(0.0, |max, error| error.abs().max(max)),
+        rmse_by_third: [third(0), third(1), third(2)],
+    }
+}
+
+fn rmse(errors: &[f64]) -> f64 {
+    let finite = errors.iter().filter(|error| error.is_finite());
+    let (sum, count) = finite.fold((0.0, 0_usize), |(sum, count), error| (sum + error * error, count + 1));
+    if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
+}
+
+fn position_error(distances: &[f64]) -> PositionError {
+    if distances.is_empty() {
+        return PositionError::default();
+    }
+    let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+    let variance = distances.iter().map(|distance| (distance - mean).powi(2)).sum::<f64>() / distances.len() as f64;
+    PositionError { mean, sd: variance.sqrt(), max: distances.iter().copied().fold(0.0, f64::max) }
+}
+
+/// An empty hull has no width and is left out; an unbounded one counts as the widest there is.
+fn axis_width(hulls: &[PoseBox], axis: usize) -> AxisWidth {
+    let mut widths: Vec<f64> =
+        hulls.iter().filter(|hull| !hull.is_empty()).map(|hull| hull[axis].width().min(f64::MAX)).collect();
+    if widths.is_empty() {
+        return AxisWidth::default();
+    }
+    widths.sort_by(f64::total_cmp);
+    let last = widths.len() - 1;
+    AxisWidth {
+        mean: widths.iter().sum::<f64>() / widths.len() as f64,
+        p95: widths[(last as f64 * 0.95).round() as usize],
+        max: widths[last],
+    }
+}

@@ -1,0 +1,184 @@
+//! The verdict's figures, field by field as `summary.json` holds them.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+/// How an estimate stands to the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Judgement {
+    /// The truth is in the union.
+    Contained,
+    /// The truth is outside, and a declared bound on which the estimate relies was exceeded.
+    BoundBroken,
+    /// The truth is outside because more claims were false than declared.
+    Perception,
+    /// The truth is outside though every bound held and the claims were true.
+    Unsound,
+}
+
+/// Everything that `summary.json` holds of a run, in its order.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verdict {
+    /// Counts of judgements over all steps.
+    pub containment: Containment,
+    /// Every declared bound that was exceeded, whether or not the truth stayed inside.
+    pub violations: Vec<Violation>,
+    /// Errors of the midpoint of the hull.
+    pub error: ErrorTable,
+    /// Full widths of the hull, over all steps.
+    pub width: WidthTable,
+    /// Share of steps that are sound and narrower than declared.
+    pub availability: f64,
+    /// By method, what it read and said.
+    pub methods: BTreeMap<String, MethodCounts>,
+    /// By baseline, its errors.
+    pub baselines: BTreeMap<String, ErrorTable>,
+    /// What a scene measures besides.
+    pub metrics: BTreeMap<String, f64>,
+    /// Whether the scene's expectations were met.
+    pub verdict: Passed,
+}
+
+/// Counts of judgements over all steps.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Containment {
+    /// Steps judged.
+    pub checks: usize,
+    /// Steps with the truth in the union.
+    pub contained: usize,
+    /// Steps outside with a broken bound.
+    pub bound_broken: usize,
+    /// Steps outside with too many false claims.
+    pub perception: usize,
+    /// Steps outside without a cause.
+    pub unsound: usize,
+    /// The first step that was not contained.
+    pub first_failure: Option<FirstFailure>,
+}
+
+/// The first step whose union did not contain the truth.
+#[derive(Clone, Debug, Serialize)]
+pub struct FirstFailure {
+    /// When.
+    pub time_s: f64,
+    /// Axis with the greatest distance to the hull: `x_m`, `y_m` or `heading_rad`.
+    pub axis: &'static str,
+    /// That distance; 0 when the truth lies between branches.
+    pub margin: f64,
+    /// The judgement.
+    pub outcome: Judgement,
+    /// Name of the broken bound, or what was false.
+    pub blame: String,
+}
+
+/// A time range in which a quantity exceeded its declared bound.
+#[derive(Clone, Debug, Serialize)]
+pub struct Violation {
+    /// Name of the bound.
+    pub bound: String,
+    /// Start of the excess.
+    pub from_s: f64,
+    /// End of the excess.
+    pub to_s: f64,
+    /// Declared bound at the moment of the greatest excess.
+    pub declared: f64,
+    /// True value at that moment.
+    #[serde(rename = "true")]
+    pub true_value: f64,
+}
+
+/// Errors of x, y, heading and position.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ErrorTable {
+    /// World x.
+    pub x_m: AxisError,
+    /// World y.
+    pub y_m: AxisError,
+    /// Heading.
+    pub heading_rad: AxisError,
+    /// Distance in the plane.
+    pub position_m: PositionError,
+}
+
+/// Errors along one axis.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct AxisError {
+    /// Root mean square over all steps.
+    pub rmse: f64,
+    /// Greatest magnitude.
+    pub max: f64,
+    /// Root mean square of each third of the run.
+    pub rmse_by_third: [f64; 3],
+}
+
+/// Errors in the plane.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct PositionError {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub sd: f64,
+    /// Greatest.
+    pub max: f64,
+}
+
+/// Full widths of the hull.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct WidthTable {
+    /// World x.
+    pub x_m: AxisWidth,
+    /// World y.
+    pub y_m: AxisWidth,
+    /// Heading.
+    pub heading_rad: AxisWidth,
+    /// The same just after a fix.
+    pub at_fix: FixWidth,
+}
+
+/// Mean widths at the stamps of images, just after their constraint.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct FixWidth {
+    /// World x.
+    pub x_m: AxisWidth,
+    /// World y.
+    pub y_m: AxisWidth,
+    /// Heading.
+    pub heading_rad: AxisWidth,
+}
+
+/// Widths along one axis.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct AxisWidth {
+    /// Mean.
+    pub mean: f64,
+    /// 95th percentile.
+    pub p95: f64,
+    /// Greatest.
+    pub max: f64,
+}
+
+/// What a method read and said.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct MethodCounts {
+    /// Readings given to it.
+    pub readings: usize,
+    /// Constraints made.
+    pub constraints: usize,
+    /// Constraints that emptied the union.
+    pub empty: usize,
+    /// Claims made.
+    pub claims: usize,
+    /// Claims that were false.
+    pub false_claims: usize,
+}
+
+/// Whether the scene's expectations were met.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Passed {
+    /// All of them.
+    pub passed: bool,
+    /// One line for each that was not: name, value, limit.
+    pub failed: Vec<String>,
+}

@@ -1,0 +1,152 @@
+//! The command `wherein`: what it is asked, and how it answers.
+
+use std::{
+    io::{self, IsTerminal, Write},
+    path::PathBuf,
+    process::ExitCode,
+};
+
+use clap::{Args, Parser, Subcommand};
+use miette::{GraphicalReportHandler, GraphicalTheme};
+
+use crate::{frames::FramesPolicy, record::RecordError, render::RenderError, scene::SceneError};
+
+mod run;
+mod seeds;
+mod table;
+
+pub use seeds::Seeds;
+
+/// Simulates an indoor robot and its cameras, localizes it by interval boxes, and checks every box against the truth.
+#[derive(Debug, Parser)]
+#[command(name = "wherein", version, arg_required_else_help = true, after_help = AFTER_HELP)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  wherein run scenes/papers/floor_vision_odometry.toml            one run with seed 0
+  wherein run scenes --seeds 0..10 --out results                  every scene, ten seeds each
+  wherein run scenes/x.toml --seed 7 --frames failures            pictures of what went wrong with seed 7
+  wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
+
+Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Runs scenes and records what they leave behind.
+    Run(RunArguments),
+    /// Prints a Markdown table of recorded runs, or puts it into a document.
+    Table(TableArguments),
+    /// Prints the JSON schema of scene files.
+    Schema,
+    /// Prints the graphics adapter that renders the images; exit code 2 when there is none.
+    Adapter,
+}
+
+/// What `wherein run` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = RUN_AFTER_HELP)]
+struct RunArguments {
+    /// Scene files, or folders that stand for all scenes below them.
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+    /// Seed of everything drawn in the run.
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds")]
+    seed: u64,
+    /// Several seeds, A included and B not.
+    #[arg(long, value_name = "A..B")]
+    seeds: Option<Seeds>,
+    /// Where results go.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+    /// Images of which to leave debug frames: none, failures, every=N or all.
+    #[arg(long, value_name = "WHICH", default_value = "none")]
+    frames: FramesPolicy,
+    /// Print the summaries as a JSON list instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Skip runs that this build of the program has already recorded for the same scene; continues what was interrupted.
+    #[arg(long)]
+    resume: bool,
+}
+
+const RUN_AFTER_HELP: &str = "\
+Each run leaves DIR/<scene>/<seed>/ with summary.json (all figures, and whether the scene's [expect] was met),
+timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames asked for.
+
+In the table, a check is one step of 10 ms. `contained`: the truth is in a box. Outside of it, the cause is named:
+`bound broken`: a declared bound was really exceeded; `perception`: the vision saw what is not there; `unsound`: neither.
+Errors are root mean squares of the worst third of a run, widths are full widths of the box.";
+
+/// What `wherein table` is asked.
+#[derive(Debug, Args)]
+struct TableArguments {
+    /// Folders that `wherein run` wrote.
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Replace what stands between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document.
+    #[arg(long, value_name = "FILE")]
+    into: Option<PathBuf>,
+}
+
+/// Why a command could not be carried out. Its text follows "failed to".
+#[derive(Debug, thiserror::Error)]
+enum CommandError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
+    NoResults(PathBuf),
+    #[error("put the table into {}: expected a line `{}` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
+    NoMarkers(PathBuf),
+    #[error("print: {0}")]
+    Output(#[from] io::Error),
+}
+
+/// Runs the command that the process was asked for.
+pub fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Run(arguments) => run::run_scenes(&arguments),
+        Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
+        Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),
+    };
+    outcome.unwrap_or_else(|error| {
+        report(&error);
+        ExitCode::from(2)
+    })
+}
+
+fn print_adapter() -> Result<(), CommandError> {
+    let renderer = crate::render::Renderer::new()?;
+    print(&format!("{}\n", renderer.adapter()))
+}
+
+/// Writes to standard output. A reader that has seen enough, such as `head`, is no error.
+fn print(text: &str) -> Result<(), CommandError> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}
+
+fn report(error: &CommandError) {
+    eprintln!("wherein: failed to {error}");
+    let CommandError::Scene(scene @ SceneError::Invalid { .. }) = error else { return };
+    let theme = if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+    let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
+    let mut snippet = String::new();
+    // The first line repeats the message above; what follows shows the place.
+    if handler.render_report(&mut snippet, scene).is_ok()
+        && let Some((_, place)) = snippet.split_once('\n')
+    {
+        eprintln!("{place}");
+    }
+}

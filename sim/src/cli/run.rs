@@ -1,0 +1,161 @@
+//! `wherein run`: scenes and seeds, one after another, each recorded as soon as it is done.
+
+use std::{env, io::Write, path::PathBuf, process::ExitCode};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::Value;
+
+use crate::{
+    check::check,
+    record::{self, program_digest, scene_digest},
+    render::Renderer,
+    run::{RunOptions, run},
+    scene::SceneFile,
+    table::{Outcome, as_text, lines},
+};
+
+use super::{CommandError, RunArguments, Seeds, print};
+
+/// One run as it was recorded.
+struct Recorded {
+    folder: PathBuf,
+    scene_path: PathBuf,
+    summary: Value,
+    outcome: Outcome,
+}
+
+/// Runs everything asked for and prints the results. The exit code says whether all expectations were met.
+pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandError> {
+    let files = SceneFile::load_all(&arguments.paths)?;
+    record::prepare(&arguments.out)?;
+    // Opening an adapter takes a moment, and a scene without a camera needs none.
+    let mut renderer = None;
+    if files.iter().any(|file| file.scene.robot.floor_camera.is_some()) {
+        renderer = Some(Renderer::new()?);
+    }
+    let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
+    let bar = progress_bar(files.iter().map(|file| file.scene.simulated_s()).sum::<f64>() * seeds.clone().count() as f64);
+    let mut recorded = Vec::new();
+    for file in &files {
+        for seed in seeds.clone() {
+            bar.set_message(format!("{} seed {seed}", file.name));
+            let start = bar.position();
+            let one = match resumed(arguments, file, seed)? {
+                Some(earlier) => earlier,
+                None => run_one(arguments, file, seed, renderer.as_mut(), &bar)?,
+            };
+            bar.set_position(start + milliseconds(file.scene.simulated_s()));
+            recorded.push(one);
+        }
+    }
+    bar.finish_and_clear();
+    announce(arguments, &recorded)?;
+    let all_passed = recorded.iter().all(|one| one.outcome.passed);
+    Ok(ExitCode::from(u8::from(!all_passed)))
+}
+
+fn run_one(
+    arguments: &RunArguments,
+    file: &SceneFile,
+    seed: u64,
+    renderer: Option<&mut Renderer>,
+    bar: &ProgressBar,
+) -> Result<Recorded, CommandError> {
+    let start = bar.position();
+    let renderer = renderer.filter(|_| file.scene.robot.floor_camera.is_some());
+    let options = RunOptions { keep_images: arguments.frames };
+    let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
+    let run_record = run(&file.scene, seed, renderer, &options, &mut progress)?;
+    let verdict = check(&file.scene, &run_record);
+    let folder = record::write(&arguments.out, file, &run_record, &verdict)?;
+    read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
+}
+
+/// The run as an earlier process recorded it, if it may stand for this one.
+fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Option<Recorded>, CommandError> {
+    let folder = record::folder(&arguments.out, &file.name, seed);
+    if !arguments.resume {
+        return Ok(None);
+    }
+    // An unreadable record is no reason to stop: the run is done again and replaces it.
+    let Ok(Some((summary, timing))) = record::read(&folder) else { return Ok(None) };
+    let is_same = summary["digest"]["scene"] == scene_digest(&file.scene).as_str()
+        && program_digest().is_some_and(|program| timing["program"] == program);
+    if is_same { read_back(file, folder) } else { Ok(None) }
+}
+
+/// A table shows what stands in the files, so that it cannot differ from one made of them later.
+fn read_back(file: &SceneFile, folder: PathBuf) -> Result<Option<Recorded>, CommandError> {
+    let Some((summary, timing)) = record::read(&folder)? else { return Ok(None) };
+    let outcome = Outcome::of(&summary, &timing);
+    Ok(Some(Recorded { folder, scene_path: file.path.clone(), summary, outcome }))
+}
+
+fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), CommandError> {
+    if arguments.json {
+        let summaries: Value = recorded.iter().map(|one| one.summary.clone()).collect();
+        print(&format!("{summaries:#}\n"))?;
+    } else {
+        let outcomes: Vec<Outcome> = recorded.iter().map(|one| one.outcome.clone()).collect();
+        print(&as_text(&lines(&outcomes, true)))?;
+        print(&format!("\nRecorded in {}\n", arguments.out.display()))?;
+    }
+    let mut stderr = std::io::stderr().lock();
+    for one in recorded.iter().filter(|one| !one.outcome.passed) {
+        // Standard error may be closed; the exit code still tells.
+        let _ = write!(stderr, "{}", failure(arguments, one));
+    }
+    Ok(())
+}
+
+/// What failed in a run, where its first failure is, and how to see it again.
+fn failure(arguments: &RunArguments, one: &Recorded) -> String {
+    let mut text = format!("\nFAILED {} seed {}\n", one.outcome.scene, one.outcome.seed);
+    for line in one.summary["verdict"]["failed"].as_array().into_iter().flatten().filter_map(Value::as_str) {
+        text += &format!("  {line}\n");
+    }
+    let first = &one.summary["containment"]["first_failure"];
+    if let (Some(time_s), Some(axis), Some(margin)) =
+        (first["time_s"].as_f64(), first["axis"].as_str(), first["margin"].as_f64())
+    {
+        let (outcome, blame) =
+            (first["outcome"].as_str().unwrap_or_default(), first["blame"].as_str().unwrap_or_default());
+        text += &format!(
+            "  first outside at {time_s:.2} s: {axis} by {margin:.6}, {}: {blame}\n",
+            outcome.replace('_', " ")
+        );
+    }
+    let program = env::args().next().unwrap_or_else(|| "wherein".to_owned());
+    text += &format!("  recorded in {}\n", one.folder.display());
+    text += &format!(
+        "  replay: {} run {} --seed {} --frames failures --out {}\n",
+        quoted(&program),
+        quoted(&one.scene_path.display().to_string()),
+        one.outcome.seed,
+        quoted(&arguments.out.display().to_string()),
+    );
+    text
+}
+
+/// `text` as a POSIX shell reads it as one word.
+fn quoted(text: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@,".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+/// A bar over the simulated time of all runs, in milliseconds. It stays hidden when standard error is no terminal.
+fn progress_bar(total_s: f64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(milliseconds(total_s)), ProgressDrawTarget::stderr());
+    let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}  {elapsed_precise}, {eta} left");
+    // The template is fixed; were it wrong, the default style serves.
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn milliseconds(seconds: f64) -> u64 {
+    // Scenes last at most hours, so that the cast is exact enough; negative times do not occur.
+    (seconds * 1e3).round() as u64
+}

@@ -1,0 +1,19 @@
+//! A range of seeds as one types it.
+
+use std::{ops::Range, str::FromStr};
+
+/// The seeds `A..B`: A included, B not, at least one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Seeds(pub Range<u64>);
+
+impl FromStr for Seeds {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let ends = text.split_once("..").and_then(|(first, end)| Some((first.parse().ok()?, end.parse().ok()?)));
+        match ends {
+            Some((first, end)) if first < end => Ok(Seeds(first..end)),
+            _ => Err("expected A..B with whole numbers, A less than B: 0..20 are the seeds 0 to 19".to_owned()),
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! The true values that a seed draws inside the declared bounds. The localizer never sees them.
+
+use localizer::Pose;
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution as _, StandardNormal};
+
+use crate::scene::Distribution;
+
+mod draw;
+pub mod tiles;
+
+pub use tiles::LaidTiles;
+
+/// Everything about a run that is drawn once, before it starts.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    /// True pose at time 0.
+    pub start: Pose,
+    /// True rolling radius of the left and of the right wheel.
+    pub wheel_radius_m: [f64; 2],
+    /// True distance between the contact points.
+    pub track_m: f64,
+    /// True mount and lens of the floor camera.
+    pub floor_camera: Option<DrawnFloorCamera>,
+    /// The tiles as they were laid.
+    pub tiles: Option<LaidTiles>,
+}
+
+/// True mount and lens of the floor camera.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnFloorCamera {
+    /// Optical centre in the robot frame: forward and left.
+    pub position_m: [f64; 2],
+    /// Optical centre above the floor with the body at rest.
+    pub height_m: f64,
+    /// Focal length, so that `focal_px / height_m` is the true scale at rest.
+    pub focal_px: f64,
+    /// Rotation of the image about the body's vertical, counter-clockwise seen from above.
+    pub yaw_rad: f64,
+    /// Rotation vector of the optical axis off the body's vertical, about robot x and robot y; its norm is within the tolerance.
+    pub tilt_rad: [f64; 2],
+}
+
+/// Draws an error within ±tolerance.
+pub fn draw_within(tolerance: f64, distribution: Distribution, rng: &mut impl Rng) -> f64 {
+    match distribution {
+        Distribution::Uniform => tolerance * rng.random_range(-1.0..=1.0),
+        Distribution::TruncatedGaussian => loop {
+            // Half the tolerance is one standard deviation; one draw in 22 is outside and drawn again.
+            let deviations: f64 = StandardNormal.sample(rng);
+            if deviations.abs() <= 2.0 {
+                return tolerance * deviations / 2.0;
+            }
+        },
+        Distribution::Corner => {
+            if rng.random() {
+                tolerance
+            } else {
+                -tolerance
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Draws a run's errors inside the tolerances that its scene declares, each quantity from its own stream.
+
+use localizer::Pose;
+use rand_chacha::ChaCha8Rng;
+
+use crate::{
+    randomness::stream,
+    scene::{Distribution, FloorCamera, Scene},
+};
+
+use super::{Drawn, DrawnFloorCamera, LaidTiles, draw_within};
+
+impl Drawn {
+    /// Draws everything that a seed decides before the start.
+    pub fn draw(scene: &Scene, seed: u64) -> Drawn {
+        let (robot, errors) = (&scene.robot, scene.robot.errors);
+        let mut rng = stream(seed, "wheels");
+        let mut around = |nominal: f64, share: f64| nominal * (1.0 + draw_within(share, errors, &mut rng));
+        let left_m = around(robot.wheel_radius_m, robot.wheel_radius_tolerance);
+        let right_m = around(robot.wheel_radius_m, robot.wheel_radius_tolerance);
+        let track_m = around(robot.track_m, robot.track_tolerance);
+        Drawn {
+            start: draw_start(scene, seed),
+            wheel_radius_m: [left_m, right_m],
+            track_m,
+            floor_camera: robot
+                .floor_camera
+                .as_ref()
+                .map(|camera| draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"))),
+            tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
+        }
+    }
+}
+
+fn draw_start(scene: &Scene, seed: u64) -> Pose {
+    let (nominal, start, errors) = (scene.nominal_start(), &scene.start, scene.robot.errors);
+    let mut rng = stream(seed, "start");
+    Pose {
+        x_m: nominal.x_m + draw_within(start.tolerance_m, errors, &mut rng),
+        y_m: nominal.y_m + draw_within(start.tolerance_m, errors, &mut rng),
+        heading_rad: nominal.heading_rad + draw_within(start.tolerance_deg.to_radians(), errors, &mut rng),
+    }
+}
+
+fn draw_floor_camera(camera: &FloorCamera, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnFloorCamera {
+    let position_m = [camera.forward_m, camera.left_m]
+        .map(|nominal_m| nominal_m + draw_within(camera.position_tolerance_m, errors, rng));
+    let nominal_px_per_m = f64::from(camera.width_px) / camera.footprint_width_m;
+    let px_per_m = nominal_px_per_m * (1.0 + draw_within(camera.scale_tolerance, errors, rng));
+    // The tolerance bounds the angle of the axis in any direction, so an angle and a direction are drawn.
+    let tilt_rad = draw_within(camera.tilt_tolerance_deg.to_radians(), errors, rng);
+    let direction_rad = draw_within(std::f64::consts::FRAC_PI_2, Distribution::Uniform, rng);
+    let (sin, cos) = direction_rad.sin_cos();
+    DrawnFloorCamera {
+        position_m,
+        height_m: camera.height_m,
+        focal_px: px_per_m * camera.height_m,
+        yaw_rad: draw_within(camera.yaw_tolerance_deg.to_radians(), errors, rng),
+        tilt_rad: [tilt_rad * cos, tilt_rad * sin],
+    }
+}

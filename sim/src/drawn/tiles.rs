@@ -1,0 +1,326 @@
+//! A tiled floor as it was laid: corners off their nominal place, joints worn or missing.
+
+use nalgebra::{Rotation2, Vector2, vector};
+use rand::{Rng, RngExt};
+
+use super::draw_within;
+use crate::{
+    randomness,
+    scene::{Distribution, Room, Tiles},
+};
+
+/// Displaced corners and joint contrasts of a tiled floor, covering the room with a margin.
+///
+/// Corner `(i, j)` is the crossing of joint `i` of grid x and joint `j` of grid y, `first[a] ≤ index < first[a] + count[a]`.
+/// A joint runs straight from corner to corner.
+#[derive(Clone, Debug)]
+pub struct LaidTiles {
+    /// Index of the first joint of each axis.
+    pub first: [i32; 2],
+    /// Number of joints of each axis.
+    pub count: [usize; 2],
+    /// Displacement of each corner from its nominal place, grid frame; `count[0] × count[1]`, row-major in `(i, j)`.
+    pub corner_offset_m: Vec<[f64; 2]>,
+    /// Contrast of each joint segment, 1 as new and 0 not to be seen; `[0]`: from corner `(i, j)` to `(i, j + 1)`,
+    /// `[1]`: to `(i + 1, j)`; indexed as the corners.
+    pub contrast: [Vec<f32>; 2],
+    /// Albedo of the tile at corner `(i, j)` (towards `(i + 1, j + 1)`), indexed as the corners.
+    pub tile_albedo: Vec<f32>,
+    /// Seed of what is printed or grown on the tiles.
+    pub pattern_seed: u32,
+}
+
+/// The joint nearest to a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearestJoint {
+    /// Distance to the joint's centre line.
+    pub distance_m: f64,
+    /// Family: 0 for the joints at constant grid x, 1 for those at constant grid y.
+    pub axis: usize,
+    /// Whether there is anything to be seen of the joint at its nearest segment.
+    pub visible: bool,
+}
+
+/// Contrast to which a worn joint fades, by the scene's definition of `worn_share`.
+const WORN_CONTRAST: f32 = 1.0 / 3.0;
+
+/// Joints laid beyond the room on each side, for views that reach behind its walls.
+const MARGIN_JOINTS: i32 = 2;
+
+impl LaidTiles {
+    /// Lays the tiles of a room as a seed draws them.
+    ///
+    /// Laying, corners, wear, missing joints and albedos have a random stream each. Every point in the room of a joint's
+    /// centre line is within `laying_tolerance_m + corner_tolerance_m` of its nominal line, unless a tile is misplaced.
+    pub fn draw(tiles: &Tiles, room: &Room, distribution: Distribution, seed: u64) -> LaidTiles {
+        let [low_m, high_m] = room_in_grid(tiles, room);
+        let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
+        let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
+        let mut first = [0; 2];
+        let mut count = [0; 2];
+        for axis in 0..2 {
+            let index_of = |place_m: f64| (place_m - phase_m[axis]) / edge_m[axis];
+            first[axis] = index_of(low_m[axis]).floor() as i32 - MARGIN_JOINTS;
+            let last = index_of(high_m[axis]).ceil() as i32 + MARGIN_JOINTS;
+            count[axis] = (last - first[axis] + 1) as usize;
+        }
+        let mut laid = LaidTiles {
+            first,
+            count,
+            corner_offset_m: laid_straight(tiles, distribution, seed, first, count, [low_m, high_m]),
+            contrast: contrasts(tiles, seed, count[0] * count[1]),
+            tile_albedo: albedos(tiles, seed, count[0] * count[1]),
+            pattern_seed: randomness::stream(seed, "tiles.pattern").next_u32(),
+        };
+        laid.move_corners(tiles, distribution, seed, [low_m, high_m]);
+        laid.misplace(tiles);
+        laid
+    }
+
+    /// The joint nearest to a place in the world; `None` far outside the room.
+    pub fn joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
+        let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
+        // A corner is displaced by less than a tile's edge, so that the nearest joint has a corner two tiles away at most.
+        let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
+        self.segments_within(tiles, place, reach)
+            .map(|segment| NearestJoint {
+                distance_m: segment.distance_m(place),
+                axis: segment.axis,
+                visible: segment.contrast > 0.0,
+            })
+            .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
+    }
+
+    /// The visible joint nearest to a place in the world, whatever lies between; `None` if there is none within two tiles.
+    pub fn visible_joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
+        let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
+        let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
+        self.segments_within(tiles, place, reach)
+            .filter(|segment| segment.contrast > 0.0)
+            .map(|segment| NearestJoint { distance_m: segment.distance_m(place), axis: segment.axis, visible: true })
+            .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
+    }
+
+    /// Family and index of every joint whose centre line passes within a distance of a place in the world; each once.
+    pub fn joints_within(&self, tiles: &Tiles, place_in_world_m: [f64; 2], distance_m: f64) -> Vec<(usize, i32)> {
+        let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
+        let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
+        let mut joints: Vec<(usize, i32)> = self
+            .segments_within(tiles, place, reach)
+            .filter(|segment| segment.distance_m(place) <= distance_m)
+            .map(|segment| (segment.axis, segment.index))
+            .collect();
+        joints.sort_unstable();
+        joints.dedup();
+        joints
+    }
+
+    /// Largest distance of a joint's centre line from its nominal line within a radius of a place in the world.
+    pub fn max_offset_near(&self, tiles: &Tiles, place_in_world_m: [f64; 2], radius_m: f64) -> f64 {
+        let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
+        let reach = vector![radius_m + 2.0 * tiles.edge_x_m, radius_m + 2.0 * tiles.edge_y_m];
+        self.segments_within(tiles, place, reach)
+            .filter_map(|segment| segment.largest_offset_m(place, radius_m))
+            .fold(0.0, f64::max)
+    }
+
+    /// Index of corner `(i, j)` in the tables, counted from the first corner.
+    fn corner_index(&self, i: usize, j: usize) -> usize {
+        i * self.count[1] + j
+    }
+
+    /// Every segment whose corners' nominal places are within a reach of a place, all in the grid frame.
+    fn segments_within<'a>(
+        &'a self,
+        tiles: &'a Tiles,
+        place: Vector2<f64>,
+        reach: Vector2<f64>,
+    ) -> impl Iterator<Item = Segment> + 'a {
+        let edge = vector![tiles.edge_x_m, tiles.edge_y_m];
+        let phase = vector![tiles.phase_x_m, tiles.phase_y_m];
+        let range = move |axis: usize| {
+            let index_of = |place_m: f64| (place_m - phase[axis]) / edge[axis] - f64::from(self.first[axis]);
+            let last = self.count[axis] as f64 - 1.0;
+            let low = index_of(place[axis] - reach[axis]).ceil().max(0.0);
+            let high = index_of(place[axis] + reach[axis]).floor().min(last);
+            low as usize..if high < low { low as usize } else { high as usize + 1 }
+        };
+        let corner = move |i: usize, j: usize| {
+            let nominal = vector![
+                (i as i32 + self.first[0]) as f64 * edge.x + phase.x,
+                (j as i32 + self.first[1]) as f64 * edge.y + phase.y
+            ];
+            (nominal, Vector2::from(self.corner_offset_m[self.corner_index(i, j)]))
+        };
+        range(0).flat_map(move |i| range(1).map(move |j| (i, j))).flat_map(move |(i, j)| {
+            (0..2).filter_map(move |axis| {
+                let (next_i, next_j) = if axis == 0 { (i, j + 1) } else { (i + 1, j) };
+                if next_i >= self.count[0] || next_j >= self.count[1] {
+                    return None;
+                }
+                let (nominal, from_offset) = corner(i, j);
+                let (next_nominal, to_offset) = corner(next_i, next_j);
+                Some(Segment {
+                    axis,
+                    index: self.first[axis] + [i, j][axis] as i32,
+                    from: nominal + from_offset,
+                    to: next_nominal + to_offset,
+                    offset_m: [from_offset[axis], to_offset[axis]],
+                    contrast: self.contrast[axis][self.corner_index(i, j)],
+                })
+            })
+        })
+    }
+
+    /// Moves every corner by its own draw, so that joints bend from tile to tile.
+    fn move_corners(&mut self, tiles: &Tiles, distribution: Distribution, seed: u64, room: [[f64; 2]; 2]) {
+        // A joint that is not parallel to its axis is also shifted by a move along it; so much less keeps the bound exact.
+        let slope =
+            (0..2).map(|axis| 2.0 * tiles.laying_tolerance_m / (room[1][axis] - room[0][axis])).fold(0.0, f64::max);
+        let tolerance_m = tiles.corner_tolerance_m / (1.0 + slope);
+        let mut rng = randomness::stream(seed, "tiles.corners");
+        for offset in &mut self.corner_offset_m {
+            offset[0] += draw_within(tolerance_m, distribution, &mut rng);
+            offset[1] += draw_within(tolerance_m, distribution, &mut rng);
+        }
+    }
+
+    /// Displaces the four corners of each misplaced tile.
+    fn misplace(&mut self, tiles: &Tiles) {
+        for misplaced in &tiles.misplaced {
+            for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+                let i = misplaced.tile[0] + di - self.first[0];
+                let j = misplaced.tile[1] + dj - self.first[1];
+                let (Ok(i), Ok(j)) = (usize::try_from(i), usize::try_from(j)) else {
+                    continue;
+                };
+                if i < self.count[0] && j < self.count[1] {
+                    let index = self.corner_index(i, j);
+                    self.corner_offset_m[index][0] += misplaced.offset_m[0];
+                    self.corner_offset_m[index][1] += misplaced.offset_m[1];
+                }
+            }
+        }
+    }
+}
+
+/// A joint between two neighbouring corners, grid frame.
+struct Segment {
+    axis: usize,
+    /// Index of the joint along its axis.
+    index: i32,
+    from: Vector2<f64>,
+    to: Vector2<f64>,
+    /// Displacement across the joint at both ends.
+    offset_m: [f64; 2],
+    contrast: f32,
+}
+
+impl Segment {
+    fn distance_m(&self, place: Vector2<f64>) -> f64 {
+        let reach = self.to - self.from;
+        let share = ((place - self.from).dot(&reach) / reach.norm_squared()).clamp(0.0, 1.0);
+        (place - self.from - reach * share).norm()
+    }
+
+    /// Largest displacement across the joint on the part of the segment that lies in a disc, if any does.
+    fn largest_offset_m(&self, centre: Vector2<f64>, radius_m: f64) -> Option<f64> {
+        // |from + s·reach − centre|² = radius², a quadratic in s.
+        let reach = self.to - self.from;
+        let start = self.from - centre;
+        let (a, half_b) = (reach.norm_squared(), start.dot(&reach));
+        let root = half_b * half_b - a * (start.norm_squared() - radius_m * radius_m);
+        if root < 0.0 {
+            return None;
+        }
+        let low = ((-half_b - root.sqrt()) / a).max(0.0);
+        let high = ((-half_b + root.sqrt()) / a).min(1.0);
+        let offset_at = |share: f64| self.offset_m[0] + (self.offset_m[1] - self.offset_m[0]) * share;
+        (low <= high).then(|| offset_at(low).abs().max(offset_at(high).abs()))
+    }
+}
+
+fn grid_from_world(tiles: &Tiles) -> Rotation2<f64> {
+    Rotation2::new(-tiles.rotation_deg.to_radians())
+}
+
+/// Lowest and highest grid coordinates of the room.
+fn room_in_grid(tiles: &Tiles, room: &Room) -> [[f64; 2]; 2] {
+    let corners = [[0.0, 0.0], [room.width_m, 0.0], [0.0, room.depth_m], [room.width_m, room.depth_m]]
+        .map(|corner| grid_from_world(tiles) * Vector2::from(corner));
+    let low = corners.iter().fold(corners[0], |low, corner| low.inf(corner));
+    let high = corners.iter().fold(corners[0], |high, corner| high.sup(corner));
+    [low.into(), high.into()]
+}
+
+/// Displacements of the corners of straight joints, both ends of each drawn within the laying tolerance.
+///
+/// The ends are at the room's extent in the grid frame, which is never less than its shorter side, so that a joint's
+/// angle keeps within 2·tolerance / shorter side and every point of it in the room within the tolerance. A corner is the
+/// exact crossing of its two joints: x = a(y) and y = b(x), both linear.
+fn laid_straight(
+    tiles: &Tiles,
+    distribution: Distribution,
+    seed: u64,
+    first: [i32; 2],
+    count: [usize; 2],
+    room: [[f64; 2]; 2],
+) -> Vec<[f64; 2]> {
+    let mut rng = randomness::stream(seed, "tiles.laying");
+    let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
+    let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
+    // Of each joint: displacement where the other coordinate is 0, and slope.
+    let lines: [Vec<[f64; 2]>; 2] = [0, 1].map(|axis| {
+        let [low_m, high_m] = [room[0][1 - axis], room[1][1 - axis]];
+        (0..count[axis])
+            .map(|_| {
+                let [at_low, at_high] = [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng));
+                let slope = (at_high - at_low) / (high_m - low_m);
+                [at_low - slope * low_m, slope]
+            })
+            .collect()
+    });
+    let mut offsets = Vec::with_capacity(count[0] * count[1]);
+    for (i, &[shift_x, slope_x]) in (first[0]..).zip(&lines[0]) {
+        for (j, &[shift_y, slope_y]) in (first[1]..).zip(&lines[1]) {
+            let x = f64::from(i) * edge_m[0] + phase_m[0];
+            let y = f64::from(j) * edge_m[1] + phase_m[1];
+            // With d the displacements: d_x = shift_x + slope_x·(y + d_y), d_y = shift_y + slope_y·(x + d_x).
+            let along_x = shift_x + slope_x * y;
+            let along_y = shift_y + slope_y * x;
+            let d_x = (along_x + slope_x * along_y) / (1.0 - slope_x * slope_y);
+            offsets.push([d_x, along_y + slope_y * d_x]);
+        }
+    }
+    offsets
+}
+
+/// Contrast of every joint segment.
+fn contrasts(tiles: &Tiles, seed: u64, count: usize) -> [Vec<f32>; 2] {
+    let mut worn = randomness::stream(seed, "tiles.worn");
+    let mut missing = randomness::stream(seed, "tiles.missing");
+    [0; 2].map(|_| {
+        (0..count)
+            .map(|_| {
+                let is_worn = worn.random::<f64>() < tiles.worn_share;
+                let is_missing = missing.random::<f64>() < tiles.missing_share;
+                match (is_missing, is_worn) {
+                    (true, _) => 0.0,
+                    (false, true) => WORN_CONTRAST,
+                    (false, false) => 1.0,
+                }
+            })
+            .collect()
+    })
+}
+
+/// Albedo of every tile.
+fn albedos(tiles: &Tiles, seed: u64, count: usize) -> Vec<f32> {
+    let mut rng = randomness::stream(seed, "tiles.albedo");
+    (0..count)
+        .map(|_| {
+            let spread = draw_within(tiles.tile_albedo_spread, Distribution::Uniform, &mut rng);
+            (tiles.tile_albedo + spread).clamp(0.0, 1.0) as f32
+        })
+        .collect()
+}

@@ -1,0 +1,290 @@
+//! Follows the scene's route by the estimated pose: pure pursuit along the polyline, stops and turns where it says so.
+//!
+//! The driver sees estimates only, so that a lost robot drives as a lost robot does.
+
+use localizer::{Estimate, Pose, Status};
+
+use crate::{scene::Scene, world::WheelCommand};
+
+mod caution;
+mod path;
+mod ramp;
+
+use caution::{Caution, Freedom};
+use path::Path;
+use ramp::Ramp;
+
+/// Time between two commands.
+pub const PERIOD_S: f64 = 0.01;
+
+/// Time in which an acceleration rises to its full value. Shorter ones make the tyres slip more, longer ones overshoot.
+const JERK_RISE_S: f64 = 0.2;
+
+/// Look-ahead over the track, at standstill. Shorter ones weave when the estimate jumps, longer ones cut corners.
+const LOOK_AHEAD_OVER_TRACK: f64 = 1.0;
+
+/// Look-ahead per speed.
+const LOOK_AHEAD_S: f64 = 0.2;
+
+/// The robot has arrived at a stop when this little of the way is left.
+const ARRIVED_M: f64 = 0.01;
+
+/// The robot faces its way when it is off by less; pure pursuit corrects the rest. With less, an estimate that jumps by
+/// centimetres keeps it turning to and fro.
+const FACING_RAD: f64 = 0.08;
+
+/// With the way ahead farther off than this the robot turns in place first.
+const TURN_FIRST_RAD: f64 = 1.2;
+
+/// Speed below which no stop is planned, so that the last millimetres do not take for ever.
+const CREEP_M_PER_S: f64 = 0.02;
+
+/// Turn rate per angle left, near the end of a turn: slow enough for the ramp's rise, or the robot swings to and fro.
+const TURN_GAIN_PER_S: f64 = 2.0;
+
+/// Turn rate at which a turn counts as ended.
+const STILL_RAD_PER_S: f64 = 0.01;
+
+/// Without this much progress in `STUCK_S` the waypoint is given up.
+const PROGRESS_M: f64 = 0.02;
+
+/// See `PROGRESS_M`. Longer than any caution lasts, and than any turn.
+const STUCK_S: f64 = 20.0;
+
+/// Drives the route.
+#[derive(Clone, Debug)]
+pub struct Driver {
+    path: Option<Path>,
+    scene: Scene,
+    segment_idx: usize,
+    stage: Stage,
+    speed: Ramp,
+    turn: Ramp,
+    caution: Caution,
+    pose: Pose,
+    progress: Progress,
+}
+
+/// What the driver is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage {
+    Drive,
+    /// Slowing down at a stop, then standing until a time.
+    Stand {
+        until_s: Option<f64>,
+    },
+    Turn,
+    Finished,
+}
+
+/// The last time that the robot got on.
+#[derive(Clone, Copy, Debug)]
+struct Progress {
+    left_m: f64,
+    at_s: f64,
+}
+
+/// Speed and turn rate that the driver would like.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wish {
+    speed_m_per_s: f64,
+    turn_rad_per_s: f64,
+}
+
+impl Driver {
+    /// A driver of the scene's route; without one it stands still.
+    pub fn new(scene: &Scene) -> Driver {
+        let robot = &scene.robot;
+        let acceleration_m_per_s2 = robot.max_acceleration_m_per_s2;
+        Driver {
+            path: None,
+            scene: scene.clone(),
+            segment_idx: 0,
+            stage: Stage::Turn,
+            speed: Ramp::new(acceleration_m_per_s2, JERK_RISE_S),
+            // In a turn the wheels accelerate half as hard as straight on: both at once load a tyre, and a robot that ends a
+            // turn swings its rubber from full braking to nothing without rolling on.
+            turn: Ramp::new(acceleration_m_per_s2 / robot.track_m, JERK_RISE_S),
+            caution: Caution::new(scene),
+            pose: scene.nominal_start(),
+            progress: Progress { left_m: f64::INFINITY, at_s: 0.0 },
+        }
+    }
+
+    /// The wheel speeds for the next [`PERIOD_S`].
+    pub fn command(&mut self, estimate: &Estimate, time_s: f64) -> WheelCommand {
+        let hull = estimate.pose.hull();
+        if !hull.is_empty() {
+            let [x_m, y_m, heading_rad] = hull.midpoint();
+            self.pose = Pose { x_m, y_m, heading_rad };
+        }
+        let freedom = self.caution.judge(&hull, estimate.status == Status::Recovering, time_s);
+        let wish = match freedom {
+            Freedom::Drive { speed_share } => {
+                let wish = self.wish(time_s);
+                Wish { speed_m_per_s: wish.speed_m_per_s * speed_share, ..wish }
+            }
+            // A robot that turns about its own middle touches nothing, and shows its camera other joints.
+            Freedom::LookAround { turn_rad_per_s } => Wish { speed_m_per_s: 0.0, turn_rad_per_s },
+            Freedom::Halt => Wish::default(),
+        };
+        let robot = &self.scene.robot;
+        let speed_m_per_s = self.speed.follow(wish.speed_m_per_s, PERIOD_S);
+        let turn_rad_per_s = self.turn.follow(wish.turn_rad_per_s, PERIOD_S);
+        let half_turn_m_per_s = 0.5 * robot.track_m * turn_rad_per_s;
+        let wheel = |wheel_m_per_s: f64| wheel_m_per_s / robot.wheel_radius_m;
+        WheelCommand {
+            speed_rad_per_s: [wheel(speed_m_per_s - half_turn_m_per_s), wheel(speed_m_per_s + half_turn_m_per_s)],
+        }
+    }
+
+    /// Follows the route at an instant.
+    fn wish(&mut self, time_s: f64) -> Wish {
+        if self.path.is_none() {
+            let place_m = [self.pose.x_m, self.pose.y_m];
+            self.path = self.scene.route.as_ref().map(|route| Path::new(place_m, route));
+        }
+        let Some(path) = self.path.take() else { return Wish::default() };
+        self.watch_progress(&path, time_s);
+        let wish = match self.stage {
+            Stage::Finished => Wish::default(),
+            Stage::Stand { until_s } => self.stand(&path, until_s, time_s),
+            Stage::Turn => self.turn(&path),
+            Stage::Drive => self.drive(&path),
+        };
+        self.path = Some(path);
+        wish
+    }
+
+    /// Gives up a turn that does not end, and a waypoint that does not come closer: behind a wall, say.
+    fn watch_progress(&mut self, path: &Path, time_s: f64) {
+        let left_m =
+            path.segment(self.segment_idx).map_or(0.0, |segment| segment.length_m - segment.foot_m(self.place_m()));
+        let gets_on = (left_m - self.progress.left_m).abs() > PROGRESS_M;
+        if gets_on || !matches!(self.stage, Stage::Drive | Stage::Turn) {
+            self.progress = Progress { left_m, at_s: time_s };
+        } else if time_s - self.progress.at_s > STUCK_S {
+            self.progress = Progress { left_m, at_s: time_s };
+            self.go_on_after(path, self.segment_idx);
+        }
+    }
+
+    /// Comes to a stand, waits as long as the waypoint says, then turns to the next one.
+    fn stand(&mut self, path: &Path, until_s: Option<f64>, time_s: f64) -> Wish {
+        if self.speed.value() == 0.0 && self.turn.value() == 0.0 {
+            let pause_s = path.waypoint(self.segment_idx).map_or(0.0, |waypoint| waypoint.pause_s);
+            let until_s = until_s.unwrap_or(time_s + pause_s);
+            self.stage = Stage::Stand { until_s: Some(until_s) };
+            if time_s >= until_s {
+                self.go_on_after(path, self.segment_idx);
+            }
+        }
+        Wish::default()
+    }
+
+    fn go_on_after(&mut self, path: &Path, segment_idx: usize) {
+        self.segment_idx = segment_idx + 1;
+        self.stage = if path.waypoint(self.segment_idx).is_some() { Stage::Turn } else { Stage::Finished };
+    }
+
+    /// Turns in place until the way lies ahead.
+    fn turn(&mut self, path: &Path) -> Wish {
+        let (off_rad, _) = self.way_ahead(path);
+        if off_rad.abs() < FACING_RAD {
+            if self.turn.value().abs() < STILL_RAD_PER_S {
+                self.stage = Stage::Drive;
+            }
+            return Wish::default();
+        }
+        let robot = &self.scene.robot;
+        let braking_rad_per_s2 = 0.5 * robot.max_acceleration_m_per_s2 / robot.track_m;
+        let rate_rad_per_s = (2.0 * braking_rad_per_s2 * off_rad.abs())
+            .sqrt()
+            .min(TURN_GAIN_PER_S * off_rad.abs())
+            .min(self.turn_limit_rad_per_s());
+        Wish { speed_m_per_s: 0.0, turn_rad_per_s: off_rad.signum() * rate_rad_per_s }
+    }
+
+    /// Pure pursuit (Coulter 1992): the arc through the robot's place, along its heading, to the point ahead: `κ = 2·y/d²`.
+    fn drive(&mut self, path: &Path) -> Wish {
+        let place_m = self.place_m();
+        while let Some(segment) = path.segment(self.segment_idx)
+            && !path.stops_after(self.segment_idx)
+            && (segment.foot_m(place_m) >= segment.length_m
+                || path
+                    .segment(self.segment_idx + 1)
+                    .is_some_and(|next| next.distance_m(place_m) < segment.distance_m(place_m)))
+        {
+            self.segment_idx += 1;
+        }
+        let Some((segment, waypoint)) = path.segment(self.segment_idx).zip(path.waypoint(self.segment_idx)) else {
+            self.stage = Stage::Finished;
+            return Wish::default();
+        };
+        let left_m = segment.length_m - segment.foot_m(place_m);
+        if path.stops_after(self.segment_idx) && left_m < ARRIVED_M {
+            self.stage = Stage::Stand { until_s: None };
+            return Wish::default();
+        }
+        let (off_rad, distance_m) = self.way_ahead(path);
+        if off_rad.abs() > TURN_FIRST_RAD {
+            self.stage = Stage::Turn;
+            return Wish::default();
+        }
+        let curvature_per_m = 2.0 * off_rad.sin() / distance_m;
+        let limit_m_per_s = waypoint
+            .speed_m_per_s
+            .min(self.scene.robot.max_speed_m_per_s)
+            .min(self.curve_speed_m_per_s(curvature_per_m))
+            .min(self.approach_speed_m_per_s(path, left_m));
+        let turn_rad_per_s = self.speed.value() * curvature_per_m;
+        let turn_limit = self.turn_limit_rad_per_s();
+        Wish { speed_m_per_s: limit_m_per_s, turn_rad_per_s: turn_rad_per_s.clamp(-turn_limit, turn_limit) }
+    }
+
+    /// Greatest speed from which the end of the segment can be met at the speed that its corner allows.
+    fn approach_speed_m_per_s(&self, path: &Path, left_m: f64) -> f64 {
+        // Half of the acceleration: the other half is for the ramp's rise and for jumps of the estimate.
+        let braking_m_per_s2 = 0.5 * self.scene.robot.max_acceleration_m_per_s2;
+        if path.stops_after(self.segment_idx) {
+            return (2.0 * braking_m_per_s2 * left_m.max(0.0)).sqrt() + CREEP_M_PER_S;
+        }
+        let look_ahead_m = self.look_ahead_m();
+        let corner_rad = path.corner_rad(self.segment_idx).unwrap_or(0.0);
+        // The point ahead goes round the corner while the robot does, so that it is seen under about two thirds of its angle.
+        let curvature_per_m = 2.0 * (0.67 * corner_rad).sin() / look_ahead_m;
+        let corner_m_per_s = self.curve_speed_m_per_s(curvature_per_m);
+        (corner_m_per_s * corner_m_per_s + 2.0 * braking_m_per_s2 * (left_m - look_ahead_m).max(0.0)).sqrt()
+    }
+
+    /// Greatest speed in a curve: within the turn rate, and with no more acceleration to the side than ahead.
+    fn curve_speed_m_per_s(&self, curvature_per_m: f64) -> f64 {
+        let sideways_m_per_s2 = self.scene.robot.max_acceleration_m_per_s2;
+        let curvature_per_m = curvature_per_m.abs().max(1e-9);
+        (self.turn_limit_rad_per_s() / curvature_per_m).min((sideways_m_per_s2 / curvature_per_m).sqrt())
+    }
+
+    /// Bearing of the point ahead against the heading, `[−π, π]`, and its distance.
+    fn way_ahead(&self, path: &Path) -> (f64, f64) {
+        let along_m = path
+            .segment(self.segment_idx)
+            .map_or(0.0, |segment| segment.foot_m(self.place_m()).clamp(0.0, segment.length_m));
+        let ahead_m = path.ahead_m(self.segment_idx, along_m, self.look_ahead_m());
+        let (x_m, y_m) = (ahead_m[0] - self.pose.x_m, ahead_m[1] - self.pose.y_m);
+        let (sin, cos) = self.pose.heading_rad.sin_cos();
+        let (forward_m, left_m) = (cos * x_m + sin * y_m, cos * y_m - sin * x_m);
+        (left_m.atan2(forward_m), forward_m.hypot(left_m).max(1e-6))
+    }
+
+    fn look_ahead_m(&self) -> f64 {
+        LOOK_AHEAD_OVER_TRACK * self.scene.robot.track_m + LOOK_AHEAD_S * self.speed.value()
+    }
+
+    fn turn_limit_rad_per_s(&self) -> f64 {
+        0.95 * self.scene.robot.max_turn_rate_rad_per_s
+    }
+
+    fn place_m(&self) -> [f64; 2] {
+        [self.pose.x_m, self.pose.y_m]
+    }
+}

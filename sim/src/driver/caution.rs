@@ -1,0 +1,76 @@
+//! How freely the robot may drive on what it knows of its place.
+
+use localizer::PoseBox;
+
+use crate::scene::Scene;
+
+/// Width of the hull up to which the robot drives at full speed: beyond, a waypoint 0.3 m from a wall is a risk.
+const SURE_WIDTH_M: f64 = 0.2;
+
+/// Least share of the speed, so that a robot that is unsure for long still gets somewhere.
+const LEAST_SHARE: f64 = 0.25;
+
+/// Distance that a doubting robot keeps from walls.
+const WALL_MARGIN_M: f64 = 0.05;
+
+/// How long a doubting robot by a wall looks around before it creeps on.
+const PATIENCE_S: f64 = 10.0;
+
+/// Turn rate of looking around, over the robot's greatest.
+const LOOK_AROUND_SHARE: f64 = 0.3;
+
+/// Decides how freely to drive.
+#[derive(Clone, Debug)]
+pub(super) struct Caution {
+    room_m: [f64; 2],
+    clearance_m: f64,
+    look_around_rad_per_s: f64,
+    waiting_since_s: Option<f64>,
+}
+
+/// What the robot may do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Freedom {
+    /// Follow the route at a share of its speed.
+    Drive { speed_share: f64 },
+    /// Turn in place.
+    LookAround { turn_rad_per_s: f64 },
+    /// Nothing: the estimate holds no pose.
+    Halt,
+}
+
+impl Caution {
+    /// Caution in the scene's room.
+    pub(super) fn new(scene: &Scene) -> Self {
+        Caution {
+            room_m: [scene.room.width_m, scene.room.depth_m],
+            clearance_m: scene.robot.body_radius_m + WALL_MARGIN_M,
+            look_around_rad_per_s: LOOK_AROUND_SHARE * scene.robot.max_turn_rate_rad_per_s,
+            waiting_since_s: None,
+        }
+    }
+
+    /// Judges an estimate by its hull.
+    pub(super) fn judge(&mut self, hull: &PoseBox, recovering: bool, time_s: f64) -> Freedom {
+        if hull.is_empty() {
+            return Freedom::Halt;
+        }
+        let by_a_wall = (0..2)
+            .any(|axis| hull[axis].lo() < self.clearance_m || hull[axis].hi() > self.room_m[axis] - self.clearance_m);
+        if !(recovering && by_a_wall) {
+            self.waiting_since_s = None;
+            return Freedom::Drive { speed_share: share(hull) };
+        }
+        let since_s = *self.waiting_since_s.get_or_insert(time_s);
+        if time_s - since_s < PATIENCE_S {
+            Freedom::LookAround { turn_rad_per_s: self.look_around_rad_per_s }
+        } else {
+            Freedom::Drive { speed_share: LEAST_SHARE }
+        }
+    }
+}
+
+fn share(hull: &PoseBox) -> f64 {
+    let width_m = hull.width(0).max(hull.width(1));
+    (SURE_WIDTH_M / width_m.max(SURE_WIDTH_M)).max(LEAST_SHARE)
+}

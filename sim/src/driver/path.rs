@@ -1,0 +1,108 @@
+//! The polyline through a route's waypoints, segment by segment, without end when the route repeats.
+
+use crate::scene::{Route, Waypoint};
+
+/// Corners sharper than this are turned in place whatever the route says: a look-ahead point behind the robot steers nowhere.
+const SHARPEST_CURVE_RAD: f64 = 2.0;
+
+/// Waypoints closer than this are one place.
+const SAME_PLACE_M: f64 = 1e-6;
+
+/// Where the robot is to go.
+#[derive(Clone, Debug)]
+pub(super) struct Path {
+    origin_m: [f64; 2],
+    waypoints: Vec<Waypoint>,
+    repeat: bool,
+}
+
+/// A straight piece of the path, from a waypoint to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment {
+    from_m: [f64; 2],
+    along: [f64; 2],
+    /// Its length; 0 when its ends are one place.
+    pub(super) length_m: f64,
+}
+
+impl Path {
+    /// The path of a route from where the robot stands.
+    pub(super) fn new(origin_m: [f64; 2], route: &Route) -> Self {
+        Path { origin_m, waypoints: route.waypoints.clone(), repeat: route.repeat }
+    }
+
+    /// Waypoint at the end of a segment, or `None` behind the last one.
+    pub(super) fn waypoint(&self, segment_idx: usize) -> Option<&Waypoint> {
+        let n_waypoints = self.waypoints.len();
+        if segment_idx < n_waypoints {
+            return self.waypoints.get(segment_idx);
+        }
+        if self.repeat && n_waypoints > 0 { self.waypoints.get(segment_idx % n_waypoints) } else { None }
+    }
+
+    /// A segment, or `None` behind the last one.
+    pub(super) fn segment(&self, segment_idx: usize) -> Option<Segment> {
+        let to = self.waypoint(segment_idx)?;
+        let from_m = match segment_idx.checked_sub(1) {
+            Some(before_idx) => {
+                self.waypoint(before_idx).map_or(self.origin_m, |waypoint| [waypoint.x_m, waypoint.y_m])
+            }
+            None => self.origin_m,
+        };
+        let (x_m, y_m) = (to.x_m - from_m[0], to.y_m - from_m[1]);
+        let length_m = x_m.hypot(y_m);
+        if length_m < SAME_PLACE_M {
+            return Some(Segment { from_m, along: [1.0, 0.0], length_m: 0.0 });
+        }
+        Some(Segment { from_m, along: [x_m / length_m, y_m / length_m], length_m })
+    }
+
+    /// Whether the robot comes to a stand at the end of a segment.
+    pub(super) fn stops_after(&self, segment_idx: usize) -> bool {
+        let Some(waypoint) = self.waypoint(segment_idx) else { return true };
+        let stands = waypoint.turn_in_place || waypoint.pause_s > 0.0;
+        stands || self.corner_rad(segment_idx).is_none_or(|corner_rad| corner_rad > SHARPEST_CURVE_RAD)
+    }
+
+    /// Angle by which the path turns at the end of a segment, `[0, π]`, or `None` where it ends.
+    pub(super) fn corner_rad(&self, segment_idx: usize) -> Option<f64> {
+        let (before, after) = (self.segment(segment_idx)?, self.segment(segment_idx + 1)?);
+        if before.length_m == 0.0 || after.length_m == 0.0 {
+            return Some(0.0);
+        }
+        let cross = before.along[0] * after.along[1] - before.along[1] * after.along[0];
+        let dot = before.along[0] * after.along[0] + before.along[1] * after.along[1];
+        Some(cross.abs().atan2(dot))
+    }
+
+    /// The point of the path a distance ahead of a place on a segment; past a stop it goes straight on.
+    pub(super) fn ahead_m(&self, mut segment_idx: usize, mut along_m: f64, ahead_m: f64) -> [f64; 2] {
+        along_m += ahead_m;
+        let Some(mut segment) = self.segment(segment_idx) else { return self.origin_m };
+        while along_m > segment.length_m && !self.stops_after(segment_idx) {
+            let Some(next) = self.segment(segment_idx + 1) else { break };
+            along_m -= segment.length_m;
+            segment_idx += 1;
+            segment = next;
+        }
+        segment.point(along_m)
+    }
+}
+
+impl Segment {
+    /// Point at a distance from its start, also beyond its ends.
+    pub(super) fn point(&self, along_m: f64) -> [f64; 2] {
+        [self.from_m[0] + along_m * self.along[0], self.from_m[1] + along_m * self.along[1]]
+    }
+
+    /// Where along the endless line the foot of a place lies.
+    pub(super) fn foot_m(&self, place_m: [f64; 2]) -> f64 {
+        (place_m[0] - self.from_m[0]) * self.along[0] + (place_m[1] - self.from_m[1]) * self.along[1]
+    }
+
+    /// Distance of a place from the segment.
+    pub(super) fn distance_m(&self, place_m: [f64; 2]) -> f64 {
+        let [x_m, y_m] = self.point(self.foot_m(place_m).clamp(0.0, self.length_m));
+        (place_m[0] - x_m).hypot(place_m[1] - y_m)
+    }
+}

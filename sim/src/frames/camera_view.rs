@@ -1,0 +1,105 @@
+//! The image as the localizer saw it: tone-mapped, with claims and rejected segments drawn over.
+
+use image::{
+    GrayImage, Luma, Rgb,
+    imageops::{self, FilterType},
+};
+use localizer::Claim;
+
+use crate::{
+    check::is_true,
+    run::{ImageRecord, RunRecord},
+    scene::Scene,
+};
+
+use super::{
+    canvas::{Canvas, Panel},
+    palette,
+};
+
+/// Grey levels that are shown as black and as white.
+pub(super) struct Tones {
+    /// Shown as black.
+    pub(super) black: u8,
+    /// Shown as white.
+    pub(super) white: u8,
+}
+
+impl Tones {
+    /// Stretches an image between its darkest and its brightest percent, which makes one of 3 lx as legible as one of 300.
+    pub(super) fn of(pixels: &GrayImage) -> Tones {
+        let mut counts = [0_usize; 256];
+        pixels.as_raw().iter().for_each(|level| counts[usize::from(*level)] += 1);
+        let total = pixels.as_raw().len();
+        let quantile = |share: f64| {
+            let wanted = (share * total as f64) as usize;
+            let mut below = 0;
+            let found = counts.iter().position(|count| {
+                below += count;
+                below > wanted
+            });
+            found.map_or(u8::MAX, |level| u8::try_from(level).unwrap_or(u8::MAX))
+        };
+        let (black, white) = (quantile(0.01), quantile(0.99));
+        // An image of a single level still needs two to be divided between.
+        Tones { black, white: white.max(black.saturating_add(1)) }
+    }
+
+    fn show(&self, level: u8) -> u8 {
+        let share =
+            (f64::from(level) - f64::from(self.black)) / (f64::from(self.white) - f64::from(self.black)).max(1.0);
+        // Headroom on both sides keeps drawn lines apart from black and white.
+        (20.0 + 200.0 * share.clamp(0.0, 1.0)).round() as u8
+    }
+}
+
+/// Draws image, claims and rejected segments into `panel`, which has the image's aspect.
+pub(super) fn draw(
+    canvas: &mut Canvas,
+    panel: Panel,
+    scene: &Scene,
+    record: &RunRecord,
+    image: &ImageRecord,
+    pixels: &GrayImage,
+) {
+    paint(canvas, panel, pixels);
+    let scale = panel.width_px / f64::from(pixels.width());
+    // Pixel (0, 0) of the image has its centre half a pixel inside its corner, before and after scaling.
+    let place =
+        |u_px: f64, v_px: f64| [panel.left_px + (u_px + 0.5) * scale - 0.5, panel.top_px + (v_px + 0.5) * scale - 0.5];
+    canvas.clipped(panel, |canvas| {
+        for [u0, v0, u1, v1] in &image.rejected_px {
+            canvas.line(place(*u0, *v0), place(*u1, *v1), 2.5, palette::REJECTED);
+        }
+        for claim in &image.claims {
+            let colour =
+                if is_true(claim, scene, &record.drawn, &image.truth) { palette::SEEN } else { palette::FALSE };
+            match claim {
+                Claim::FloorJoint { points_px, .. } => joint(canvas, points_px, place, colour),
+            }
+        }
+    });
+}
+
+fn paint(canvas: &mut Canvas, panel: Panel, pixels: &GrayImage) {
+    let tones = Tones::of(pixels);
+    let mut shown = pixels.clone();
+    shown.as_mut().iter_mut().for_each(|level| *level = tones.show(*level));
+    let scaled = imageops::resize(&shown, panel.width_px as u32, panel.height_px as u32, FilterType::Triangle);
+    for (u, v, Luma([level])) in scaled.enumerate_pixels() {
+        let (left, top) = (panel.left_px as u32 + u, panel.top_px as u32 + v);
+        canvas.image.put_pixel(left, top, Rgb([*level; 3]));
+    }
+}
+
+/// The line through a claim's points, and the points that hold it up.
+fn joint(canvas: &mut Canvas, points_px: &[[f64; 3]], place: impl Fn(f64, f64) -> [f64; 2], colour: Rgb<u8>) {
+    if let (Some(first), Some(last)) = (points_px.first(), points_px.last()) {
+        canvas.line(place(first[0], first[1]), place(last[0], last[1]), 1.6, colour);
+    }
+    // More points than this run together.
+    let every = points_px.len().div_ceil(40).max(1);
+    for point in points_px.iter().step_by(every) {
+        canvas.ring(place(point[0], point[1]), 3.0, 3.0, colour);
+    }
+}

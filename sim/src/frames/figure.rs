@@ -1,0 +1,164 @@
+//! The figure of one image: what was seen at the left, where that puts the robot at the right, in words above and below.
+
+use image::{GrayImage, Rgb, RgbImage};
+
+use crate::{
+    run::{ImageRecord, RunRecord},
+    scene::{Event, Scene, SceneFile},
+};
+
+use super::{
+    camera_view::{self, Tones},
+    canvas::{Canvas, Panel},
+    map_view::MapView,
+    palette,
+};
+
+const MARGIN_PX: f64 = 20.0;
+const HEADER_PX: f64 = 84.0;
+const FOOTER_PX: f64 = 44.0;
+const IMAGE_HEIGHT_PX: f64 = 720.0;
+const MAPS_WIDTH_PX: f64 = 560.0;
+const TITLE_PX: f32 = 24.0;
+const TEXT_PX: f32 = 18.0;
+
+/// Draws the figure.
+pub(super) fn draw(
+    file: &SceneFile,
+    record: &RunRecord,
+    image: &ImageRecord,
+    pixels: &GrayImage,
+    exposure_s: f64,
+) -> RgbImage {
+    let aspect = f64::from(pixels.width()) / f64::from(pixels.height().max(1));
+    let view = Panel {
+        left_px: MARGIN_PX,
+        top_px: HEADER_PX,
+        width_px: (IMAGE_HEIGHT_PX * aspect).round(),
+        height_px: IMAGE_HEIGHT_PX,
+    };
+    let maps_left_px = view.left_px + view.width_px + MARGIN_PX;
+    let map_height_px = ((IMAGE_HEIGHT_PX - MARGIN_PX) / 2.0).round();
+    let map = |top_px: f64| Panel { left_px: maps_left_px, top_px, width_px: MAPS_WIDTH_PX, height_px: map_height_px };
+    let (room, near) = (map(HEADER_PX), map(HEADER_PX + map_height_px + MARGIN_PX));
+    let width_px = maps_left_px + MAPS_WIDTH_PX + MARGIN_PX;
+    let height_px = HEADER_PX + IMAGE_HEIGHT_PX + FOOTER_PX;
+    let mut canvas = Canvas::new(width_px as u32, height_px as u32, palette::PAPER);
+
+    header(&mut canvas, file, record, image, pixels, exposure_s);
+    camera_view::draw(&mut canvas, view, &file.scene, record, image, pixels);
+    maps(&mut canvas, &MapView::room(room, &file.scene), &MapView::close_up(near, image), &file.scene, record, image);
+    for panel in [room, near] {
+        frame(&mut canvas, panel);
+    }
+    legend(&mut canvas, height_px - FOOTER_PX + 13.0, image);
+    canvas.image
+}
+
+fn maps(canvas: &mut Canvas, room: &MapView, near: &MapView, scene: &Scene, record: &RunRecord, image: &ImageRecord) {
+    let truth = image.truth.pose;
+    for view in [room, near] {
+        view.draw_floor(canvas, scene, record.drawn.tiles.as_ref());
+        view.draw_trail(canvas, record, image.truth.time_s);
+    }
+    room.draw_robot(canvas, scene, truth);
+    room.draw_boxes(canvas, image);
+    room.draw_truth(canvas, truth, 46.0);
+    near.draw_boxes(canvas, image);
+    near.draw_truth(canvas, truth, 110.0);
+    room.draw_scale(canvas);
+    near.draw_scale(canvas);
+}
+
+fn header(
+    canvas: &mut Canvas,
+    file: &SceneFile,
+    record: &RunRecord,
+    image: &ImageRecord,
+    pixels: &GrayImage,
+    exposure_s: f64,
+) {
+    let title = format!("{}   seed {}   image {}   {:.2} s", file.name, record.seed, image.number, image.measured_s);
+    canvas.text([MARGIN_PX, 12.0], TITLE_PX, palette::INK, &title);
+    let tones = Tones::of(pixels);
+    let light = format!(
+        "{} lx at the floor, exposed {:.1} ms, grey {} to {} shown black to white",
+        lux_at(&file.scene, image.measured_s),
+        exposure_s * 1e3,
+        tones.black,
+        tones.white,
+    );
+    canvas.text([MARGIN_PX, 48.0], TEXT_PX, palette::FAINT_INK, &light);
+    let (outcome, colour) = outcome(image);
+    let right_px = f64::from(canvas.image.width()) - MARGIN_PX;
+    let left_of = |size: f32, text: &str| right_px - Canvas::text_width_px(size, text);
+    canvas.text([left_of(TITLE_PX, &outcome), 12.0], TITLE_PX, colour, &outcome);
+    let widths = widths(image);
+    canvas.text([left_of(TEXT_PX, &widths), 48.0], TEXT_PX, palette::FAINT_INK, &widths);
+}
+
+/// How the union just after the image stands to the truth.
+fn outcome(image: &ImageRecord) -> (String, Rgb<u8>) {
+    let made = match (image.constrained, image.emptied) {
+        (_, true) => "contradiction, ",
+        (false, false) => "no cue, ",
+        (true, false) => "",
+    };
+    if image.posterior.contains(image.truth.pose) {
+        (format!("{made}truth inside"), palette::TRUTH)
+    } else {
+        (format!("{made}TRUTH OUTSIDE"), palette::MISS)
+    }
+}
+
+fn widths(image: &ImageRecord) -> String {
+    let hull = image.posterior.hull();
+    if hull.is_empty() {
+        return "no pose left".to_owned();
+    }
+    let branches = image.posterior.branches.len();
+    let plural = if branches == 1 { "" } else { "es" };
+    format!(
+        "{branches} branch{plural}, {:.1} mm × {:.1} mm × {:.2}° wide",
+        hull.width(0) * 1e3,
+        hull.width(1) * 1e3,
+        hull.width(2).to_degrees(),
+    )
+}
+
+/// Mean illuminance at the floor at an instant, switched lamps included.
+fn lux_at(scene: &Scene, time_s: f64) -> f64 {
+    let switched = scene.events.iter().filter_map(|event| match event {
+        Event::Light { at_s, illuminance_at_floor_lux } if *at_s <= time_s => Some((*at_s, *illuminance_at_floor_lux)),
+        _ => None,
+    });
+    let latest = switched.max_by(|one, other| one.0.total_cmp(&other.0));
+    latest.map_or(scene.light.illuminance_at_floor_lux, |(_, lux)| lux)
+}
+
+fn frame(canvas: &mut Canvas, panel: Panel) {
+    let (right_px, bottom_px) = (panel.left_px + panel.width_px, panel.top_px + panel.height_px);
+    let corners =
+        [[panel.left_px, panel.top_px], [right_px, panel.top_px], [right_px, bottom_px], [panel.left_px, bottom_px]];
+    canvas.outline(&corners, 1.0, palette::JOINT);
+}
+
+fn legend(canvas: &mut Canvas, top_px: f64, image: &ImageRecord) {
+    let n_claims = image.claims.len();
+    let entries = [
+        (palette::SEEN, format!("claimed ({n_claims})")),
+        (palette::FALSE, "claimed, but false".to_owned()),
+        (palette::REJECTED, format!("rejected ({})", image.rejected_px.len())),
+        (palette::BOX, "boxes with wedge of headings".to_owned()),
+        (palette::MISS, "boxes without the truth".to_owned()),
+        (palette::TRUTH, "true pose".to_owned()),
+        (palette::TRAIL, "way come".to_owned()),
+        (palette::ROUTE, "route".to_owned()),
+    ];
+    let mut left_px = MARGIN_PX;
+    for (colour, text) in entries {
+        canvas.line([left_px, top_px + 9.0], [left_px + 26.0, top_px + 9.0], 4.0, colour);
+        canvas.text([left_px + 34.0, top_px], TEXT_PX, palette::INK, &text);
+        left_px += 34.0 + Canvas::text_width_px(TEXT_PX, &text) + 28.0;
+    }
+}

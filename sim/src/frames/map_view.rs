@@ -1,0 +1,211 @@
+//! The floor seen from above: room, joints as laid, route, trail, boxes and the true pose.
+
+use localizer::{Pose, PoseBox};
+
+use crate::{
+    drawn::LaidTiles,
+    run::{ImageRecord, RunRecord},
+    scene::{Scene, Tiles},
+};
+
+use super::{
+    canvas::{Canvas, Panel},
+    palette,
+};
+
+/// A piece of the floor shown in a panel; world x to the right, world y up.
+pub(super) struct MapView {
+    panel: Panel,
+    centre_m: [f64; 2],
+    pixels_per_m: f64,
+}
+
+impl MapView {
+    /// The whole room with a margin, and room for the scale below it.
+    pub(super) fn room(panel: Panel, scene: &Scene) -> MapView {
+        const MARGIN_PX: f64 = 14.0;
+        const SCALE_PX: f64 = 34.0;
+        let [width_m, depth_m] = [scene.room.width_m, scene.room.depth_m];
+        let fit = |extent_px: f64, extent_m: f64| (extent_px - 2.0 * MARGIN_PX) / extent_m;
+        let pixels_per_m = fit(panel.width_px, width_m).min(fit(panel.height_px - SCALE_PX, depth_m));
+        MapView { panel, centre_m: [width_m / 2.0, depth_m / 2.0 - SCALE_PX / 2.0 / pixels_per_m], pixels_per_m }
+    }
+
+    /// The surroundings of the truth, as far as the branches near it reach.
+    pub(super) fn close_up(panel: Panel, image: &ImageRecord) -> MapView {
+        let truth = image.truth.pose;
+        let centre_m = [truth.x_m, truth.y_m];
+        let reach_m = |branch: &PoseBox| {
+            let sides = branch.components();
+            let reach = |axis: usize| (sides[axis].hi() - centre_m[axis]).max(centre_m[axis] - sides[axis].lo());
+            reach(0).max(reach(1))
+        };
+        let reaches = image.posterior.branches.iter().map(reach_m);
+        // The nearest branch fills half of the panel; below a centimetre and above a metre there is nothing to see.
+        let shown_m = (2.0 * reaches.fold(f64::INFINITY, f64::min)).clamp(0.01, 1.0);
+        MapView { panel, centre_m, pixels_per_m: panel.width_px.min(panel.height_px) / 2.0 / shown_m }
+    }
+
+    /// Room, joints, regions, strays and route.
+    pub(super) fn draw_floor(&self, canvas: &mut Canvas, scene: &Scene, laid: Option<&LaidTiles>) {
+        canvas.clipped(self.panel, |canvas| {
+            let room = self.rectangle([0.0, scene.room.width_m], [0.0, scene.room.depth_m]);
+            canvas.fill(&room, palette::ROOM, 1.0);
+            for region in &scene.floor.regions {
+                canvas.fill(&self.rectangle(region.x_m, region.y_m), palette::REGION, 1.0);
+            }
+            if let (Some(tiles), Some(laid)) = (&scene.floor.tiles, laid) {
+                // Joints are laid beyond the walls.
+                canvas.clipped(self.visible(&room), |canvas| self.draw_joints(canvas, tiles, laid));
+            }
+            for stray in &scene.floor.strays {
+                let width_px = (stray.width_m * self.pixels_per_m).max(1.0);
+                canvas.line(self.place(stray.from_m), self.place(stray.to_m), width_px, palette::FAINT_INK);
+            }
+            let waypoints: Vec<[f64; 2]> =
+                scene.route.iter().flat_map(|route| &route.waypoints).map(|at| self.place([at.x_m, at.y_m])).collect();
+            waypoints.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.0, palette::ROUTE));
+            waypoints.iter().for_each(|at| canvas.ring(*at, 4.0, 1.5, palette::ROUTE));
+            canvas.outline(&room, 2.5, palette::WALL);
+        });
+    }
+
+    /// The way that the robot has come until the image.
+    pub(super) fn draw_trail(&self, canvas: &mut Canvas, record: &RunRecord, until_s: f64) {
+        let places: Vec<[f64; 2]> = record
+            .truths
+            .iter()
+            .take_while(|truth| truth.time_s <= until_s)
+            .step_by(10)
+            .map(|truth| self.place([truth.pose.x_m, truth.pose.y_m]))
+            .collect();
+        canvas.clipped(self.panel, |canvas| {
+            places.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.2, palette::TRAIL));
+        });
+    }
+
+    /// The branches of the estimate, each with a wedge of its headings; red when none has the truth in it.
+    pub(super) fn draw_boxes(&self, canvas: &mut Canvas, image: &ImageRecord) {
+        let is_contained = image.posterior.contains(image.truth.pose);
+        let colour = if is_contained { palette::BOX } else { palette::MISS };
+        let wedge_px = 0.45 * self.panel.width_px.min(self.panel.height_px).min(200.0);
+        canvas.clipped(self.panel, |canvas| {
+            for branch in &image.posterior.branches {
+                let [x, y, heading] = branch.components();
+                let centre = self.place([x.mid(), y.mid()]);
+                let end =
+                    |angle_rad: f64| [centre[0] + wedge_px * angle_rad.cos(), centre[1] - wedge_px * angle_rad.sin()];
+                // A turn or more leaves no direction to point in.
+                if heading.width() < std::f64::consts::PI {
+                    canvas.fill(&[centre, end(heading.lo()), end(heading.hi())], colour, 0.35);
+                    canvas.line(centre, end(heading.lo()), 1.0, colour);
+                    canvas.line(centre, end(heading.hi()), 1.0, colour);
+                }
+                let corners = self.rectangle([x.lo(), x.hi()], [y.lo(), y.hi()]);
+                canvas.fill(&corners, colour, 0.25);
+                canvas.outline(&corners, 1.5, colour);
+                // In the view of the whole room a box of some millimetres is smaller than a pixel.
+                let is_tiny = (corners[2][0] - corners[0][0]).abs() < 6.0;
+                if is_tiny {
+                    canvas.ring(centre, 5.0, 1.5, colour);
+                }
+            }
+        });
+    }
+
+    /// The true pose as an arrow.
+    pub(super) fn draw_truth(&self, canvas: &mut Canvas, truth: Pose, length_px: f64) {
+        let from = self.place([truth.x_m, truth.y_m]);
+        let to = [from[0] + length_px * truth.heading_rad.cos(), from[1] - length_px * truth.heading_rad.sin()];
+        canvas.clipped(self.panel, |canvas| {
+            canvas.arrow(from, to, 2.5, palette::TRUTH);
+            canvas.ring(from, 3.5, 3.5, palette::TRUTH);
+        });
+    }
+
+    /// The robot's body and what its floor camera sees, at a pose.
+    pub(super) fn draw_robot(&self, canvas: &mut Canvas, scene: &Scene, pose: Pose) {
+        let (sin, cos) = pose.heading_rad.sin_cos();
+        let in_world = |forward_m: f64, left_m: f64| {
+            self.place([pose.x_m + forward_m * cos - left_m * sin, pose.y_m + forward_m * sin + left_m * cos])
+        };
+        canvas.clipped(self.panel, |canvas| {
+            canvas.ring(in_world(0.0, 0.0), scene.robot.body_radius_m * self.pixels_per_m, 1.2, palette::FAINT_INK);
+            if let Some(camera) = &scene.robot.floor_camera {
+                let half_width_m = camera.footprint_width_m / 2.0;
+                let half_length_m = half_width_m * f64::from(camera.height_px) / f64::from(camera.width_px);
+                let corner = |forward: f64, left: f64| {
+                    in_world(camera.forward_m + forward * half_length_m, camera.left_m + left * half_width_m)
+                };
+                let corners = [corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0), corner(-1.0, 1.0)];
+                canvas.outline(&corners, 1.2, palette::SEEN);
+            }
+        });
+    }
+
+    /// A bar of a round length with its label, in the lower left corner.
+    pub(super) fn draw_scale(&self, canvas: &mut Canvas) {
+        let longest_m = 0.35 * self.panel.width_px / self.pixels_per_m;
+        let decade_m = 10_f64.powf(longest_m.log10().floor());
+        let length_m = [5.0, 2.0].into_iter().find(|step| step * decade_m <= longest_m).unwrap_or(1.0) * decade_m;
+        let label = if length_m < 0.995 { format!("{:.0} mm", length_m * 1e3) } else { format!("{length_m:.0} m") };
+        let (left, bottom) = (self.panel.left_px + 14.0, self.panel.top_px + self.panel.height_px - 14.0);
+        let right = left + length_m * self.pixels_per_m;
+        let width_px = (right - left).max(Canvas::text_width_px(15.0, &label)) + 12.0;
+        let around = [
+            [left - 6.0, bottom - 26.0],
+            [left - 6.0 + width_px, bottom - 26.0],
+            [left - 6.0 + width_px, bottom + 7.0],
+            [left - 6.0, bottom + 7.0],
+        ];
+        canvas.fill(&around, palette::PAPER, 0.85);
+        canvas.line([left, bottom], [right, bottom], 2.0, palette::INK);
+        for end in [left, right] {
+            canvas.line([end, bottom - 4.0], [end, bottom + 4.0], 2.0, palette::INK);
+        }
+        canvas.text([left, bottom - 23.0], 15.0, palette::INK, &label);
+    }
+
+    fn draw_joints(&self, canvas: &mut Canvas, tiles: &Tiles, laid: &LaidTiles) {
+        let (sin, cos) = tiles.rotation_deg.to_radians().sin_cos();
+        let corner = |i: usize, j: usize| {
+            let offset_m = laid.corner_offset_m[i * laid.count[1] + j];
+            let x_m = tiles.edge_x_m * (f64::from(laid.first[0]) + i as f64) + tiles.phase_x_m + offset_m[0];
+            let y_m = tiles.edge_y_m * (f64::from(laid.first[1]) + j as f64) + tiles.phase_y_m + offset_m[1];
+            self.place([x_m * cos - y_m * sin, x_m * sin + y_m * cos])
+        };
+        let width_px = (tiles.joint_width_m * self.pixels_per_m).max(1.0);
+        for i in 0..laid.count[0] {
+            for j in 0..laid.count[1] {
+                for (axis, [next_i, next_j]) in [[i, j + 1], [i + 1, j]].into_iter().enumerate() {
+                    let is_seen = laid.contrast[axis][i * laid.count[1] + j] > 0.0;
+                    if is_seen && next_i < laid.count[0] && next_j < laid.count[1] {
+                        canvas.line(corner(i, j), corner(next_i, next_j), width_px, palette::JOINT);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The part of the panel inside a rectangle with corners from lower left against the clock.
+    fn visible(&self, [lower_left, _, upper_right, _]: &[[f64; 2]; 4]) -> Panel {
+        let panel = self.panel;
+        let (left_px, top_px) = (panel.left_px.max(lower_left[0]), panel.top_px.max(upper_right[1]));
+        let right_px = (panel.left_px + panel.width_px).min(upper_right[0]);
+        let bottom_px = (panel.top_px + panel.height_px).min(lower_left[1]);
+        Panel { left_px, top_px, width_px: right_px - left_px, height_px: bottom_px - top_px }
+    }
+
+    fn place(&self, at_m: [f64; 2]) -> [f64; 2] {
+        let middle_px =
+            [self.panel.left_px + self.panel.width_px / 2.0, self.panel.top_px + self.panel.height_px / 2.0];
+        [
+            middle_px[0] + (at_m[0] - self.centre_m[0]) * self.pixels_per_m,
+            middle_px[1] - (at_m[1] - self.centre_m[1]) * self.pixels_per_m,
+        ]
+    }
+
+    fn rectangle(&self, x_m: [f64; 2], y_m: [f64; 2]) -> [[f64; 2]; 4] {
+        [[x_m[0], y_m[0]], [x_m[1], y_m[0]], [x_m[1], y_m[1]], [x_m[0], y_m[1]]].map(|corner| self.place(corner))
+    }
+}

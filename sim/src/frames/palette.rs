@@ -1,0 +1,26 @@
+//! Colours of debug frames, told apart by all kinds of colour vision (Okabe and Ito's set).
+
+use image::Rgb;
+
+pub(super) const PAPER: Rgb<u8> = Rgb([250, 250, 248]);
+pub(super) const INK: Rgb<u8> = Rgb([20, 20, 24]);
+pub(super) const FAINT_INK: Rgb<u8> = Rgb([110, 110, 116]);
+pub(super) const WALL: Rgb<u8> = Rgb([60, 60, 66]);
+pub(super) const ROOM: Rgb<u8> = Rgb([255, 255, 255]);
+pub(super) const JOINT: Rgb<u8> = Rgb([176, 172, 164]);
+pub(super) const REGION: Rgb<u8> = Rgb([222, 214, 190]);
+pub(super) const ROUTE: Rgb<u8> = Rgb([150, 190, 225]);
+pub(super) const TRAIL: Rgb<u8> = Rgb([130, 130, 136]);
+
+/// What the localizer claims to have seen, and it is so.
+pub(super) const SEEN: Rgb<u8> = Rgb([86, 200, 245]);
+/// What the localizer claims to have seen, and it is not so.
+pub(super) const FALSE: Rgb<u8> = Rgb([235, 80, 200]);
+/// What was looked at and rejected.
+pub(super) const REJECTED: Rgb<u8> = Rgb([240, 130, 20]);
+/// Boxes with the truth in them.
+pub(super) const BOX: Rgb<u8> = Rgb([0, 114, 178]);
+/// Boxes without the truth in them.
+pub(super) const MISS: Rgb<u8> = Rgb([213, 60, 0]);
+/// The true pose.
+pub(super) const TRUTH: Rgb<u8> = Rgb([0, 128, 92]);

@@ -1,0 +1,139 @@
+//! What a run leaves behind in `DIR/<scene>/<seed>/`, written whole or not at all.
+//!
+//! | file | content |
+//! |---|---|
+//! | `summary.json` | the verdict with all its figures; equal bytes for equal runs |
+//! | `timing.json` | how long it took, apart because it differs from run to run |
+//! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
+//! | `boxes.csv` | every branch of every estimate |
+//! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+    process,
+    time::{Duration, SystemTime},
+};
+
+use serde_json::Value;
+use thiserror::Error;
+
+use crate::{check::Verdict, frames, run::RunRecord, scene::SceneFile};
+
+mod digest;
+mod poses;
+mod summary;
+
+pub use digest::{program_digest, scene_digest};
+pub use summary::{Summary, Timing};
+
+/// Why a run cannot be recorded. Its text follows "failed to".
+#[derive(Debug, Error)]
+#[error("{action} {}: {source}", path.display())]
+pub struct RecordError {
+    /// What was tried.
+    pub action: &'static str,
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What the system said.
+    pub source: io::Error,
+}
+
+/// Names `action` and `path` in the error of a file operation.
+pub(crate) fn naming<T>(action: &'static str, path: &Path, result: io::Result<T>) -> Result<T, RecordError> {
+    result.map_err(|source| RecordError { action, path: path.to_owned(), source })
+}
+
+/// The folder of one run.
+pub fn folder(out: &Path, scene: &str, seed: u64) -> PathBuf {
+    out.join(scene).join(seed.to_string())
+}
+
+/// Creates `out` and makes sure that files can be written there, before hours of simulation rely on it.
+pub fn prepare(out: &Path) -> Result<(), RecordError> {
+    naming("create the folder", out, fs::create_dir_all(out))?;
+    let probe = out.join(format!(".probe-{}", process::id()));
+    naming("write into the folder", out, fs::write(&probe, b"wherein"))?;
+    naming("delete", &probe, fs::remove_file(&probe))
+}
+
+/// Writes everything about a run, frames of the images whose reading `record` kept included, and returns where.
+///
+/// A folder that the run left before is replaced. An error leaves it as it was.
+pub fn write(out: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<PathBuf, RecordError> {
+    let target = folder(out, &file.name, record.seed);
+    let beside = target.parent().unwrap_or(out);
+    naming("create the folder", beside, fs::create_dir_all(beside))?;
+    clear_stale(beside);
+    let partial = beside.join(format!(".{}-{}{PARTIAL}", record.seed, process::id()));
+    let written = fill(&partial, file, record, verdict).and_then(|()| replace(&target, &partial));
+    if written.is_err() {
+        // The error at hand says what is wrong; what cannot be deleted now is cleared by a later run.
+        let _ = fs::remove_dir_all(&partial);
+    }
+    written.map(|()| target)
+}
+
+/// The summary and the timing that a run left in `folder`; none when it left no summary.
+pub fn read(folder: &Path) -> Result<Option<(Value, Value)>, RecordError> {
+    let summary = folder.join("summary.json");
+    if !summary.exists() {
+        return Ok(None);
+    }
+    Ok(Some((read_json(&summary)?, read_json(&folder.join("timing.json"))?)))
+}
+
+fn read_json(path: &Path) -> Result<Value, RecordError> {
+    let text = naming("read", path, fs::read_to_string(path))?;
+    naming("read", path, serde_json::from_str(&text).map_err(io::Error::from))
+}
+
+/// Ending of a folder that is still being filled.
+const PARTIAL: &str = ".partial";
+
+/// Ending of a folder that has made way for a newer one.
+const REPLACED: &str = ".replaced";
+
+fn fill(partial: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<(), RecordError> {
+    naming("create the folder", partial, fs::create_dir_all(partial))?;
+    let write = |name: &str, content: String| {
+        let path = partial.join(name);
+        naming("write", &path, fs::write(&path, content))
+    };
+    write("truth.tum", poses::truth_tum(record))?;
+    write("estimate.tum", poses::estimate_tum(record))?;
+    write("boxes.csv", poses::boxes_csv(record))?;
+    frames::write(partial, file, record)?;
+    write("timing.json", format!("{:#}\n", Timing::of(record).to_json()))?;
+    write("summary.json", Summary::of(file, record, verdict).to_text())
+}
+
+/// Puts `partial` in the place of `target`. A run that is killed between the two renames leaves the old folder aside.
+fn replace(target: &Path, partial: &Path) -> Result<(), RecordError> {
+    let old = partial.with_extension(&REPLACED[1..]);
+    if target.exists() {
+        naming("move aside", target, fs::rename(target, &old))?;
+    }
+    if let Err(error) = naming("create", target, fs::rename(partial, target)) {
+        if old.exists() {
+            naming("restore", target, fs::rename(&old, target))?;
+        }
+        return Err(error);
+    }
+    if old.exists() { naming("delete", &old, fs::remove_dir_all(&old)) } else { Ok(()) }
+}
+
+/// Deletes what runs that were killed while writing left in `folder`. What is younger may belong to a process at work.
+fn clear_stale(folder: &Path) {
+    const STALE: Duration = Duration::from_secs(3600);
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let modified = entry.metadata().and_then(|metadata| metadata.modified()).unwrap_or_else(|_| SystemTime::now());
+        let is_stale = modified.elapsed().is_ok_and(|age| age > STALE);
+        if name.starts_with('.') && (name.ends_with(PARTIAL) || name.ends_with(REPLACED)) && is_stale {
+            // Another process may clear the same folder at the same time; either way it is gone.
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! SHA-256 of canonical bytes: two runs are the same if and only if their digests are.
+
+use std::{env, fmt::Write, fs, io, sync::OnceLock};
+
+use localizer::{Estimate, Status};
+use sha2::{Digest, Sha256};
+
+use crate::{scene::Scene, truth::Truth};
+
+/// Digest of all that a scene states, whatever its file's layout and comments.
+pub fn scene_digest(scene: &Scene) -> String {
+    // A scene's keys are texts, so that nothing in it can fail to serialise.
+    hex(&Sha256::digest(serde_json::to_vec(scene).unwrap_or_default()))
+}
+
+/// Digest of the program that runs: results of another build are not taken for its own.
+///
+/// None when the system does not let a program read its own file; then nothing is taken for its own.
+pub fn program_digest() -> Option<&'static str> {
+    static DIGEST: OnceLock<Option<String>> = OnceLock::new();
+    let of_file = || {
+        let mut hasher = Sha256::new();
+        io::copy(&mut fs::File::open(env::current_exe()?)?, &mut Hashing(&mut hasher))?;
+        io::Result::Ok(hex(&hasher.finalize()))
+    };
+    DIGEST.get_or_init(|| of_file().ok()).as_deref()
+}
+
+/// Every field of every truth, in the order of `Truth`, as little-endian f64.
+pub(super) fn truth_digest(truths: &[Truth]) -> String {
+    let mut numbers = Numbers::default();
+    for truth in truths {
+        numbers.add(&[truth.time_s]);
+        numbers.add(&truth.pose.to_array());
+        numbers.add(&truth.velocity);
+        numbers.add(&[truth.heave_m]);
+        numbers.add(&truth.tilt_rad);
+        numbers.add(&truth.wheel_angle_rad);
+        numbers.add(&truth.wheel_travel_m);
+        numbers.add(&[truth.lateral_travel_m]);
+    }
+    numbers.digest()
+}
+
+/// Time, status, number of branches and all bounds of every estimate, as little-endian f64.
+pub(super) fn estimates_digest(estimates: &[Estimate]) -> String {
+    let mut numbers = Numbers::default();
+    for estimate in estimates {
+        let is_sound = f64::from(u8::from(estimate.status == Status::Sound));
+        numbers.add(&[estimate.time_s, is_sound, estimate.pose.branches.len() as f64]);
+        for side in estimate.pose.branches.iter().flat_map(|branch| branch.components()) {
+            numbers.add(&[side.lo(), side.hi()]);
+        }
+    }
+    numbers.digest()
+}
+
+#[derive(Default)]
+struct Numbers(Sha256);
+
+impl Numbers {
+    fn add(&mut self, numbers: &[f64]) {
+        for number in numbers {
+            self.0.update(number.to_le_bytes());
+        }
+    }
+
+    fn digest(self) -> String {
+        hex(&self.0.finalize())
+    }
+}
+
+struct Hashing<'a>(&'a mut Sha256);
+
+impl io::Write for Hashing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a `String` cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}

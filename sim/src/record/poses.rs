@@ -1,0 +1,52 @@
+//! Trajectories and boxes as text that other tools read.
+
+use std::fmt::Write;
+
+use localizer::{Pose, Status};
+
+use crate::run::RunRecord;
+
+/// True poses: `time x y z qx qy qz qw` a line, the TUM format. The body's small tilt is left out.
+pub(super) fn truth_tum(record: &RunRecord) -> String {
+    let poses = record.truths.iter().map(|truth| (truth.time_s, truth.pose, truth.heave_m));
+    tum(poses)
+}
+
+/// Midpoints of the hulls, TUM format. A time at which no pose is left has no line.
+pub(super) fn estimate_tum(record: &RunRecord) -> String {
+    let answered = record.estimates.iter().filter(|estimate| !estimate.pose.is_empty());
+    tum(answered.map(|estimate| {
+        let [x_m, y_m, heading_rad] = estimate.pose.hull().midpoint();
+        (estimate.time_s, Pose { x_m, y_m, heading_rad }, 0.0)
+    }))
+}
+
+/// Every branch of every estimate, one a line; a time at which no pose is left has no line.
+pub(super) fn boxes_csv(record: &RunRecord) -> String {
+    let mut text = "time_s,status,branch,x_min_m,x_max_m,y_min_m,y_max_m,heading_min_rad,heading_max_rad\n".to_owned();
+    for estimate in &record.estimates {
+        let status = match estimate.status {
+            Status::Sound => "sound",
+            Status::Recovering => "recovering",
+        };
+        for (index, branch) in estimate.pose.branches.iter().enumerate() {
+            let _ = write!(text, "{:.3},{status},{index}", estimate.time_s);
+            for side in branch.components() {
+                // All digits, as a rounded bound might exclude the truth.
+                let _ = write!(text, ",{},{}", side.lo(), side.hi());
+            }
+            text.push('\n');
+        }
+    }
+    text
+}
+
+/// A rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
+fn tum(poses: impl Iterator<Item = (f64, Pose, f64)>) -> String {
+    poses.fold(String::new(), |mut text, (time_s, pose, z_m)| {
+        let (sin, cos) = (pose.heading_rad / 2.0).sin_cos();
+        // Writing to a `String` cannot fail.
+        let _ = writeln!(text, "{time_s:.3} {} {} {z_m} 0 0 {sin} {cos}", pose.x_m, pose.y_m);
+        text
+    })
+}

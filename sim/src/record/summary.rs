@@ -1,0 +1,111 @@
+//! `summary.json` and `timing.json`.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::{
+    check::Verdict,
+    run::{self, RunRecord},
+    scene::SceneFile,
+};
+
+use super::digest::{estimates_digest, program_digest, scene_digest, truth_digest};
+
+/// Everything that `summary.json` holds, in its order. Equal for equal scene, seed, version and adapter.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary<'a> {
+    /// Name of the scene.
+    pub scene: &'a str,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Version of Wherein.
+    pub version: &'static str,
+    /// Graphics adapter that rendered the images, if any were rendered.
+    pub adapter: Option<&'a str>,
+    /// Simulated time.
+    pub duration_s: f64,
+    /// What the check found.
+    #[serde(flatten)]
+    pub verdict: &'a Verdict,
+    /// What tells this run from any other.
+    pub digest: Digests,
+}
+
+/// SHA-256 of a run's scene, truth, readings and estimates.
+#[derive(Clone, Debug, Serialize)]
+pub struct Digests {
+    /// All that the scene states.
+    pub scene: String,
+    /// Truth at every step.
+    pub truth: String,
+    /// All readings in order of arrival.
+    pub readings: String,
+    /// Estimate at every step.
+    pub estimates: String,
+}
+
+impl<'a> Summary<'a> {
+    /// The summary of a run.
+    pub fn of(file: &'a SceneFile, record: &'a RunRecord, verdict: &'a Verdict) -> Summary<'a> {
+        Summary {
+            scene: &file.name,
+            seed: record.seed,
+            version: env!("CARGO_PKG_VERSION"),
+            adapter: record.adapter.as_deref(),
+            duration_s: duration_s(record),
+            verdict,
+            digest: Digests {
+                scene: scene_digest(&file.scene),
+                truth: truth_digest(&record.truths),
+                readings: record.readings_digest.clone(),
+                estimates: estimates_digest(&record.estimates),
+            },
+        }
+    }
+
+    /// The file's text.
+    pub(super) fn to_text(&self) -> String {
+        // A summary's keys are texts, so that nothing in it can fail to serialise.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}
+
+/// Everything that `timing.json` holds.
+#[derive(Clone, Debug)]
+pub struct Timing {
+    duration_s: f64,
+    images: usize,
+    spent: run::Timing,
+}
+
+impl Timing {
+    /// The timing of a run.
+    pub fn of(record: &RunRecord) -> Timing {
+        Timing { duration_s: duration_s(record), images: record.images.len(), spent: record.timing }
+    }
+
+    /// The file's content. `program` is the digest of the executable, by which `--resume` knows its own results.
+    pub(super) fn to_json(&self) -> Value {
+        let spent = &self.spent;
+        let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);
+        json!({
+            "wall_s": spent.wall_s,
+            "real_time_factor": self.duration_s / spent.wall_s,
+            "stages_ms": {
+                "world": 1e3 * spent.world_s,
+                "render": 1e3 * spent.render_s,
+                "localizer": 1e3 * spent.localizer_s,
+                "vision": 1e3 * spent.vision_s,
+            },
+            "per_image_ms": {
+                "render": per_image_ms(spent.render_s),
+                "vision": per_image_ms(spent.vision_s),
+            },
+            "program": program_digest(),
+        })
+    }
+}
+
+fn duration_s(record: &RunRecord) -> f64 {
+    record.truths.last().map_or(0.0, |truth| truth.time_s)
+}

@@ -1,0 +1,195 @@
+//! Pictures of the world as a camera's sensor gives them, drawn headlessly by wgpu.
+//!
+//! ```text
+//! View ─> floor pass (rasterised faces, then bands; luminance in cd/m²) ─> photon pass (compute) ─> GrayImage
+//! ```
+//!
+//! All views of a tick go in one submit. Same world, views and adapter: same bytes. A further camera is a further
+//! [`View`]; a further kind of surface is a further pass into the same luminance target.
+
+use image::GrayImage;
+use nalgebra::Isometry3;
+use thiserror::Error;
+
+use crate::{
+    drawn::Drawn,
+    scene::Scene,
+    sensors::camera::{Intrinsics, Photosites},
+};
+
+mod device;
+mod exposure;
+mod floor;
+mod light;
+mod photons;
+mod target;
+
+pub use light::FloorLight;
+
+use device::Graphics;
+use floor::{Floor, FloorPass};
+use photons::PhotonPass;
+use target::Target;
+
+/// One picture to take. Camera frame: x right, y down, z forward.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// Projection of the lens.
+    pub intrinsics: Intrinsics,
+    /// What turns light into electrons.
+    pub photosites: Photosites,
+    /// Camera poses at equal steps of time, from the first instant of the exposure to the last; one pose if nothing moves.
+    pub world_from_camera: Vec<Isometry3<f64>>,
+    /// Length of the exposure.
+    pub exposure_s: f64,
+    /// Grey levels per electron.
+    pub gain_levels_per_electron: f64,
+    /// Mean illuminance over the room's floor.
+    pub illuminance_at_floor_lux: f64,
+    /// Where the noise of this picture comes from.
+    pub noise: NoiseKey,
+}
+
+/// Names the noise of one picture: another seed or another number gives independent noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NoiseKey {
+    /// Seed of the run, mixed with the name of the camera if there are several.
+    pub seed: u64,
+    /// Number of the picture since the start.
+    pub image: u32,
+}
+
+/// A world as it is drawn, made by [`Renderer::upload`].
+#[derive(Debug)]
+pub struct RenderedWorld {
+    floor: Floor,
+}
+
+/// Why no picture came.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// No graphics adapter, real or software, that could be used.
+    #[error(
+        "find a graphics adapter{}; `make driver` installs a software one{}",
+        wanted.as_ref().map(|name| format!(" whose name contains \"{name}\" (WHEREIN_ADAPTER)")).unwrap_or_default(),
+        if found.is_empty() { String::new() } else { format!("; found: {}", found.join(", ")) }
+    )]
+    NoAdapter {
+        /// What `WHEREIN_ADAPTER` asked for.
+        wanted: Option<String>,
+        /// Adapters that are there.
+        found: Vec<String>,
+    },
+    /// The adapter cannot do what the renderer needs.
+    #[error("open the graphics adapter {adapter}: {reason}")]
+    Unusable {
+        /// Name of the adapter.
+        adapter: String,
+        /// What the driver said.
+        reason: String,
+    },
+    /// The world or the picture does not fit on the device.
+    #[error("draw {what}: it takes {needed}, where the graphics adapter allows {limit}")]
+    TooLarge {
+        /// What is too large.
+        what: &'static str,
+        /// What it takes, with its unit.
+        needed: String,
+        /// What there is.
+        limit: String,
+    },
+    /// A view that cannot be drawn.
+    #[error("draw a view: {0}")]
+    BadView(&'static str),
+    /// The driver reported an error or lost the device.
+    #[error("draw a picture: the graphics driver reported: {0}")]
+    Device(String),
+    /// The driver did not finish in time.
+    #[error("draw a picture: the graphics driver did not answer within {waited_s} s")]
+    Hung {
+        /// Time waited.
+        waited_s: u64,
+    },
+}
+
+/// The graphics device with its pipelines. Make one per process: several instances on one driver may abort.
+pub struct Renderer {
+    graphics: Graphics,
+    floor_pass: FloorPass,
+    photon_pass: PhotonPass,
+    /// One per view of a tick, kept from tick to tick.
+    targets: Vec<Target>,
+}
+
+impl Renderer {
+    /// Opens the best adapter, or the one that `WHEREIN_ADAPTER` names by a part of its name, driver or backend.
+    ///
+    /// # Errors
+    /// If there is no such adapter or it cannot be opened.
+    pub fn new() -> Result<Renderer, RenderError> {
+        let graphics = Graphics::open()?;
+        let floor_pass = FloorPass::new(&graphics.device);
+        let photon_pass = PhotonPass::new(&graphics.device);
+        graphics.check()?;
+        Ok(Renderer { graphics, floor_pass, photon_pass, targets: Vec::new() })
+    }
+
+    /// Name, driver and backend of the adapter: pictures are the same bytes only on the same one.
+    pub fn adapter(&self) -> String {
+        self.graphics.adapter_name()
+    }
+
+    /// Prepares a world for drawing.
+    ///
+    /// # Errors
+    /// If the driver reported an error since.
+    pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
+        self.graphics.check()?;
+        Ok(RenderedWorld { floor: Floor::new(scene, drawn) })
+    }
+
+    /// Takes all pictures of a tick, in the order of `views`.
+    ///
+    /// # Errors
+    /// If a view has no pose or is larger than the device allows, or the driver reports an error or does not answer.
+    pub fn draw(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<GrayImage>, RenderError> {
+        for (index, view) in views.iter().enumerate() {
+            self.prepare_target(index, view)?;
+        }
+        let device = &self.graphics.device;
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for (view, target) in views.iter().zip(&mut self.targets) {
+            let Target { floor, luminance, .. } = target;
+            self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?;
+            self.photon_pass.draw(&self.graphics.queue, &mut encoder, view, target);
+            target.stage(&mut encoder);
+        }
+        let submission = self.graphics.queue.submit([encoder.finish()]);
+        let mappings: Vec<_> = self.targets.iter().take(views.len()).map(Target::map).collect();
+        self.graphics.wait(submission)?;
+        self.targets.iter().zip(mappings).map(|(target, mapping)| target.read(&mapping)).collect()
+    }
+
+    /// Makes sure that target `index` has the size of the view.
+    fn prepare_target(&mut self, index: usize, view: &View) -> Result<(), RenderError> {
+        let size_px = view.intrinsics.size_px;
+        let limit_px = self.graphics.device.limits().max_texture_dimension_2d;
+        if size_px[0].max(size_px[1]) > limit_px {
+            return Err(RenderError::TooLarge {
+                what: "a view",
+                needed: format!("{} × {} px", size_px[0], size_px[1]),
+                limit: format!("{limit_px} px"),
+            });
+        }
+        if self.targets.get(index).is_some_and(|target| target.size_px == size_px) {
+            return Ok(());
+        }
+        let target = Target::new(&self.graphics.device, &self.floor_pass, &self.photon_pass, size_px);
+        if index < self.targets.len() {
+            self.targets[index] = target;
+        } else {
+            self.targets.push(target);
+        }
+        Ok(())
+    }
+}

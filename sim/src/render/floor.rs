@@ -1,0 +1,126 @@
+//! The floor pass: faces of tiles, then joints, strays and walls over them, as luminance averaged over the exposure.
+
+use super::{RenderError, View, device::Graphics};
+
+mod cut;
+mod geometry;
+mod local;
+mod pipelines;
+
+pub(super) use cut::Floor;
+
+use cut::{Cut, ViewUniform};
+use geometry::{BandInstance, TileInstance};
+
+/// Pipelines of the floor; faces have one for each pattern, so that a plain tile does not pay for marble.
+pub(super) struct FloorPass {
+    faces: [wgpu::RenderPipeline; 4],
+    bands: wgpu::RenderPipeline,
+    view_layout: wgpu::BindGroupLayout,
+}
+
+/// A view's buffers on the device.
+pub(super) struct FloorSlot {
+    uniform: wgpu::Buffer,
+    bindings: wgpu::BindGroup,
+    faces: wgpu::Buffer,
+    bands: wgpu::Buffer,
+}
+
+impl FloorPass {
+    pub(super) fn new(device: &wgpu::Device) -> FloorPass {
+        let view_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("floor view"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("floor"),
+            bind_group_layouts: &[Some(&view_layout)],
+            immediate_size: 0,
+        });
+        let faces = pipelines::faces(device, &layout);
+        let bands = pipelines::bands(device, &layout);
+        FloorPass { faces, bands, view_layout }
+    }
+
+    /// Buffers for one view.
+    pub(super) fn slot(&self, device: &wgpu::Device) -> FloorSlot {
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("floor view"),
+            size: size_of::<ViewUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("floor view"),
+            layout: &self.view_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        });
+        FloorSlot {
+            uniform,
+            bindings,
+            faces: instances(device, size_of::<TileInstance>() as u64),
+            bands: instances(device, size_of::<BandInstance>() as u64),
+        }
+    }
+
+    /// Draws one view's floor into a luminance target.
+    pub(super) fn draw(
+        &self,
+        graphics: &Graphics,
+        encoder: &mut wgpu::CommandEncoder,
+        floor: &Floor,
+        view: &View,
+        slot: &mut FloorSlot,
+        luminance: &wgpu::TextureView,
+    ) -> Result<(), RenderError> {
+        let Cut { uniform, faces, bands } = floor.cut(view)?;
+        graphics.queue.write_buffer(&slot.uniform, 0, bytemuck::bytes_of(&uniform));
+        fill(graphics, &mut slot.faces, bytemuck::cast_slice(&faces));
+        fill(graphics, &mut slot.bands, bytemuck::cast_slice(&bands));
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("floor"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: luminance,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &slot.bindings, &[]);
+        pass.set_pipeline(&self.faces[floor.pattern() as usize]);
+        pass.set_vertex_buffer(0, slot.faces.slice(..));
+        pass.draw(0..4, 0..faces.len() as u32);
+        pass.set_pipeline(&self.bands);
+        pass.set_vertex_buffer(0, slot.bands.slice(..));
+        pass.draw(0..4, 0..bands.len() as u32);
+        Ok(())
+    }
+}
+
+fn instances(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("instances"),
+        size,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// Writes instances into a buffer, which grows to hold them.
+fn fill(graphics: &Graphics, buffer: &mut wgpu::Buffer, bytes: &[u8]) {
+    if bytes.len() as u64 > buffer.size() {
+        *buffer = instances(&graphics.device, (bytes.len() as u64).next_power_of_two());
+    }
+    graphics.queue.write_buffer(buffer, 0, bytes);
+}

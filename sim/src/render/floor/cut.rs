@@ -1,0 +1,172 @@
+//! What a view sees of a floor: its uniform, its faces and its bands.
+
+use bytemuck::{Pod, Zeroable};
+use nalgebra::{Isometry3, Matrix3, Vector2, vector};
+
+use super::{
+    geometry::{self, BandInstance, Footprint, TileInstance},
+    local::{self, LocalFrame},
+};
+use crate::{
+    drawn::{Drawn, LaidTiles},
+    render::{
+        FloorLight, RenderError, View,
+        exposure::{MAX_SUB_FRAMES, Path},
+    },
+    scene::{Pattern, Room, Scene, Stray, Tiles},
+};
+
+/// By the scene's definition of the stripes' pattern: a fifth of the tile apart.
+const STRIPES_IN_TILE: f64 = 5.0;
+
+/// A world's floor, ready to be cut to views.
+#[derive(Debug)]
+pub(in crate::render) struct Floor {
+    tiled: Option<(Tiles, LaidTiles)>,
+    strays: Vec<Stray>,
+    room: Room,
+    light: FloorLight,
+}
+
+/// One view's part of a floor.
+pub(super) struct Cut {
+    pub(super) uniform: ViewUniform,
+    pub(super) faces: Vec<TileInstance>,
+    /// In the order in which they lie on each other.
+    pub(super) bands: Vec<BandInstance>,
+}
+
+/// `Homography` of view.wgsl.
+type Rows = [[f32; 4]; 3];
+
+/// `View` of view.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct ViewUniform {
+    start: Rows,
+    middle: Rows,
+    end: Rows,
+    clip_from_local: Rows,
+    principal_point_px: [f32; 2],
+    sub_frames: u32,
+    pattern_samples: u32,
+    light_gradient: [f32; 2],
+    light_at_origin: f32,
+    pattern_contrast: f32,
+    stripe_spacing_m: f32,
+    padding: [f32; 3],
+    sub_frame_ends: [Rows; MAX_SUB_FRAMES + 1],
+}
+
+impl Floor {
+    /// The floor of a scene as it was laid.
+    pub(in crate::render) fn new(scene: &Scene, drawn: &Drawn) -> Floor {
+        Floor {
+            tiled: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
+            strays: scene.floor.strays.clone(),
+            room: scene.room.clone(),
+            light: FloorLight::new(&scene.light, &scene.room),
+        }
+    }
+
+    /// What is on its tiles.
+    pub(super) fn pattern(&self) -> Pattern {
+        self.tiled.as_ref().map_or(Pattern::Plain, |(tiles, _)| tiles.pattern)
+    }
+
+    /// What a view sees.
+    pub(super) fn cut(&self, view: &View) -> Result<Cut, RenderError> {
+        let path = Path::new(&view.intrinsics, &view.world_from_camera)
+            .ok_or(RenderError::BadView("it has no camera pose"))?;
+        let frame = LocalFrame::near(path.middle.translation.vector.xy(), self.tiled.as_ref());
+        let seen = self.footprint(view, &path, &frame);
+        let (faces, mut bands) = match &self.tiled {
+            Some((tiles, laid)) => geometry::tiles_in_view(tiles, laid, &frame, &seen),
+            None => (vec![geometry::plain_face(&seen)], Vec::new()),
+        };
+        bands.extend(geometry::strays_in_view(&self.strays, &frame, &seen));
+        bands.extend(geometry::walls_in_view(&self.room, &frame, &seen));
+        Ok(Cut { uniform: self.uniform(view, &path, &frame)?, faces, bands })
+    }
+
+    fn uniform(&self, view: &View, path: &Path, frame: &LocalFrame) -> Result<ViewUniform, RenderError> {
+        let local_from_pixel = |pose: &Isometry3<f64>| frame.local_from_pixel(pose, view.intrinsics.focal_px);
+        let middle = local_from_pixel(&path.middle);
+        let clip_from_local = local::clip_from_local(&middle, &view.intrinsics)
+            .ok_or(RenderError::BadView("the camera lies in the floor"))?;
+        let mut sub_frame_ends = [[[0.0; 4]; 3]; MAX_SUB_FRAMES + 1];
+        for (rows, pose) in sub_frame_ends.iter_mut().zip(&path.sub_frame_ends) {
+            *rows = rows_of(&local_from_pixel(pose));
+        }
+        let gradient = frame.grid_from_world * self.light.gradient_per_m;
+        let origin_in_world = frame.grid_from_world.inverse() * frame.origin_in_grid;
+        // A matt surface of albedo 1 under E has the luminance E/π.
+        let light_at_origin =
+            view.illuminance_at_floor_lux * self.light.factor_at(origin_in_world) / std::f64::consts::PI;
+        let [cu, cv] = view.intrinsics.principal_point_px;
+        let tiles = self.tiled.as_ref().map(|(tiles, _)| tiles);
+        Ok(ViewUniform {
+            start: sub_frame_ends[0],
+            middle: rows_of(&middle),
+            end: sub_frame_ends[path.sub_frame_ends.len() - 1],
+            clip_from_local: rows_of(&clip_from_local.transpose()),
+            principal_point_px: [cu as f32, cv as f32],
+            sub_frames: (path.sub_frame_ends.len() - 1) as u32,
+            pattern_samples: path.pattern_samples,
+            light_gradient: [gradient.x as f32, gradient.y as f32],
+            light_at_origin: light_at_origin as f32,
+            pattern_contrast: tiles.map_or(0.0, |tiles| tiles.pattern_contrast as f32),
+            stripe_spacing_m: tiles.map_or(1.0, |tiles| (tiles.edge_x_m / STRIPES_IN_TILE) as f32),
+            padding: [0.0; 3],
+            sub_frame_ends,
+        })
+    }
+
+    /// The part of the floor that the view sees during its exposure; a view above the horizon sees the whole room.
+    fn footprint(&self, view: &View, path: &Path, frame: &LocalFrame) -> Footprint {
+        let [width, height] = view.intrinsics.size_px.map(|size| f64::from(size) - 0.5);
+        let pixels = [[-0.5, -0.5], [width, -0.5], [-0.5, height], [width, height]];
+        let at = |pose, pixel: [f64; 2]| {
+            view.intrinsics.floor_point(pose, pixel).map(|point| frame.place(point.coords.xy()))
+        };
+        let mut seen = Footprint {
+            low: Vector2::repeat(f64::INFINITY),
+            high: Vector2::repeat(f64::NEG_INFINITY),
+            pixel_m: 0.0,
+            motion_m: Vector2::zeros(),
+        };
+        for pixel in pixels {
+            let beside = [pixel[0] + 1.0, pixel[1] + 1.0];
+            let (Some(place), Some(next)) = (at(&path.middle, pixel), at(&path.middle, beside)) else {
+                return self.whole_room(frame);
+            };
+            // The diagonal, and half as much for the margin in which coverage fades.
+            seen.pixel_m = seen.pixel_m.max(1.5 * (next - place).norm());
+            for pose in &path.sub_frame_ends {
+                let Some(moved) = at(pose, pixel) else {
+                    return self.whole_room(frame);
+                };
+                seen.low = seen.low.inf(&moved);
+                seen.high = seen.high.sup(&moved);
+                seen.motion_m = seen.motion_m.sup(&(moved - place).abs());
+            }
+        }
+        seen
+    }
+
+    fn whole_room(&self, frame: &LocalFrame) -> Footprint {
+        let (width, depth) = (self.room.width_m, self.room.depth_m);
+        let corners = [[0.0, 0.0], [width, 0.0], [0.0, depth], [width, depth]]
+            .map(|corner| frame.place(vector![corner[0], corner[1]]));
+        Footprint {
+            low: corners.iter().fold(corners[0], |low, corner| low.inf(corner)),
+            high: corners.iter().fold(corners[0], |high, corner| high.sup(corner)),
+            pixel_m: width.max(depth) / 100.0,
+            motion_m: Vector2::zeros(),
+        }
+    }
+}
+
+fn rows_of(matrix: &Matrix3<f64>) -> Rows {
+    std::array::from_fn(|row| [matrix[(row, 0)] as f32, matrix[(row, 1)] as f32, matrix[(row, 2)] as f32, 0.0])
+}

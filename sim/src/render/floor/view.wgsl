@@ -1,0 +1,68 @@
+// What every pass over the floor knows of its view.
+//
+// Frame `local`: the grid frame of the tiles, moved to the nominal corner nearest to the camera, so that single
+// precision keeps 1e-4 px in a hall of any size. A software driver executes both sides of every `if`: what is needed only
+// in places is therefore drawn only there, as geometry of its own.
+
+// Homography from pixels about the principal point to the local frame: rows of a 3 × 3 matrix. The third component is
+// positive where the floor is in front of the camera.
+struct Homography {
+    x: vec4<f32>,
+    y: vec4<f32>,
+    depth: vec4<f32>,
+}
+
+struct View {
+    // At the first instant of the exposure, in its middle, and at the last.
+    start: Homography,
+    middle: Homography,
+    end: Homography,
+    // From the local frame to clip space in the middle of the exposure: columns x, y, 1; components x, y, w.
+    clip_from_local: array<vec4<f32>, 3>,
+    principal_point_px: vec2<f32>,
+    sub_frames: u32,
+    pattern_samples: u32,
+    // Gradient of ln E (1/m), and E/π at the local origin (cd/m² for albedo 1).
+    light_gradient: vec2<f32>,
+    light_at_origin: f32,
+    pattern_contrast: f32,
+    // Distance between printed stripes (m).
+    stripe_spacing_m: f32,
+    padding_a: f32,
+    padding_b: f32,
+    padding_c: f32,
+    // At the ends of the sub-frames.
+    sub_frame_ends: array<Homography, 33>, // MAX_SUB_FRAMES of exposure.rs, and one
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+
+// The pixel whose centre the rasteriser calls (0.5, 0.5), about the principal point.
+fn pixel_at(position: vec4<f32>) -> vec3<f32> {
+    return vec3(position.xy - 0.5 - view.principal_point_px, 1.0);
+}
+
+fn place_at(homography: Homography, pixel: vec3<f32>) -> vec2<f32> {
+    let place = vec2(dot(homography.x.xyz, pixel), dot(homography.y.xyz, pixel));
+    return place / dot(homography.depth.xyz, pixel);
+}
+
+// How the place moves with the pixel: ∂(n/d) = (∂n − (n/d)·∂d)/d; columns for u and v.
+fn sides_at(homography: Homography, pixel: vec3<f32>, place: vec2<f32>) -> mat2x2<f32> {
+    let depth = dot(homography.depth.xyz, pixel);
+    return mat2x2(
+        (vec2(homography.x.x, homography.y.x) - place * homography.depth.x) / depth,
+        (vec2(homography.x.y, homography.y.y) - place * homography.depth.y) / depth,
+    );
+}
+
+// Luminance of a matt surface of albedo 1.
+fn light_at(place: vec2<f32>) -> f32 {
+    return view.light_at_origin * exp(dot(view.light_gradient, place));
+}
+
+fn clip_at(place: vec2<f32>) -> vec4<f32> {
+    let clip = view.clip_from_local[0].xyz * place.x + view.clip_from_local[1].xyz * place.y + view.clip_from_local[2].xyz;
+    // The floor needs no depth; half of w is inside the depth range.
+    return vec4(clip.xy, 0.5 * clip.z, clip.z);
+}

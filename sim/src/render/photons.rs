@@ -1,0 +1,98 @@
+//! The sensor pass: luminance to grey levels, with the photons' noise.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::{View, target::Target};
+
+/// Invocations of a workgroup, as in photons.wgsl.
+const WORKGROUP: u32 = 64;
+/// Workgroups in a row; a picture of any size then stays below the limit of every adapter in both directions.
+const WORKGROUPS_IN_ROW: u32 = 1024;
+
+/// Pipeline of the sensor model.
+pub(super) struct PhotonPass {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+}
+
+/// A view's bindings.
+pub(super) struct PhotonSlot {
+    uniform: wgpu::Buffer,
+    bindings: wgpu::BindGroup,
+}
+
+/// `Readout` of photons.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct ReadoutUniform {
+    size_px: [u32; 2],
+    seed: [u32; 2],
+    image: u32,
+    electrons_per_luminance: f32,
+    full_well_electrons: f32,
+    read_noise_electrons: f32,
+    gain_levels_per_electron: f32,
+    row: u32,
+    row_per_pixel: f32,
+    padding: u32,
+}
+
+impl PhotonPass {
+    pub(super) fn new(device: &wgpu::Device) -> PhotonPass {
+        let module = device.create_shader_module(wgpu::include_wgsl!("photons.wgsl"));
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("photons"),
+            layout: None,
+            module: &module,
+            entry_point: Some("read_out"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        let layout = pipeline.get_bind_group_layout(0);
+        PhotonPass { pipeline, layout }
+    }
+
+    /// Bindings that read one view's luminance and write its grey levels.
+    pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView, grey: &wgpu::Buffer) -> PhotonSlot {
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readout"),
+            size: size_of::<ReadoutUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("readout"),
+            layout: &self.layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(luminance) },
+                wgpu::BindGroupEntry { binding: 2, resource: grey.as_entire_binding() },
+            ],
+        });
+        PhotonSlot { uniform, bindings }
+    }
+
+    /// Turns one view's luminance into grey levels.
+    pub(super) fn draw(&self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder, view: &View, target: &Target) {
+        let words = (target.size_px[0] * target.size_px[1]).div_ceil(4);
+        let workgroups = words.div_ceil(WORKGROUP);
+        let columns = workgroups.min(WORKGROUPS_IN_ROW);
+        let uniform = ReadoutUniform {
+            size_px: target.size_px,
+            seed: [view.noise.seed as u32, (view.noise.seed >> 32) as u32],
+            image: view.noise.image,
+            electrons_per_luminance: view.photosites.electrons_per_luminance(view.exposure_s) as f32,
+            full_well_electrons: view.photosites.full_well_electrons as f32,
+            read_noise_electrons: view.photosites.read_noise_electrons as f32,
+            gain_levels_per_electron: view.gain_levels_per_electron as f32,
+            row: columns * WORKGROUP,
+            row_per_pixel: 1.0 / target.size_px[0] as f32,
+            padding: 0,
+        };
+        queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&uniform));
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &target.photons.bindings, &[]);
+        pass.dispatch_workgroups(columns, workgroups.div_ceil(columns), 1);
+    }
+}

@@ -1,0 +1,88 @@
+//! Device memory of one view: luminance as drawn, grey levels as read out.
+
+use std::sync::mpsc::{Receiver, channel};
+
+use image::GrayImage;
+
+use super::{RenderError, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot};
+
+/// Luminance in cd/m², averaged over the exposure.
+pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+
+/// Buffers and bindings of one view, kept from tick to tick.
+pub(super) struct Target {
+    pub(super) size_px: [u32; 2],
+    pub(super) luminance: wgpu::TextureView,
+    pub(super) floor: FloorSlot,
+    pub(super) photons: PhotonSlot,
+    grey: wgpu::Buffer,
+    staging: wgpu::Buffer,
+}
+
+/// Whether a staging buffer could be mapped, answered by the device's poll.
+pub(super) type Mapping = Receiver<Result<(), wgpu::BufferAsyncError>>;
+
+impl Target {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        floor_pass: &FloorPass,
+        photon_pass: &PhotonPass,
+        size_px: [u32; 2],
+    ) -> Target {
+        let luminance = device
+            .create_texture(&wgpu::TextureDescriptor {
+                label: Some("luminance"),
+                size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: LUMINANCE_FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+            .create_view(&wgpu::TextureViewDescriptor::default());
+        // Grey levels are packed four to a word, without padding at the end of a row.
+        let bytes = (u64::from(size_px[0]) * u64::from(size_px[1])).next_multiple_of(4);
+        let buffer = |label, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        let grey = buffer("grey levels", wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+        let staging = buffer("grey levels staged", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        let floor = floor_pass.slot(device);
+        let photons = photon_pass.slot(device, &luminance, &grey);
+        Target { size_px, luminance, floor, photons, grey, staging }
+    }
+
+    /// Copies the grey levels to where the processor can read them.
+    pub(super) fn stage(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.copy_buffer_to_buffer(&self.grey, 0, &self.staging, 0, self.staging.size());
+    }
+
+    /// Asks for the staged grey levels.
+    pub(super) fn map(&self) -> Mapping {
+        let (sender, mapping) = channel();
+        self.staging.slice(..).map_async(wgpu::MapMode::Read, move |outcome| {
+            // The receiver is gone only when drawing has already failed.
+            let _ = sender.send(outcome);
+        });
+        mapping
+    }
+
+    /// The picture, once the device has been waited for.
+    pub(super) fn read(&self, mapping: &Mapping) -> Result<GrayImage, RenderError> {
+        let failed = |reason: String| RenderError::Device(reason);
+        mapping.try_recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
+        let [width, height] = self.size_px;
+        let pixels = {
+            let mapped = self.staging.slice(..).get_mapped_range().map_err(|error| failed(error.to_string()))?;
+            mapped[..width as usize * height as usize].to_vec()
+        };
+        self.staging.unmap();
+        GrayImage::from_raw(width, height, pixels).ok_or_else(|| failed("a picture of the wrong size".to_owned()))
+    }
+}

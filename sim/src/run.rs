@@ -1,0 +1,233 @@
+//! The closed loop: the one screen where everything meets.
+
+mod history;
+
+use std::time::Instant;
+
+use localizer::{
+    Localizer, Method, Reading,
+    methods::floor_tiles::{Chain, FloorTiles},
+    motion::PointOdometry,
+};
+use sha2::{Digest, Sha256};
+
+use crate::{
+    drawn::Drawn,
+    driver::Driver,
+    frames::FramesPolicy,
+    render::{RenderError, Renderer},
+    scene::{FloorTilesChain, MethodName, Scene},
+    sensors::{Observation, Sensors},
+    truth::Truth,
+    world::World,
+};
+
+pub use history::{ImageRecord, RunRecord, Timing};
+
+/// Time between two estimates, two commands and two checks.
+const STEP_S: f64 = 0.01;
+/// Physics steps in that time.
+const PHYSICS_STEPS: usize = 10;
+
+/// What a run keeps besides its figures.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunOptions {
+    /// Which images stay in the record, for debug frames.
+    pub keep_images: FramesPolicy,
+}
+
+/// Runs the scene with one seed: its route, or its stations one after another. `progress` is told the simulated time now and then.
+///
+/// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
+pub fn run(
+    scene: &Scene,
+    seed: u64,
+    mut renderer: Option<&mut Renderer>,
+    options: &RunOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<RunRecord, RenderError> {
+    let began = Instant::now();
+    let drawn = Drawn::draw(scene, seed);
+    let adapter = renderer.as_deref().map(Renderer::adapter);
+    let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options);
+    if scene.stations.is_empty() {
+        drive(scene, seed, &drawn, renderer.as_deref_mut(), &mut record, progress)?;
+    }
+    for (index, station) in scene.stations.iter().enumerate() {
+        let here = scene.at_station(station);
+        // The robot and the floor are the same at every station; where in its box it stands and the noise are not.
+        let noise_seed = seed.wrapping_add((index as u64 + 1) << 32);
+        let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
+        record.restart(index, here.duration_s, &here);
+        drive(&here, noise_seed, &drawn_here, renderer.as_deref_mut(), &mut record, progress)?;
+    }
+    Ok(record.finish(began))
+}
+
+/// One uninterrupted drive.
+fn drive(
+    scene: &Scene,
+    seed: u64,
+    drawn: &Drawn,
+    mut renderer: Option<&mut Renderer>,
+    record: &mut Recorder,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(), RenderError> {
+    let mut world = World::new(scene, drawn);
+    let mut sensors = Sensors::new(scene, seed, drawn, renderer.as_deref_mut())?;
+    let mut localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    let mut driver = Driver::new(scene);
+    look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, record)?;
+    record.step(&world.truth(), &localizer);
+    for step in 0..(scene.duration_s / STEP_S).round() as usize {
+        let time_s = step as f64 * STEP_S;
+        let command = driver.command(&localizer.estimate(), time_s);
+        for _ in 0..PHYSICS_STEPS {
+            record.timed(|timing| &mut timing.world_s, || world.step(command));
+            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, record)?;
+        }
+        record.step(&world.truth(), &localizer);
+        if step % 50 == 0 {
+            progress(record.offset_s + time_s);
+        }
+    }
+    Ok(())
+}
+
+/// Hands what arrives at one instant to the localizer.
+fn look(
+    truth: &Truth,
+    sensors: &mut Sensors,
+    renderer: Option<&mut Renderer>,
+    localizer: &mut Localizer,
+    record: &mut Recorder,
+) -> Result<(), RenderError> {
+    let arrived = record.timed(|timing| &mut timing.render_s, || sensors.observe(truth, renderer))?;
+    for observation in arrived {
+        record.sense(&observation.reading);
+        let accounts = record.timed(
+            |timing| match observation.reading {
+                Reading::Camera { .. } => &mut timing.vision_s,
+                Reading::Wheels { .. } => &mut timing.localizer_s,
+            },
+            || localizer.observe(&observation.reading),
+        );
+        record.images(observation, accounts);
+    }
+    Ok(())
+}
+
+/// The methods that the scene asks for; a new method is one line here.
+fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
+    let (map, robot) = (scene.map(), scene.robot_model());
+    let chain = match scene.localizer.floor_tiles_chain {
+        FloorTilesChain::Direct => Chain::Direct,
+        FloorTilesChain::Paper => Chain::Paper,
+    };
+    let build = |name: &MethodName| -> Option<Box<dyn Method>> {
+        match name {
+            MethodName::FloorTiles => {
+                FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+        }
+    };
+    scene.localizer.methods.iter().filter_map(build).collect()
+}
+
+/// Writes the run's history down while it happens.
+struct Recorder {
+    history: RunRecord,
+    odometry: PointOdometry,
+    wheels: localizer::robot::WheelModel,
+    readings: Sha256,
+    keep_images: FramesPolicy,
+    /// Time at which the present drive began.
+    offset_s: f64,
+}
+
+impl Recorder {
+    fn new(scene: &Scene, seed: u64, drawn: Drawn, adapter: Option<String>, options: &RunOptions) -> Self {
+        // Odometry alone knows no better start than the middle of the box that the localizer is given.
+        let odometry = PointOdometry::new(scene.nominal_start());
+        Recorder {
+            history: RunRecord::new(seed, adapter, drawn),
+            odometry,
+            wheels: scene.robot_model().wheels,
+            readings: Sha256::new(),
+            keep_images: options.keep_images,
+            offset_s: 0.0,
+        }
+    }
+
+    /// Begins the drive of a station after those before it.
+    fn restart(&mut self, index: usize, lasts_s: f64, here: &Scene) {
+        self.offset_s = index as f64 * (lasts_s + STEP_S);
+        self.odometry = PointOdometry::new(here.nominal_start());
+        self.history.restarts.push(self.history.truths.len());
+    }
+
+    /// Runs `work` and adds its wall-clock time to a stage.
+    fn timed<T>(&mut self, stage: impl FnOnce(&mut Timing) -> &mut f64, work: impl FnOnce() -> T) -> T {
+        let began = Instant::now();
+        let answer = work();
+        *stage(&mut self.history.timing) += began.elapsed().as_secs_f64();
+        answer
+    }
+
+    /// Notes a reading on its way into the localizer.
+    fn sense(&mut self, reading: &Reading) {
+        self.readings.update(reading.measured_s().to_le_bytes());
+        self.readings.update(reading.arrived_s().to_le_bytes());
+        match reading {
+            Reading::Wheels { ticks, .. } => {
+                ticks.iter().for_each(|count| self.readings.update(count.to_le_bytes()));
+                self.odometry.advance(*ticks, &self.wheels);
+            }
+            Reading::Camera { exposure_s, image, .. } => {
+                self.readings.update(exposure_s.to_le_bytes());
+                self.readings.update(image.as_raw());
+            }
+        }
+    }
+
+    /// Notes what the methods made of a reading.
+    fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
+        let Observation { reading, mut truth } = observation;
+        truth.time_s += self.offset_s;
+        let number = self.history.images.last().map_or(0, |image| image.number + 1);
+        for account in accounts {
+            let failed = account.emptied || !account.posterior.contains(truth.pose);
+            let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
+            self.history.images.push(ImageRecord {
+                number,
+                measured_s: reading.measured_s() + self.offset_s,
+                arrived_s: reading.arrived_s() + self.offset_s,
+                truth,
+                method: account.method,
+                claims: account.claims,
+                q_items: account.q_items,
+                rejected_px: account.rejected_px,
+                constrained: account.constrained,
+                emptied: account.emptied,
+                posterior: account.posterior,
+                reading: kept,
+            });
+        }
+    }
+
+    /// Notes truth and estimate, apart from each other.
+    fn step(&mut self, truth: &Truth, localizer: &Localizer) {
+        let mut estimate = localizer.estimate();
+        estimate.time_s += self.offset_s;
+        self.history.truths.push(Truth { time_s: truth.time_s + self.offset_s, ..*truth });
+        self.history.estimates.push(estimate);
+        self.history.odometry.push(self.odometry.pose());
+    }
+
+    fn finish(mut self, began: Instant) -> RunRecord {
+        let digest = self.readings.finalize();
+        self.history.readings_digest = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        self.history.timing.wall_s = began.elapsed().as_secs_f64();
+        self.history
+    }
+}

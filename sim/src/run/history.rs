@@ -1,0 +1,98 @@
+//! What a run leaves for the check and the record.
+
+use localizer::{Claim, Estimate, Pose, PoseUnion, Reading};
+
+use crate::{drawn::Drawn, truth::Truth};
+
+/// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
+pub struct RunRecord {
+    /// The run's seed.
+    pub seed: u64,
+    /// Graphics adapter that rendered the images, if any were rendered.
+    pub adapter: Option<String>,
+    /// True values drawn before the start.
+    pub drawn: Drawn,
+    /// Truth at each step.
+    pub truths: Vec<Truth>,
+    /// Indices of the steps at which the robot was put at a station: nothing carries over from the step before.
+    pub restarts: Vec<usize>,
+    /// Estimate at each step, same times.
+    pub estimates: Vec<Estimate>,
+    /// What each image claimed, with the truth at its mid-exposure.
+    pub images: Vec<ImageRecord>,
+    /// Poses that odometry alone gives, same times.
+    pub odometry: Vec<Pose>,
+    /// Wall-clock time spent, by stage.
+    pub timing: Timing,
+    /// SHA-256 over all readings, in order of arrival.
+    pub readings_digest: String,
+}
+
+/// One image's part in the run.
+pub struct ImageRecord {
+    /// Number of the image since the start.
+    pub number: usize,
+    /// The stamp the camera gave it.
+    pub measured_s: f64,
+    /// When the localizer got it.
+    pub arrived_s: f64,
+    /// Truth at the true middle of the exposure.
+    pub truth: Truth,
+    /// Method that read it.
+    pub method: &'static str,
+    /// Claims made; none when the cue was absent.
+    pub claims: Vec<Claim>,
+    /// At most this many of them may be false.
+    pub q_items: usize,
+    /// Segments looked at and rejected: `[u0, v0, u1, v1]` in pixels.
+    pub rejected_px: Vec<[f64; 4]>,
+    /// Whether a constraint was made of it.
+    pub constrained: bool,
+    /// Whether the constraint emptied the union.
+    pub emptied: bool,
+    /// Union at the stamp just after the constraint.
+    pub posterior: PoseUnion,
+    /// The reading itself, kept when frames are asked for.
+    pub reading: Option<Reading>,
+}
+
+/// Wall-clock seconds spent in each stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Timing {
+    /// Whole run.
+    pub wall_s: f64,
+    /// Physics.
+    pub world_s: f64,
+    /// Rendering and sensor model of cameras.
+    pub render_s: f64,
+    /// Localizer without its methods' vision.
+    pub localizer_s: f64,
+    /// Vision of methods.
+    pub vision_s: f64,
+}
+
+impl RunRecord {
+    /// The steps of each uninterrupted drive.
+    pub fn drives(&self) -> impl Iterator<Item = &[Truth]> {
+        let mut bounds = vec![0];
+        bounds.extend(self.restarts.iter().copied().filter(|&index| index > 0));
+        bounds.push(self.truths.len());
+        (1..bounds.len()).map(move |index| &self.truths[bounds[index - 1]..bounds[index]])
+    }
+
+    /// The record of a run that has not begun.
+    pub fn new(seed: u64, adapter: Option<String>, drawn: Drawn) -> Self {
+        RunRecord {
+            seed,
+            adapter,
+            drawn,
+            truths: Vec::new(),
+            restarts: Vec::new(),
+            estimates: Vec::new(),
+            images: Vec::new(),
+            odometry: Vec::new(),
+            timing: Timing::default(),
+            readings_digest: String::new(),
+        }
+    }
+}

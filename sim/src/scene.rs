@@ -1,0 +1,158 @@
+//! A scene: the situation of a run as its TOML file states it. A `Scene` that exists is valid.
+//!
+//! Every key has a default that a user would expect, and a unit in its name where it has one. `scenes/schema.json` is made
+//! from these structs, so that their doc comments are what an editor shows. Ranges stand once, in the `schemars`
+//! attributes: the schema carries them, and `parse` holds each file against that same schema.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+mod bounds;
+mod conform;
+mod error;
+mod events;
+mod expect;
+mod files;
+mod floor;
+mod models;
+mod parse;
+mod places;
+mod robot;
+mod route;
+mod schema;
+
+pub use bounds::Bounds;
+pub use error::SceneError;
+pub use events::Event;
+pub use expect::Expect;
+pub use files::SceneFile;
+pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
+pub use robot::{Distribution, Encoders, FloorCamera, Robot};
+pub use route::{Route, Start, Station, Waypoint};
+pub use schema::schema_text;
+
+/// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// One sentence for the result table.
+    #[serde(default)]
+    pub description: String,
+    /// Length of a run of a route. Ignored when stations are given.
+    #[serde(default = "default_duration_s")]
+    #[schemars(range(max = 36000.0), extend("exclusiveMinimum" = 0.0))]
+    pub duration_s: f64,
+    /// The room, an axis-aligned rectangle with a corner at the world origin.
+    pub room: Room,
+    /// What the robot drives on.
+    #[serde(default)]
+    pub floor: Floor,
+    /// Lamps, as their illuminance.
+    #[serde(default)]
+    pub light: Light,
+    /// The robot: a Pioneer P3-DX unless stated otherwise.
+    #[serde(default)]
+    pub robot: Robot,
+    /// Where the robot stands at time 0, and how well the localizer knows it.
+    pub start: Start,
+    /// The drive; a scene has a route or stations.
+    #[serde(default)]
+    pub route: Option<Route>,
+    /// Still poses for accuracy tables, instead of a drive.
+    #[serde(default, rename = "station")]
+    pub stations: Vec<Station>,
+    /// What happens during the run.
+    #[serde(default, rename = "event")]
+    pub events: Vec<Event>,
+    /// Bounds of emergent quantities, declared to the localizer.
+    #[serde(default)]
+    pub bounds: Bounds,
+    /// How the localizer is set up.
+    #[serde(default)]
+    pub localizer: LocalizerSetup,
+    /// What the verdict asks of each run.
+    #[serde(default)]
+    pub expect: Expect,
+}
+
+/// An axis-aligned rectangular room, `0 ≤ x ≤ width_m`, `0 ≤ y ≤ depth_m` between the inner faces of its walls.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Room {
+    /// Extent along world x.
+    #[schemars(range(min = 0.5, max = 200.0))]
+    pub width_m: f64,
+    /// Extent along world y.
+    #[schemars(range(min = 0.5, max = 200.0))]
+    pub depth_m: f64,
+}
+
+/// Light on the floor.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Light {
+    /// Mean illuminance at the floor.
+    #[schemars(range(min = 0.0, max = 100000.0))]
+    pub illuminance_at_floor_lux: f64,
+    /// Brightest over darkest place of the room's floor.
+    #[schemars(range(min = 1.0, max = 1000.0))]
+    pub unevenness_ratio: f64,
+    /// Direction in which the floor grows brighter, from world x. Any angle.
+    pub unevenness_direction_deg: f64,
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Light { illuminance_at_floor_lux: 300.0, unevenness_ratio: 1.5, unevenness_direction_deg: 30.0 }
+    }
+}
+
+/// How the localizer is set up.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LocalizerSetup {
+    /// The methods that read the sensors besides the wheels.
+    pub methods: Vec<MethodName>,
+    /// Vision chain of `floor_tiles`.
+    pub floor_tiles_chain: FloorTilesChain,
+    /// An estimate counts as available while its hull is narrower than this in x and y.
+    #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
+    pub declared_width_m: f64,
+    /// An estimate counts as available while its hull is narrower than this in heading.
+    #[schemars(range(max = 360.0), extend("exclusiveMinimum" = 0.0))]
+    pub declared_width_deg: f64,
+}
+
+impl Default for LocalizerSetup {
+    fn default() -> Self {
+        LocalizerSetup {
+            methods: vec![MethodName::FloorTiles],
+            floor_tiles_chain: FloorTilesChain::Direct,
+            declared_width_m: 0.05,
+            declared_width_deg: 5.0,
+        }
+    }
+}
+
+/// Localization methods by the cue they read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodName {
+    /// Joints of a tiled floor under a camera that looks down (paper 1).
+    FloorTiles,
+}
+
+/// How `floor_tiles` finds joints in an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FloorTilesChain {
+    /// Ridge points, one vote for both families, matched filters across each line.
+    #[default]
+    Direct,
+    /// Paper 1: deconvolution, Canny, skeleton, pruning, Hough, clustering.
+    Paper,
+}
+
+fn default_duration_s() -> f64 {
+    60.0
+}

@@ -1,0 +1,138 @@
+//! What a scene asks of each of its runs.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::{check::Verdict, figures::figures};
+
+use super::conform::nearest;
+
+/// Limits on the figures of `summary.json`, by the same names: `unsound = 0`, `error.x_m.rmse_worst_third_max = 0.001`,
+/// `availability_min = 0.99`. A name that ends in `_max` or `_min` limits the figure of the name before it; any other
+/// name asks for the exact value. The counts of `containment` need no prefix.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(transparent)]
+pub struct Expect {
+    /// Nested tables as the file gives them.
+    pub limits: BTreeMap<String, Value>,
+}
+
+/// What a figure is held against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sense {
+    Exactly,
+    AtMost,
+    AtLeast,
+}
+
+/// Counts that may stand without the prefix `containment.`.
+const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception", "unsound"];
+
+/// Tables of a summary whose keys depend on the run: any one name stands for `*` in the figures known beforehand.
+const ANY_NAME: &str = "*";
+
+impl Expect {
+    /// One line for each limit that `summary` misses: its name, the value found, the limit.
+    ///
+    /// `summary` is a serialised [`Verdict`] or a whole summary.json. A figure that the run did not measure misses every limit.
+    pub fn evaluate(&self, summary: &Value) -> Vec<String> {
+        let measured = figures(summary);
+        let names: Vec<String> = measured.keys().cloned().collect();
+        let mut missed = Vec::new();
+        for (name, limit) in self.named_limits() {
+            let Some(limit) = limit.as_f64() else { continue };
+            let Some((figure, sense)) = resolve(&name, &names) else {
+                missed.push(format!("{name} = {limit}, but the run did not measure it"));
+                continue;
+            };
+            let value = measured[&figure];
+            let (is_met, wanted) = match sense {
+                Sense::Exactly => (value == limit, "expected"),
+                Sense::AtMost => (value <= limit, "expected at most"),
+                Sense::AtLeast => (value >= limit, "expected at least"),
+            };
+            if !is_met {
+                missed.push(format!("{figure} is {value}, {wanted} {limit}"));
+            }
+        }
+        missed
+    }
+
+    /// Names that no figure has, and limits that are no number, each with what was expected.
+    pub(super) fn unknown(&self) -> Vec<(String, String)> {
+        let known: Vec<String> = figures(&blank_summary()).into_keys().collect();
+        let mut unknown = Vec::new();
+        for (name, limit) in self.named_limits() {
+            if resolve(&name, &known).is_none() {
+                let expected = match nearest(&name, known.iter().map(String::as_str)) {
+                    Some(meant) => format!("unknown figure, expected `{meant}`, `{meant}_max` or `{meant}_min`?"),
+                    None => "unknown figure, expected one of those in summary.json".to_owned(),
+                };
+                unknown.push((name, expected));
+            } else if !limit.as_f64().is_some_and(f64::is_finite) {
+                unknown.push((name, "expected a finite number".to_owned()));
+            }
+        }
+        unknown
+    }
+
+    fn named_limits(&self) -> Vec<(String, &Value)> {
+        fn collect<'a>(
+            table: impl Iterator<Item = (&'a String, &'a Value)>,
+            prefix: &str,
+            named: &mut Vec<(String, &'a Value)>,
+        ) {
+            for (key, value) in table {
+                let name = format!("{prefix}{key}");
+                match value {
+                    Value::Object(inner) => collect(inner.iter(), &format!("{name}."), named),
+                    _ => named.push((name, value)),
+                }
+            }
+        }
+        let mut named = Vec::new();
+        collect(self.limits.iter(), "", &mut named);
+        named
+    }
+}
+
+/// The figure that a limit's name speaks of. A figure's own name comes first, as some end in `_max` themselves.
+fn resolve(name: &str, known: &[String]) -> Option<(String, Sense)> {
+    let suffixes = [("", Sense::Exactly), ("_max", Sense::AtMost), ("_min", Sense::AtLeast)];
+    suffixes.into_iter().find_map(|(suffix, sense)| {
+        let stem = name.strip_suffix(suffix)?;
+        let full = if SHORTHAND.contains(&stem) { format!("containment.{stem}") } else { stem.to_owned() };
+        known.iter().any(|figure| matches(figure, &full)).then_some((full, sense))
+    })
+}
+
+fn matches(figure: &str, name: &str) -> bool {
+    let (mut wanted, mut given) = (figure.split('.'), name.split('.'));
+    loop {
+        match (wanted.next(), given.next()) {
+            (None, None) => return true,
+            (Some(wanted), Some(given)) if wanted == given || wanted == ANY_NAME => {}
+            _ => return false,
+        }
+    }
+}
+
+/// A summary with every figure that a run may leave.
+fn blank_summary() -> Value {
+    let verdict = Verdict {
+        containment: Default::default(),
+        violations: Vec::new(),
+        error: Default::default(),
+        width: Default::default(),
+        availability: 0.0,
+        methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
+        baselines: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
+        metrics: BTreeMap::from([(ANY_NAME.to_owned(), 0.0)]),
+        verdict: Default::default(),
+    };
+    // Nothing in a verdict can fail to serialise: its keys are texts.
+    serde_json::to_value(&verdict).unwrap_or_default()
+}

@@ -1,0 +1,87 @@
+//! Scenes as files: reading one, and finding all below a folder.
+
+use std::{
+    collections::BTreeMap,
+    ffi::OsStr,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use super::{Scene, SceneError};
+
+/// A scene with the file it came from and the name under which its runs are recorded.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    /// The path below the nearest folder called `scenes`, without the ending: `papers/floor_vision_odometry`.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+    /// What it states.
+    pub scene: Scene,
+}
+
+impl Scene {
+    /// Reads a scene file.
+    pub fn load(path: &Path) -> Result<Scene, SceneError> {
+        let unreadable = |source: io::Error| SceneError::Unreadable { path: path.to_owned(), source };
+        let bytes = fs::read(path).map_err(unreadable)?;
+        let file = path.display().to_string();
+        let text = String::from_utf8(bytes)
+            .map_err(|error| SceneError::NotText { file: file.clone(), offset: error.utf8_error().valid_up_to() })?;
+        Scene::parse(&text, &file)
+    }
+}
+
+impl SceneFile {
+    /// Every scene that `paths` name, a folder standing for all scenes below it, in the order of their paths.
+    pub fn load_all(paths: &[PathBuf]) -> Result<Vec<SceneFile>, SceneError> {
+        let mut files = Vec::new();
+        for path in paths {
+            if path.is_dir() {
+                let before = files.len();
+                collect(path, &mut files)?;
+                if files.len() == before {
+                    return Err(SceneError::NoScenes { folder: path.clone() });
+                }
+            } else {
+                files.push(path.clone());
+            }
+        }
+        let mut by_name: BTreeMap<String, PathBuf> = BTreeMap::new();
+        let mut scenes = Vec::new();
+        for path in files {
+            let name = name_of(&path);
+            match by_name.insert(name.clone(), path.clone()) {
+                // The same file named twice runs once.
+                Some(first) if first == path => continue,
+                Some(first) => return Err(SceneError::SameName { name, first, second: path }),
+                None => scenes.push(SceneFile { name, scene: Scene::load(&path)?, path }),
+            }
+        }
+        Ok(scenes)
+    }
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {
+    let unreadable = |source: io::Error| SceneError::Unreadable { path: folder.to_owned(), source };
+    let entries: io::Result<Vec<PathBuf>> =
+        fs::read_dir(folder).map_err(unreadable)?.map(|entry| Ok(entry?.path())).collect();
+    let mut entries = entries.map_err(unreadable)?;
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            collect(&path, files)?;
+        } else if path.extension() == Some(OsStr::new("toml")) {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+fn name_of(path: &Path) -> String {
+    let stem = path.with_extension("");
+    let parts: Vec<_> = stem.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    let file = parts.len().saturating_sub(1);
+    let first = parts[..file].iter().rposition(|part| part == "scenes").map_or(file, |at| at + 1);
+    parts[first..].join("/")
+}

@@ -1,0 +1,118 @@
+//! What the scene tells the localizer: nominal values with their declared bounds, never a drawn value.
+
+use localizer::{
+    Interval, Map, Pose, PoseBox, RobotModel,
+    map::TileGrid,
+    robot::{BodyModel, FloorCameraModel, Reach, WheelModel},
+};
+
+use super::{FloorCamera, Scene, Start, Station, Tiles};
+
+impl Scene {
+    /// The building as surveyed.
+    pub fn map(&self) -> Map {
+        let room_m = [Interval::new(0.0, self.room.width_m), Interval::new(0.0, self.room.depth_m)];
+        Map { room_m, tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)) }
+    }
+
+    /// The robot as it knows itself.
+    pub fn robot_model(&self) -> RobotModel {
+        let (robot, bounds) = (&self.robot, &self.bounds);
+        let radius_m = relative(robot.wheel_radius_m, robot.wheel_radius_tolerance);
+        RobotModel {
+            wheels: WheelModel {
+                radius_m: [radius_m, radius_m],
+                track_m: relative(robot.track_m, robot.track_tolerance),
+                ticks_per_turn: f64::from(robot.encoders.ticks_per_turn),
+                slip_ratio: bounds.slip_ratio,
+                slip_floor_m: bounds.slip_floor_m,
+                side_slip_ratio: bounds.side_slip_ratio,
+                side_slip_floor_m: bounds.side_slip_floor_m,
+                slip_window_s: bounds.slip_window_s,
+            },
+            reach: Reach {
+                speed_m_per_s: bounds.reach_speed_m_per_s,
+                turn_rate_rad_per_s: bounds.reach_turn_rate_rad_per_s,
+                acceleration_m_per_s2: bounds.reach_acceleration_m_per_s2,
+            },
+            body: BodyModel {
+                tilt_rad: bounds.body_tilt_deg.to_radians(),
+                heave_m: bounds.body_heave_m,
+                // The contact with a wall gives way by a few millimetres.
+                clearance_m: robot.body_radius_m * 0.95,
+            },
+            floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
+        }
+    }
+
+    /// The start pose as the scene states it, before its error is drawn.
+    pub fn nominal_start(&self) -> Pose {
+        Pose { x_m: self.start.x_m, y_m: self.start.y_m, heading_rad: self.start.heading_deg.to_radians() }
+    }
+
+    /// The scene with the robot put at a station, for as long as one image takes to arrive.
+    pub fn at_station(&self, station: &Station) -> Scene {
+        let arrival_s = self.robot.floor_camera.as_ref().map_or(0.0, |camera| {
+            camera.exposure_s + camera.latency_s + camera.latency_tolerance_s
+        });
+        let start = Start { x_m: station.x_m, y_m: station.y_m, heading_deg: station.heading_deg, ..self.start.clone() };
+        // A step more than the arrival, so that the estimate after it is counted too.
+        let duration_s = ((arrival_s / 0.01).ceil() + 1.0) * 0.01;
+        Scene { start, duration_s, stations: Vec::new(), ..self.clone() }
+    }
+
+    /// Simulated time of a run: the drive, or all stations.
+    pub fn simulated_s(&self) -> f64 {
+        if self.stations.is_empty() {
+            return self.duration_s;
+        }
+        self.stations.iter().map(|station| self.at_station(station).duration_s + 0.01).sum()
+    }
+
+    /// The box in which the localizer is told that the robot starts.
+    pub fn start_box(&self) -> PoseBox {
+        let start = self.nominal_start();
+        PoseBox::from([
+            Interval::centred(start.x_m, self.start.tolerance_m),
+            Interval::centred(start.y_m, self.start.tolerance_m),
+            Interval::centred(start.heading_rad, self.start.tolerance_deg.to_radians()),
+        ])
+    }
+}
+
+fn tile_grid(tiles: &Tiles, scene: &Scene) -> TileGrid {
+    let shortest_m = scene.room.width_m.min(scene.room.depth_m);
+    TileGrid {
+        edge_m: [tiles.edge_x_m, tiles.edge_y_m],
+        rotation_rad: tiles.rotation_deg.to_radians(),
+        phase_m: [tiles.phase_x_m, tiles.phase_y_m],
+        joint_width_m: tiles.joint_width_m,
+        laying_m: tiles.laying_tolerance_m,
+        // A joint whose ends are both within the tolerance turns by at most their difference over the room's shorter side.
+        laying_angle_rad: 2.0 * tiles.laying_tolerance_m / shortest_m,
+        straightness_m: tiles.corner_tolerance_m,
+    }
+}
+
+fn floor_camera_model(camera: &FloorCamera) -> FloorCameraModel {
+    FloorCameraModel {
+        width_px: camera.width_px,
+        height_px: camera.height_px,
+        pixels_per_m: relative(f64::from(camera.width_px) / camera.footprint_width_m, camera.scale_tolerance),
+        height_m: camera.height_m,
+        position_m: [
+            Interval::centred(camera.forward_m, camera.position_tolerance_m),
+            Interval::centred(camera.left_m, camera.position_tolerance_m),
+        ],
+        yaw_rad: Interval::centred(0.0, camera.yaw_tolerance_deg.to_radians()),
+        tilt_rad: camera.tilt_tolerance_deg.to_radians(),
+        stamp_error_s: camera.stamp_tolerance_s,
+        latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s),
+        q_items: camera.q_items,
+    }
+}
+
+/// `nominal·(1 ± share)`.
+fn relative(nominal: f64, share: f64) -> Interval {
+    Interval::centred(nominal, nominal.abs() * share)
+}

@@ -1,0 +1,90 @@
+//! From text to a valid scene.
+
+use std::ops::Range;
+
+use miette::NamedSource;
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+use super::{
+    Scene, SceneError, conform,
+    error::{Problem, Problems},
+    places,
+};
+
+impl Scene {
+    /// Reads the text of a scene; `file` names it in errors.
+    ///
+    /// Errs when the text is not TOML, departs from the schema, or describes what cannot be: something outside the
+    /// room, an event after the end, an expectation of an unknown figure.
+    pub fn parse(text: &str, file: &str) -> Result<Scene, SceneError> {
+        read(text).map_err(|problems| SceneError::Invalid {
+            text: NamedSource::new(file, text.to_owned()).with_language("toml"),
+            problems: Problems(problems),
+        })
+    }
+}
+
+fn read(text: &str) -> Result<Scene, Vec<Problem>> {
+    let document = DeTable::parse(text).map_err(|error| vec![from_toml(&error)])?;
+    let departures = conform::departures(&document, text);
+    if !departures.is_empty() {
+        return Err(departures);
+    }
+    // The schema has accepted the document, so that this fails only on what a schema cannot say, such as a whole
+    // number too large for its type.
+    let scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
+    let misplaced: Vec<Problem> = places::contradictions(&scene)
+        .into_iter()
+        .map(|contradiction| contradiction.in_text(&document, text))
+        .collect();
+    if misplaced.is_empty() { Ok(scene) } else { Err(misplaced) }
+}
+
+fn from_toml(error: &toml::de::Error) -> Problem {
+    let expected = format!("not a scene in TOML: {}", error.message().trim().replace('\n', ", "));
+    Problem { key: String::new(), value: None, expected, span: error.span().unwrap_or(0..0), help: None }
+}
+
+/// Something that a scene states in the right form but that cannot be.
+pub(super) struct Contradiction {
+    /// Dotted path of the key.
+    pub(super) key: String,
+    /// What was expected.
+    pub(super) expected: String,
+}
+
+impl Contradiction {
+    fn in_text(self, document: &Spanned<DeTable<'_>>, text: &str) -> Problem {
+        let (span, is_value) = locate(document.get_ref(), &self.key);
+        let value = is_value.then(|| conform::excerpt(&text[span.clone()]));
+        Problem { key: self.key, value, expected: self.expected, span, help: None }
+    }
+}
+
+/// Where the value of `key` stands, or else the innermost table that the file has around it; whether it is the value.
+fn locate(document: &DeTable<'_>, key: &str) -> (Range<usize>, bool) {
+    let mut table = document;
+    let mut span = 0..0;
+    for part in key.split('.') {
+        let (name, index) = match part.split_once('[') {
+            Some((name, index)) => (name, index.trim_end_matches(']').parse::<usize>().ok()),
+            None => (part, None),
+        };
+        let Some(mut value) = table.get(name) else { return (span, false) };
+        if let (Some(index), DeValue::Array(array)) = (index, value.get_ref()) {
+            match array.get(index) {
+                Some(item) => value = item,
+                None => return (value.span(), false),
+            }
+        }
+        span = value.span();
+        match value.get_ref() {
+            DeValue::Table(inner) => table = inner,
+            _ => return (span, true),
+        }
+    }
+    (span, false)
+}

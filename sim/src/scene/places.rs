@@ -1,0 +1,123 @@
+//! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
+
+use super::{Event, Scene, conform::nearest, parse::Contradiction};
+
+/// Everything in which `scene` contradicts itself.
+pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
+    let mut found = Vec::new();
+    drive(scene, &mut found);
+    robot_places(scene, &mut found);
+    floor_places(scene, &mut found);
+    events(scene, &mut found);
+    if let Some(expected) = sampling(scene.robot.encoders.period_s) {
+        found.push(Contradiction { key: "robot.encoders.period_s".to_owned(), expected });
+    }
+    found.extend(
+        scene
+            .expect
+            .unknown()
+            .into_iter()
+            .map(|(name, expected)| Contradiction { key: format!("expect.{name}"), expected }),
+    );
+    found
+}
+
+fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let expected = match (&scene.route, scene.stations.is_empty()) {
+        (None, true) => "missing, expected a `[route]` to drive or at least one `[[station]]` to stand at",
+        (Some(_), false) => "stands beside `[[station]]`, expected one of the two: a drive, or still poses",
+        _ => return,
+    };
+    found.push(Contradiction { key: "route".to_owned(), expected: expected.to_owned() });
+}
+
+/// The robot's origin keeps its body radius from every wall, wherever the scene puts it.
+fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let radius_m = scene.robot.body_radius_m;
+    let mut place = |key: String, at_m: [f64; 2], margin_m: f64, why: &str| {
+        for (axis, extent_m) in [("x_m", scene.room.width_m), ("y_m", scene.room.depth_m)] {
+            let value_m = at_m[usize::from(axis == "y_m")];
+            let (least_m, most_m) = (margin_m, extent_m - margin_m);
+            // Sums like 0.25 + 0.01 are not exact, and nobody means a wall that finely.
+            const ROUNDING_M: f64 = 1e-9;
+            if value_m < least_m - ROUNDING_M || value_m > most_m + ROUNDING_M {
+                let expected = if least_m <= most_m {
+                    format!("outside the room, expected a number from {} to {}, {why}", short(least_m), short(most_m))
+                } else {
+                    format!("the room is {extent_m} m wide here, which leaves no place, {why}")
+                };
+                found.push(Contradiction { key: format!("{key}.{axis}"), expected });
+            }
+        }
+    };
+    let body = format!("as the robot's body reaches {radius_m} m about its origin");
+    let start = &scene.start;
+    let drawn = format!("{body} and the start is drawn within {} m", start.tolerance_m);
+    place("start".to_owned(), [start.x_m, start.y_m], radius_m + start.tolerance_m, &drawn);
+    for (index, waypoint) in scene.route.iter().flat_map(|route| &route.waypoints).enumerate() {
+        place(format!("route.waypoint[{index}]"), [waypoint.x_m, waypoint.y_m], radius_m, &body);
+    }
+    for (index, station) in scene.stations.iter().enumerate() {
+        place(format!("station[{index}]"), [station.x_m, station.y_m], radius_m, &body);
+    }
+}
+
+fn floor_places(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let room_m = [scene.room.width_m, scene.room.depth_m];
+    for (index, stray) in scene.floor.strays.iter().enumerate() {
+        for (end, at_m) in [("from_m", stray.from_m), ("to_m", stray.to_m)] {
+            if (0..2).any(|axis| at_m[axis] < 0.0 || at_m[axis] > room_m[axis]) {
+                let expected = format!("outside the room, expected [0, 0] to [{}, {}]", room_m[0], room_m[1]);
+                found.push(Contradiction { key: format!("floor.stray[{index}].{end}"), expected });
+            }
+        }
+    }
+    for (index, region) in scene.floor.regions.iter().enumerate() {
+        for (name, range_m, extent_m) in [("x_m", region.x_m, room_m[0]), ("y_m", region.y_m, room_m[1])] {
+            if !(0.0 <= range_m[0] && range_m[0] < range_m[1] && range_m[1] <= extent_m) {
+                let expected = format!("expected two rising numbers inside the room, from 0 to {extent_m}");
+                found.push(Contradiction { key: format!("floor.region[{index}].{name}"), expected });
+            }
+        }
+        if scene.floor.regions[..index].iter().any(|earlier| earlier.name == region.name) {
+            let expected = "expected a name that no other region has".to_owned();
+            found.push(Contradiction { key: format!("floor.region[{index}].name"), expected });
+        }
+    }
+}
+
+fn events(scene: &Scene, found: &mut Vec<Contradiction>) {
+    for (index, event) in scene.events.iter().enumerate() {
+        let lasts_s = if let Event::Push { lasts_s, .. } = event { *lasts_s } else { 0.0 };
+        if scene.route.is_some() && event.at_s() + lasts_s > scene.duration_s {
+            let expected = format!(
+                "after the end, expected at most {}, as the run lasts {} s",
+                short(scene.duration_s - lasts_s),
+                scene.duration_s
+            );
+            found.push(Contradiction { key: format!("event[{index}].at_s"), expected });
+        }
+        if let Event::Friction { region: Some(name), .. } = event {
+            let names: Vec<&str> = scene.floor.regions.iter().map(|region| region.name.as_str()).collect();
+            if !names.contains(&name.as_str()) {
+                let expected = match (nearest(name, names.iter().copied()), names.is_empty()) {
+                    (_, true) => "unknown region, expected a `[[floor.region]]` of that name".to_owned(),
+                    (Some(meant), _) => format!("unknown region, expected \"{meant}\"?"),
+                    (None, _) => format!("unknown region, expected one of {}", names.join(", ")),
+                };
+                found.push(Contradiction { key: format!("event[{index}].region"), expected });
+            }
+        }
+    }
+}
+
+/// What is wrong with the time between two encoder readings: physics advances in steps of 1 ms.
+fn sampling(period_s: f64) -> Option<String> {
+    let steps = period_s / 0.001;
+    ((steps - steps.round()).abs() > 1e-6).then(|| "expected a multiple of 0.001, the step of the physics".to_owned())
+}
+
+/// A number without the noise of binary fractions.
+fn short(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}

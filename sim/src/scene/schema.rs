@@ -1,0 +1,57 @@
+//! The JSON schema of a scene: what an editor checks while one types, and what `parse` checks.
+
+use std::sync::OnceLock;
+
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+
+use super::Scene;
+
+/// The schema as `scenes/schema.json` holds it.
+pub fn schema_text() -> String {
+    // A `Value` that came from a schema always has a text, since its keys are strings.
+    format!("{:#}\n", schema())
+}
+
+/// The schema, generated once.
+pub(super) fn schema() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Scene>().to_value())
+}
+
+/// The schema that `node` stands for: references are followed, and `null` drops out of what a key may be.
+pub(super) fn resolve(mut node: &'static Value) -> &'static Value {
+    loop {
+        if let Some(reference) = node.get("$ref").and_then(Value::as_str) {
+            node = schema().pointer(reference.trim_start_matches('#')).unwrap_or(&Value::Null);
+            continue;
+        }
+        match alternatives(node).as_slice() {
+            [only] => node = only,
+            _ => return node,
+        }
+    }
+}
+
+/// The alternatives of an `anyOf` without `null`; none when there is no `anyOf`.
+pub(super) fn alternatives(node: &'static Value) -> Vec<&'static Value> {
+    let any_of = node.get("anyOf").and_then(Value::as_array);
+    any_of.into_iter().flatten().filter(|option| option.get("type").and_then(Value::as_str) != Some("null")).collect()
+}
+
+/// The type a schema asks for, without `null`; empty when it asks for none.
+pub(super) fn type_name(node: &Value) -> &str {
+    match &node["type"] {
+        Value::String(name) => name,
+        Value::Array(names) => names.iter().filter_map(Value::as_str).find(|name| *name != "null").unwrap_or(""),
+        _ => "",
+    }
+}
+
+/// The texts that a string may be; empty when any will do.
+pub(super) fn choices(node: &'static Value) -> Vec<&'static str> {
+    let listed = node.get("enum").and_then(Value::as_array).into_iter().flatten();
+    let described =
+        node.get("oneOf").and_then(Value::as_array).into_iter().flatten().filter_map(|one| one.get("const"));
+    listed.chain(described).filter_map(Value::as_str).collect()
+}

@@ -1,0 +1,73 @@
+//! Truth to readings: each sensor with its own clock, errors and delay.
+
+pub mod camera;
+pub mod encoder;
+mod floor_camera;
+
+use localizer::Reading;
+
+use crate::{
+    drawn::Drawn,
+    render::{RenderError, Renderer},
+    scene::Scene,
+    truth::Truth,
+};
+
+use encoder::Encoder;
+pub use floor_camera::FloorCameraSensor;
+
+/// All sensors of the robot.
+pub struct Sensors {
+    encoder: Encoder,
+    encoder_period_s: f64,
+    n_encoder_readings: u64,
+    floor_camera: Option<FloorCameraSensor>,
+    /// Taken but not yet delivered.
+    on_the_way: Vec<Observation>,
+}
+
+/// A reading, with the truth behind it for those who may know.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// What the localizer gets.
+    pub reading: Reading,
+    /// Truth at the true time of the measurement.
+    pub truth: Truth,
+}
+
+impl Sensors {
+    /// Sensors of a run; a robot with a camera needs a renderer.
+    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn, renderer: Option<&mut Renderer>) -> Result<Self, RenderError> {
+        let floor_camera = match renderer {
+            Some(renderer) => FloorCameraSensor::new(scene, seed, drawn, renderer)?,
+            None => None,
+        };
+        Ok(Sensors {
+            encoder: Encoder::new(&scene.robot.encoders, seed),
+            encoder_period_s: scene.robot.encoders.period_s,
+            n_encoder_readings: 0,
+            floor_camera,
+            on_the_way: Vec::new(),
+        })
+    }
+
+    /// Looks at the world at one physics step; answers with what arrives at the localizer by then, in order of arrival.
+    pub fn observe(&mut self, truth: &Truth, renderer: Option<&mut Renderer>) -> Result<Vec<Observation>, RenderError> {
+        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        if truth.time_s + 0.0005 >= self.n_encoder_readings as f64 * self.encoder_period_s {
+            self.n_encoder_readings += 1;
+            let ticks = self.encoder.latch(truth);
+            let reading = Reading::Wheels { measured_s: truth.time_s, arrived_s: truth.time_s, ticks };
+            self.on_the_way.push(Observation { reading, truth: *truth });
+        }
+        if let (Some(camera), Some(renderer)) = (&mut self.floor_camera, renderer) {
+            self.on_the_way.extend(camera.observe(truth, renderer)?);
+        }
+        let (mut arrived, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.on_the_way)
+            .into_iter()
+            .partition(|observation| observation.reading.arrived_s() <= truth.time_s);
+        self.on_the_way = waiting;
+        arrived.sort_by(|a, b| a.reading.arrived_s().total_cmp(&b.reading.arrived_s()));
+        Ok(arrived)
+    }
+}

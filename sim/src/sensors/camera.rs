@@ -1,0 +1,223 @@
+//! The cameras' geometry and electronics: pose of the lens, light to electrons, exposure control.
+
+use std::f64::consts::PI;
+
+use image::GrayImage;
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
+
+use crate::{drawn::DrawnFloorCamera, scene::FloorCamera, truth::Truth};
+
+/// Photons at 555 nm per second, square metre and lux.
+///
+/// 1 lx = 1 lm/m² = (1/683) W/m² at 555 nm (the definition of the candela), and a photon carries
+/// h·c/λ = 6.62607e-34 · 2.99792e8 / 555e-9 = 3.5792e-19 J.
+const PHOTONS_PER_LUX_SECOND_M2: f64 = 1.0 / 683.0 / (6.626_070_15e-34 * 299_792_458.0 / 555e-9);
+
+/// A pinhole projection without distortion; image u right, v down, (0, 0) the centre of the first pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Intrinsics {
+    /// Image width and height.
+    pub size_px: [u32; 2],
+    /// Focal length.
+    pub focal_px: f64,
+    /// Where the optical axis meets the image.
+    pub principal_point_px: [f64; 2],
+}
+
+impl Intrinsics {
+    /// A lens in front of the middle of the image.
+    pub fn centred(size_px: [u32; 2], focal_px: f64) -> Intrinsics {
+        let principal_point_px = size_px.map(|size| (f64::from(size) - 1.0) / 2.0);
+        Intrinsics { size_px, focal_px, principal_point_px }
+    }
+
+    /// Image of a point in the camera frame, which must lie in front of it.
+    pub fn project(&self, point_in_camera: [f64; 3]) -> [f64; 2] {
+        let [x, y, z] = point_in_camera;
+        let [cu, cv] = self.principal_point_px;
+        [cu + self.focal_px * x / z, cv + self.focal_px * y / z]
+    }
+
+    /// Direction in the camera frame in which a pixel looks, at depth 1.
+    pub fn ray(&self, pixel: [f64; 2]) -> Vector3<f64> {
+        let [cu, cv] = self.principal_point_px;
+        vector![(pixel[0] - cu) / self.focal_px, (pixel[1] - cv) / self.focal_px, 1.0]
+    }
+
+    /// Where the ray of a pixel meets the floor plane of the world; `None` above the horizon.
+    pub fn floor_point(&self, world_from_camera: &Isometry3<f64>, pixel: [f64; 2]) -> Option<Point3<f64>> {
+        let ray = world_from_camera.rotation * self.ray(pixel);
+        let centre = world_from_camera.translation.vector;
+        (ray.z < 0.0).then(|| Point3::from(centre - ray * (centre.z / ray.z)))
+    }
+}
+
+/// What turns light into electrons and their number into noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Photosites {
+    /// Side of a square pixel.
+    pub pixel_pitch_m: f64,
+    /// Focal length over aperture.
+    pub f_number: f64,
+    /// Electrons per photon.
+    pub quantum_efficiency: f64,
+    /// Standard deviation of the read noise.
+    pub read_noise_electrons: f64,
+    /// Electrons at which a pixel saturates.
+    pub full_well_electrons: f64,
+}
+
+impl Photosites {
+    /// Electrons per cd/m² of the surface seen.
+    ///
+    /// The illuminance on the sensor is E = (π/4)·L/N² (thin lens, far object, no vignetting), and
+    /// electrons = E · pitch² · t · QE · photons per lux second and square metre.
+    pub fn electrons_per_luminance(&self, exposure_s: f64) -> f64 {
+        PI / 4.0 / self.f_number.powi(2)
+            * self.pixel_pitch_m.powi(2)
+            * exposure_s
+            * self.quantum_efficiency
+            * PHOTONS_PER_LUX_SECOND_M2
+    }
+}
+
+impl From<&FloorCamera> for Photosites {
+    fn from(camera: &FloorCamera) -> Photosites {
+        Photosites {
+            pixel_pitch_m: camera.pixel_pitch_m,
+            f_number: camera.f_number,
+            quantum_efficiency: camera.quantum_efficiency,
+            read_noise_electrons: camera.read_noise_electrons,
+            full_well_electrons: camera.full_well_electrons,
+        }
+    }
+}
+
+/// True projection of the floor camera.
+pub fn floor_camera_intrinsics(camera: &FloorCamera, drawn: &DrawnFloorCamera) -> Intrinsics {
+    Intrinsics::centred([camera.width_px, camera.height_px], drawn.focal_px)
+}
+
+/// Pose of the body: Rz(heading)·Ry(pitch)·Rx(roll) at (x, y, heave).
+pub fn world_from_body(truth: &Truth) -> Isometry3<f64> {
+    let [roll_rad, pitch_rad] = truth.tilt_rad;
+    Isometry3::from_parts(
+        Translation3::new(truth.pose.x_m, truth.pose.y_m, truth.heave_m),
+        // nalgebra's Euler angles are exactly this product.
+        UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, truth.pose.heading_rad),
+    )
+}
+
+/// Pose of the floor camera as it is truly mounted on the body's true posture.
+pub fn world_from_floor_camera(truth: &Truth, camera: &DrawnFloorCamera) -> Isometry3<f64> {
+    let [forward_m, left_m] = camera.position_m;
+    let tilt = vector![camera.tilt_rad[0], camera.tilt_rad[1], 0.0];
+    let body_from_mount = Isometry3::from_parts(
+        Translation3::new(forward_m, left_m, camera.height_m),
+        UnitQuaternion::from_scaled_axis(tilt) * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera.yaw_rad),
+    );
+    world_from_body(truth) * body_from_mount * mount_from_looking_down()
+}
+
+/// Nominal attitude: image right is robot right (−y), image down is robot backward (−x), forward is down (−z).
+fn mount_from_looking_down() -> UnitQuaternion<f64> {
+    let columns = Matrix3::new(0.0, -1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
+}
+
+/// How one image is exposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exposure {
+    /// Length of the exposure.
+    pub exposure_s: f64,
+    /// Grey levels per electron.
+    pub gain_levels_per_electron: f64,
+}
+
+/// Auto-exposure: each image is exposed by what the one before it measured, so that a switched lamp spoils one or two.
+#[derive(Clone, Debug)]
+pub struct AutoExposure {
+    max_exposure_s: f64,
+    gain_range: [f64; 2],
+    next: Exposure,
+}
+
+/// Mean grey level aimed at: below the middle of the range, as camera makers do, to leave room for highlights.
+const TARGET_MEAN_LEVEL: f64 = 110.0;
+/// No more than [`HIGHLIGHT_SHARE`] of the pixels shall be brighter than this, so that noise does not saturate.
+const HIGHLIGHT_LEVEL: f64 = 215.0;
+/// Share of the pixels that may be highlights.
+const HIGHLIGHT_SHARE: f64 = 0.005;
+/// An image that is saturated tells only that it got too much light; at most this much is taken off at once.
+const STRONGEST_STEP_DOWN: f64 = 8.0;
+/// A dark image is mostly noise; at most this much is put on at once.
+const STRONGEST_STEP_UP: f64 = 32.0;
+/// Shortest exposure of a global shutter of this class.
+const SHORTEST_EXPOSURE_S: f64 = 1e-5;
+/// The first image is exposed for a floor of albedo 0.5 under office light.
+const FIRST_ILLUMINANCE_LUX: f64 = 300.0;
+const FIRST_ALBEDO: f64 = 0.5;
+
+impl AutoExposure {
+    /// Set for the first image, which is exposed for office light.
+    pub fn new(camera: &FloorCamera) -> AutoExposure {
+        let photosites = Photosites::from(camera);
+        // Less gain would leave the upper grey levels without use; a well that is full reaches the last level.
+        let min_gain = 255.0 / photosites.full_well_electrons;
+        let gain_range = [min_gain.min(camera.max_gain_levels_per_electron), camera.max_gain_levels_per_electron];
+        let luminance = FIRST_ALBEDO * FIRST_ILLUMINANCE_LUX / PI;
+        let electrons_per_s = luminance * photosites.electrons_per_luminance(1.0);
+        let mut control = AutoExposure {
+            max_exposure_s: camera.exposure_s,
+            gain_range,
+            next: Exposure { exposure_s: camera.exposure_s, gain_levels_per_electron: gain_range[0] },
+        };
+        control.aim_at(TARGET_MEAN_LEVEL / electrons_per_s);
+        control
+    }
+
+    /// How the next image is exposed.
+    pub fn exposure(&self) -> Exposure {
+        self.next
+    }
+
+    /// Meters an image that was exposed by [`AutoExposure::exposure`].
+    pub fn meter(&mut self, image: &GrayImage) {
+        let pixels = image.as_raw();
+        let mut histogram = [0_usize; 256];
+        for &level in pixels {
+            histogram[usize::from(level)] += 1;
+        }
+        let sum: usize = histogram.iter().enumerate().map(|(level, count)| level * count).sum();
+        let mean = sum as f64 / pixels.len().max(1) as f64;
+        let highlight = level_exceeded_by(&histogram, HIGHLIGHT_SHARE * pixels.len() as f64);
+        let change = if highlight >= 255.0 {
+            // Clipped: the mean bounds the light only from below, so take off clearly more than it asks for.
+            (TARGET_MEAN_LEVEL / mean).min(1.0) * 0.6
+        } else {
+            (TARGET_MEAN_LEVEL / mean.max(0.1)).min(HIGHLIGHT_LEVEL / highlight.max(0.1))
+        };
+        let product = self.next.exposure_s * self.next.gain_levels_per_electron;
+        self.aim_at(product * change.clamp(1.0 / STRONGEST_STEP_DOWN, STRONGEST_STEP_UP));
+    }
+
+    /// Splits a product of exposure and gain: the longest exposure first, and a shorter one only when the gain is at its least.
+    fn aim_at(&mut self, product: f64) {
+        let [min_gain, max_gain] = self.gain_range;
+        let gain = (product / self.max_exposure_s).clamp(min_gain, max_gain);
+        let exposure_s = (product / gain).min(self.max_exposure_s).max(SHORTEST_EXPOSURE_S);
+        self.next = Exposure { exposure_s: exposure_s.min(self.max_exposure_s), gain_levels_per_electron: gain };
+    }
+}
+
+/// Lowest grey level that at most `count` pixels exceed.
+fn level_exceeded_by(histogram: &[usize; 256], count: f64) -> f64 {
+    let mut above = 0;
+    for level in (0..256_usize).rev() {
+        above += histogram[level];
+        if above as f64 > count {
+            return level as f64;
+        }
+    }
+    0.0
+}

@@ -1,0 +1,85 @@
+//! The result table: a line for each run, one for all seeds of a scene, one for each baseline.
+
+use serde_json::Value;
+
+use crate::figures::{Figures, figures};
+
+mod columns;
+mod layout;
+mod pool;
+
+pub use layout::{as_markdown, as_text};
+
+/// One run as its summary and its timing tell it.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Name of the scene.
+    pub scene: String,
+    /// The run's seed.
+    pub seed: u64,
+    /// Whether the scene's expectations were met.
+    pub passed: bool,
+    /// Everything measured.
+    pub figures: Figures,
+}
+
+/// One line of the table.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// Name of the scene.
+    pub scene: String,
+    /// Seed, number of seeds, or name of a baseline.
+    pub run: String,
+    /// `passed`, `FAILED`, or how many passed; empty for a baseline.
+    pub verdict: String,
+    /// What the cells show.
+    pub figures: Figures,
+}
+
+impl Outcome {
+    /// Reads `summary.json` and `timing.json`.
+    pub fn of(summary: &Value, timing: &Value) -> Outcome {
+        let mut measured = figures(summary);
+        for name in ["wall_s", "real_time_factor"] {
+            measured.extend(timing[name].as_f64().map(|value| (format!("timing.{name}"), value)));
+        }
+        Outcome {
+            scene: summary["scene"].as_str().unwrap_or_default().to_owned(),
+            seed: summary["seed"].as_u64().unwrap_or_default(),
+            passed: summary["verdict"]["passed"].as_bool().unwrap_or_default(),
+            figures: measured,
+        }
+    }
+}
+
+/// Lines for `outcomes`, scene by scene in order of appearance; `each_seed` for whether single runs have lines of their own.
+pub fn lines(outcomes: &[Outcome], each_seed: bool) -> Vec<Line> {
+    let mut scenes: Vec<&str> = Vec::new();
+    for outcome in outcomes {
+        if !scenes.contains(&outcome.scene.as_str()) {
+            scenes.push(&outcome.scene);
+        }
+    }
+    let of_scene = |scene: &str| outcomes.iter().filter(|outcome| outcome.scene == scene).collect::<Vec<_>>();
+    scenes.into_iter().flat_map(|scene| scene_lines(scene, &of_scene(scene), each_seed)).collect()
+}
+
+fn scene_lines(scene: &str, runs: &[&Outcome], each_seed: bool) -> Vec<Line> {
+    let line = |run: String, verdict: String, figures: Figures| Line { scene: scene.to_owned(), run, verdict, figures };
+    let mut lines = Vec::new();
+    if each_seed || runs.len() == 1 {
+        lines.extend(runs.iter().map(|run| {
+            let verdict = if run.passed { "passed" } else { "FAILED" };
+            line(format!("seed {}", run.seed), verdict.to_owned(), run.figures.clone())
+        }));
+    }
+    let pooled = pool::pool(&runs.iter().map(|run| &run.figures).collect::<Vec<_>>());
+    let baselines = pool::baselines(&pooled);
+    if runs.len() > 1 {
+        let passed = runs.iter().filter(|run| run.passed).count();
+        let verdict = format!("{passed}/{} passed", runs.len());
+        lines.push(line(format!("{} seeds", runs.len()), verdict, pooled));
+    }
+    lines.extend(baselines.into_iter().map(|(name, figures)| line(name, String::new(), figures)));
+    lines
+}

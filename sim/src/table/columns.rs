@@ -1,0 +1,70 @@
+//! The columns of the result table: what each is called and which figure it shows.
+
+use crate::figures::Figures;
+
+use super::Line;
+
+/// One column.
+pub(super) struct Column {
+    /// What it shows.
+    pub(super) heading: &'static str,
+    /// In what unit.
+    pub(super) unit: &'static str,
+    /// The text of a line's cell; empty when the line has no such figure.
+    pub(super) cell: fn(&Line) -> String,
+    /// Whether cells stand at the left.
+    pub(super) is_text: bool,
+}
+
+const fn text(heading: &'static str, cell: fn(&Line) -> String) -> Column {
+    Column { heading, unit: "", cell, is_text: true }
+}
+
+const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> String) -> Column {
+    Column { heading, unit, cell, is_text: false }
+}
+
+/// All columns, from left to right. Errors are those of the worst third of a run; widths are full widths, the wider of
+/// x and y, averaged over the run and just after a fix.
+pub(super) const COLUMNS: [Column; 17] = [
+    text("scene", |line| line.scene.clone()),
+    text("run", |line| line.run.clone()),
+    number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
+    number("contained", "%", |line| share(line.figures.get("containment.contained_share"))),
+    number("bound broken", "", |line| show(line, "containment.bound_broken", 1.0, 0)),
+    number("perception", "", |line| show(line, "containment.perception", 1.0, 0)),
+    number("unsound", "", |line| show(line, "containment.unsound", 1.0, 0)),
+    number("rmse x", "mm", |line| show(line, "error.x_m.rmse_worst_third", 1e3, 2)),
+    number("rmse y", "mm", |line| show(line, "error.y_m.rmse_worst_third", 1e3, 2)),
+    number("rmse heading", "°", |line| show(line, "error.heading_rad.rmse_worst_third", DEGREES, 3)),
+    number("width", "mm", |line| wider(&line.figures, "width")),
+    number("width", "°", |line| show(line, "width.heading_rad.mean", DEGREES, 2)),
+    number("at fix", "mm", |line| wider(&line.figures, "width.at_fix")),
+    number("at fix", "°", |line| show(line, "width.at_fix.heading_rad.mean", DEGREES, 2)),
+    number("available", "%", |line| share(line.figures.get("availability"))),
+    number("speed", "× real", |line| show(line, "timing.real_time_factor", 1.0, 1)),
+    text("verdict", |line| line.verdict.clone()),
+];
+
+const DEGREES: f64 = 180.0 / std::f64::consts::PI;
+
+fn show(line: &Line, figure: &str, scale: f64, digits: usize) -> String {
+    line.figures.get(figure).map(|value| format!("{:.digits$}", value * scale)).unwrap_or_default()
+}
+
+fn wider(figures: &Figures, width: &str) -> String {
+    let mean_m = |axis: &str| figures.get(&format!("{width}.{axis}.mean"));
+    match (mean_m("x_m"), mean_m("y_m")) {
+        (Some(x_m), Some(y_m)) => format!("{:.1}", 1e3 * x_m.max(*y_m)),
+        _ => String::new(),
+    }
+}
+
+/// A share in percent that says 100 only when nothing is missing.
+fn share(share: Option<&f64>) -> String {
+    match share {
+        None => String::new(),
+        Some(share) if *share >= 1.0 => "100".to_owned(),
+        Some(share) => format!("{:.2}", (share * 1e2).min(99.99)),
+    }
+}

@@ -1,0 +1,66 @@
+//! The figures of several runs as those of one.
+
+use std::collections::BTreeMap;
+
+use crate::figures::Figures;
+
+/// Figures over all `runs`: counts add up, root mean squares pool as squares, greatest values stay the greatest, and
+/// everything else is averaged over the runs that measured it.
+pub(super) fn pool(runs: &[&Figures]) -> Figures {
+    let mut by_name: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for (name, value) in runs.iter().flat_map(|figures| figures.iter()) {
+        by_name.entry(name).or_default().push(*value);
+    }
+    let mut pooled: Figures =
+        by_name.iter().map(|(name, values)| ((*name).to_owned(), combine(name, values))).collect();
+    derive(&mut pooled);
+    pooled
+}
+
+/// By name of each baseline in `figures`, its own figures under the names that the localizer's have.
+pub(super) fn baselines(figures: &Figures) -> BTreeMap<String, Figures> {
+    let mut baselines: BTreeMap<String, Figures> = BTreeMap::new();
+    for (name, value) in figures {
+        if let Some((baseline, figure)) = name.strip_prefix("baselines.").and_then(|name| name.split_once('.')) {
+            let figure = if figure.starts_with("error.") { figure.to_owned() } else { format!("error.{figure}") };
+            baselines.entry(baseline.to_owned()).or_default().insert(figure, *value);
+        }
+    }
+    baselines
+}
+
+fn combine(name: &str, values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let sum: f64 = values.iter().sum();
+    let last = name.rsplit('.').next().unwrap_or(name);
+    let is_count = name.starts_with("containment.") || name.starts_with("methods.") || name == "violations";
+    if is_count || name == "duration_s" || last == "wall_s" {
+        sum
+    } else if name.contains(".rmse") {
+        (values.iter().map(|value| value * value).sum::<f64>() / n).sqrt()
+    } else if last == "max" {
+        values.iter().fold(f64::NEG_INFINITY, |greatest, value| greatest.max(*value))
+    } else {
+        sum / n
+    }
+}
+
+/// Figures that follow from pooled ones rather than from each run's own.
+fn derive(pooled: &mut Figures) {
+    let quotient = |figures: &Figures, part: &str, whole: &str| Some(figures.get(part)? / figures.get(whole)?);
+    if let Some(share) = quotient(pooled, "containment.contained", "containment.checks") {
+        pooled.insert("containment.contained_share".to_owned(), share);
+    }
+    if let Some(factor) = quotient(pooled, "duration_s", "timing.wall_s") {
+        pooled.insert("timing.real_time_factor".to_owned(), factor);
+    }
+    let worst: Vec<(String, f64)> = pooled
+        .keys()
+        .filter_map(|name| name.strip_suffix("_worst_third"))
+        .map(|stem| {
+            let thirds = (1..=3).filter_map(|third| pooled.get(&format!("{stem}_by_third.{third}")));
+            (format!("{stem}_worst_third"), thirds.fold(f64::NEG_INFINITY, |worst, third| worst.max(*third)))
+        })
+        .collect();
+    pooled.extend(worst);
+}

@@ -1,0 +1,51 @@
+//! The true state of the world at an instant. It reaches the sensors, the check and the record, never the localizer.
+
+use localizer::Pose;
+
+/// True state of the robot.
+///
+/// `pose` is that of the body's origin, which lies under the middle of the axle at floor level when the body is at rest;
+/// its heading is unwrapped.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Truth {
+    /// Time since the start.
+    pub time_s: f64,
+    /// `world_from_robot` in the plane.
+    pub pose: Pose,
+    /// Forward speed, leftward speed and turn rate of the robot origin, robot frame.
+    pub velocity: [f64; 3],
+    /// Height of the robot origin above its height at rest.
+    pub heave_m: f64,
+    /// Rotation of the body about robot x (roll) and robot y (pitch) against the floor.
+    pub tilt_rad: [f64; 2],
+    /// Spin angle of the left and of the right wheel since the start.
+    pub wheel_angle_rad: [f64; 2],
+    /// True travel over the floor of the left and of the right wheel's contact point along the robot's x axis, accumulated.
+    pub wheel_travel_m: [f64; 2],
+    /// True travel of the robot origin along the robot's y axis, accumulated.
+    pub lateral_travel_m: f64,
+}
+
+impl Truth {
+    /// The state at `time_s` on the chord from this one to `later`.
+    pub fn interpolated(&self, later: &Truth, time_s: f64) -> Truth {
+        let span_s = later.time_s - self.time_s;
+        let share = if span_s > 0.0 { (time_s - self.time_s) / span_s } else { 0.0 };
+        let mix = |from: f64, to: f64| from + share * (to - from);
+        let mix2 = |from: [f64; 2], to: [f64; 2]| [mix(from[0], to[0]), mix(from[1], to[1])];
+        Truth {
+            time_s,
+            pose: Pose {
+                x_m: mix(self.pose.x_m, later.pose.x_m),
+                y_m: mix(self.pose.y_m, later.pose.y_m),
+                heading_rad: mix(self.pose.heading_rad, later.pose.heading_rad),
+            },
+            velocity: [0, 1, 2].map(|axis| mix(self.velocity[axis], later.velocity[axis])),
+            heave_m: mix(self.heave_m, later.heave_m),
+            tilt_rad: mix2(self.tilt_rad, later.tilt_rad),
+            wheel_angle_rad: mix2(self.wheel_angle_rad, later.wheel_angle_rad),
+            wheel_travel_m: mix2(self.wheel_travel_m, later.wheel_travel_m),
+            lateral_travel_m: mix(self.lateral_travel_m, later.lateral_travel_m),
+        }
+    }
+}

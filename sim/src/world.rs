@@ -1,0 +1,141 @@
+//! The physical world: a robot on its wheels in a walled room, in steps of 1 ms. Slip comes out of the tyres.
+//!
+//! rapier moves the body; wheels, tyres and springs are ours and act on it as forces, because wheels on joints creep and
+//! rolling cylinders scrub. In each step: what the floor is here, what the springs bear, what the tyres grip, what a hand
+//! pushes, then the body moves.
+
+use rapier3d_f64::prelude::Vector;
+
+use crate::{drawn::Drawn, scene::Scene, truth::Truth};
+
+mod chassis;
+mod drive;
+mod floor;
+mod odometer;
+mod push;
+mod support;
+pub mod tyre;
+
+use chassis::{BodyState, Chassis};
+use drive::Wheel;
+use floor::Floor;
+use odometer::Odometer;
+use push::{Push, Rolled};
+use support::Support;
+use tyre::Contact;
+
+/// Length of a step. Longer steps make the supports of a light robot unstable from 2.5 ms on.
+pub const STEP_S: f64 = 0.001;
+
+/// Steps in a second, so that times are quotients of whole numbers and never drift.
+pub const STEPS_PER_S: f64 = 1000.0;
+
+/// Standard gravity.
+const GRAVITY_M_PER_S2: f64 = 9.806_65;
+
+/// Wheel speeds that the drive is asked for, positive when rolling forward.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WheelCommand {
+    /// Left, right.
+    pub speed_rad_per_s: [f64; 2],
+}
+
+/// Robot, floor and walls.
+pub struct World {
+    chassis: Chassis,
+    wheels: [Wheel; 2],
+    supports: [Support; 4],
+    floor: Floor,
+    pushes: Vec<Push>,
+    /// How far the wheels rolled in this step, and what the floor gave them.
+    rolled: Rolled,
+    traction: Vector,
+    track_m: f64,
+    n_steps: u64,
+    odometer: Odometer,
+}
+
+impl World {
+    /// The scene's world at time 0: the robot at its drawn start, at rest on its wheels.
+    pub fn new(scene: &Scene, drawn: &Drawn) -> World {
+        let chassis = Chassis::new(scene, drawn);
+        let wheel = |radius_m| Wheel::new(radius_m, scene.robot.mass_kg, GRAVITY_M_PER_S2);
+        World {
+            odometer: Odometer::new(drawn, &chassis.state()),
+            chassis,
+            wheels: drawn.wheel_radius_m.map(wheel),
+            supports: Support::all(scene, drawn),
+            floor: Floor::new(scene),
+            pushes: Push::all(scene),
+            rolled: Rolled { forward_m: 0.0, turn_rad: 0.0 },
+            traction: Vector::ZERO,
+            track_m: drawn.track_m,
+            n_steps: 0,
+        }
+    }
+
+    /// Advances by [`STEP_S`] under a command and returns the truth after it.
+    pub fn step(&mut self, command: WheelCommand) -> Truth {
+        let time_s = self.n_steps as f64 / STEPS_PER_S;
+        self.floor.advance_to(time_s);
+        let body = self.chassis.state();
+        self.chassis.release();
+        self.bear(&body, command);
+        self.shove(&body, time_s);
+        self.chassis.advance(&body);
+        self.n_steps += 1;
+        let time_s = self.n_steps as f64 / STEPS_PER_S;
+        self.odometer.advance(time_s, &self.chassis.state(), &self.wheels)
+    }
+
+    /// The truth now.
+    pub fn truth(&self) -> Truth {
+        self.odometer.truth()
+    }
+
+    /// Supports bear the body, and driven wheels pull at it.
+    fn bear(&mut self, body: &BodyState, command: WheelCommand) {
+        let robot_left = body.world_from_robot.rotation * Vector::Y;
+        let mut rolled_m = [0.0; 2];
+        self.traction = Vector::ZERO;
+        for (support_idx, support) in self.supports.iter().enumerate() {
+            let (foot, load_n) = support.load(body);
+            let mut force = Vector::new(0.0, 0.0, load_n);
+            // The first two supports are the wheels; casters roll without friction.
+            if let Some(wheel) = self.wheels.get_mut(support_idx) {
+                let contact = Contact {
+                    velocity_m_per_s: body.coming.over_floor(body, foot),
+                    load_n,
+                    friction: self.floor.at(foot.x, foot.y).friction,
+                };
+                let before_rad = wheel.angle_rad;
+                let traction = wheel.advance(command.speed_rad_per_s[support_idx], &contact, STEP_S);
+                rolled_m[support_idx] = (wheel.angle_rad - before_rad) * wheel.radius_m;
+                let grip = body.forward * traction.force_n[0] + body.left * traction.force_n[1];
+                force += grip;
+                self.traction += grip;
+                self.chassis.twist(robot_left * traction.reaction_n_m);
+            }
+            self.chassis.push(force, foot);
+        }
+        self.rolled = Rolled {
+            forward_m: 0.5 * (rolled_m[0] + rolled_m[1]),
+            turn_rad: (rolled_m[1] - rolled_m[0]) / self.track_m,
+        };
+    }
+
+    /// Hands push the body: low against the tyres' grip, at the centre of mass for the rest, so that it stays level.
+    fn shove(&mut self, body: &BodyState, time_s: f64) {
+        let [left_m, right_m] = [0, 1].map(|wheel_idx: usize| self.wheels[wheel_idx].patch.deflection_m());
+        let deflection = (body.forward * (left_m[0] + right_m[0]) + body.left * (left_m[1] + right_m[1])) * 0.5;
+        let heading_rad = self.odometer.truth().pose.heading_rad;
+        for push in &mut self.pushes {
+            let act = push.act(time_s, body, heading_rad, deflection, self.rolled, STEP_S);
+            if let Some((force_n, torque_n_m)) = act {
+                self.chassis.push(-self.traction, body.world_from_robot.translation);
+                self.chassis.push(force_n + self.traction, self.chassis.centre_of_mass());
+                self.chassis.twist(Vector::new(0.0, 0.0, torque_n_m));
+            }
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! The robot's body in rapier: one rigid body, the room's walls, nothing of the wheels.
+//!
+//! rapier's vector types stay inside `world`. Frame `robot` is the frame of the rigid body.
+
+use rapier3d_f64::prelude::*;
+
+use crate::{drawn::Drawn, scene::Scene};
+
+use super::{GRAVITY_M_PER_S2, STEP_S};
+
+/// Height of the centre of mass over the body's radius: batteries low, a deck above.
+const CENTRE_OF_MASS_OVER_RADIUS: f64 = 0.5;
+
+/// How much wider the collider is than the body, so that the softness of rapier's contacts never lets the body itself
+/// into a wall: at 0.5 m/s and with both motors pushing it sinks in by less than a fifth of this.
+const SKIN_M: f64 = 0.001;
+
+/// Thickness of the walls; a body that were driven deeper than half of it would come out behind.
+const WALL_THICKNESS_M: f64 = 1.0;
+
+/// Distance at which rapier prepares contacts. Its own 20 mm would cost a contact's time all along a wall.
+const PREDICTION_M: f64 = 0.005;
+
+/// Friction between body and wall: smooth plastic on plaster.
+const WALL_FRICTION: f64 = 0.2;
+
+/// The body and all that it can run into.
+pub(super) struct Chassis {
+    physics: PhysicsWorld,
+    body: RigidBodyHandle,
+    /// Velocity of the robot origin and angular velocity before the last step, world frame.
+    before: [Vector; 2],
+}
+
+/// Where the body is and how it moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BodyState {
+    /// `world_from_robot`.
+    pub(super) world_from_robot: Pose,
+    /// Velocity of the robot origin, world frame.
+    pub(super) velocity_m_per_s: Vector,
+    /// Angular velocity, world frame.
+    pub(super) turn_rad_per_s: Vector,
+    /// Unit vector in the floor plane along robot x, world frame.
+    pub(super) forward: Vector,
+    /// Unit vector in the floor plane to the left of `forward`, world frame.
+    pub(super) left: Vector,
+    /// The step that comes, if forces stay as they are.
+    pub(super) coming: Coming,
+}
+
+/// Motion of the body halfway through the coming step.
+///
+/// rapier moves a body by the velocity after a step, so that the velocity at hand belongs to the middle of the last
+/// step. Rolling that is compared with it would slip by `a·Δt` and sideways by `v·ω·Δt/2`, as much as tyres do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coming {
+    velocity_m_per_s: Vector,
+    turn_rad_per_s: Vector,
+    forward: Vector,
+}
+
+impl Chassis {
+    /// The body at its drawn start, at rest, in the room.
+    pub(super) fn new(scene: &Scene, drawn: &Drawn) -> Self {
+        let mut physics = PhysicsWorld::new();
+        physics.gravity = Vector::new(0.0, 0.0, -GRAVITY_M_PER_S2);
+        let parameters = &mut physics.integration_parameters;
+        parameters.dt = STEP_S;
+        parameters.normalized_prediction_distance = PREDICTION_M;
+        // Recycled contacts may be stale by more than the tolerances of this world.
+        parameters.contact_recycling = false;
+        // rapier's own 60 Hz at ten times critical damping lets a body that is pushed at 2 m/s 3 mm into the wall.
+        parameters.static_contact_softness = SpringCoefficients::new(300.0, 2.0);
+        // One substep: the forces of tyres and springs are constant during a step anyway.
+        parameters.num_solver_iterations = 1;
+        // Nothing here is fast against its size.
+        parameters.max_ccd_substeps = 0;
+        build_walls(&mut physics, scene);
+        let start = drawn.start;
+        let body = RigidBodyBuilder::dynamic()
+            .translation(Vector::new(start.x_m, start.y_m, 0.0))
+            .rotation(Vector::new(0.0, 0.0, start.heading_rad))
+            .additional_mass_properties(mass_properties(scene))
+            .can_sleep(false)
+            .build();
+        let body = physics.bodies.insert(body);
+        let radius_m = scene.robot.body_radius_m;
+        // rapier's cylinders stand along y.
+        let collider = ColliderBuilder::cylinder(0.4 * radius_m, radius_m + SKIN_M)
+            .rotation(Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0))
+            .translation(Vector::new(0.0, 0.0, CENTRE_OF_MASS_OVER_RADIUS * radius_m))
+            .density(0.0)
+            .friction(WALL_FRICTION)
+            .build();
+        physics.colliders.insert_with_parent(collider, body, &mut physics.bodies);
+        Chassis { physics, body, before: [Vector::ZERO; 2] }
+    }
+
+    /// State after the last step.
+    pub(super) fn state(&self) -> BodyState {
+        let body = &self.physics.bodies[self.body];
+        let world_from_robot = *body.position();
+        let robot_x = world_from_robot.rotation * Vector::X;
+        let forward = Vector::new(robot_x.x, robot_x.y, 0.0).normalize();
+        let left = Vector::new(-forward.y, forward.x, 0.0);
+        let (velocity_m_per_s, turn_rad_per_s) = (body.velocity_at_point(world_from_robot.translation), body.angvel());
+        let coming = Coming {
+            velocity_m_per_s: velocity_m_per_s * 2.0 - self.before[0],
+            turn_rad_per_s: turn_rad_per_s * 2.0 - self.before[1],
+            forward: (forward + left * (0.5 * STEP_S * turn_rad_per_s.z)).normalize(),
+        };
+        BodyState { world_from_robot, velocity_m_per_s, turn_rad_per_s, forward, left, coming }
+    }
+
+    /// The centre of mass, world frame.
+    pub(super) fn centre_of_mass(&self) -> Vector {
+        self.physics.bodies[self.body].center_of_mass()
+    }
+
+    /// Takes away the forces of the last step, which rapier would keep.
+    pub(super) fn release(&mut self) {
+        let body = &mut self.physics.bodies[self.body];
+        body.reset_forces(false);
+        body.reset_torques(false);
+    }
+
+    /// Adds a force at a point during the next step, both in the world frame.
+    pub(super) fn push(&mut self, force_n: Vector, point_m: Vector) {
+        self.physics.bodies[self.body].add_force_at_point(force_n, point_m, false);
+    }
+
+    /// Adds a torque during the next step, world frame.
+    pub(super) fn twist(&mut self, torque_n_m: Vector) {
+        self.physics.bodies[self.body].add_torque(torque_n_m, false);
+    }
+
+    /// Advances by one step.
+    pub(super) fn advance(&mut self, now: &BodyState) {
+        self.before = [now.velocity_m_per_s, now.turn_rad_per_s];
+        self.physics.step();
+    }
+}
+
+impl BodyState {
+    /// A point of the robot frame in the world.
+    pub(super) fn world_point(&self, point_in_robot: Vector) -> Vector {
+        self.world_from_robot.translation + self.world_from_robot.rotation * point_in_robot
+    }
+
+    /// Velocity of a point of the body, world frame.
+    pub(super) fn velocity_at(&self, point_in_world: Vector) -> Vector {
+        self.velocity_m_per_s + self.turn_rad_per_s.cross(point_in_world - self.world_from_robot.translation)
+    }
+}
+
+impl Coming {
+    /// Velocity of a point over the floor: forward, left.
+    pub(super) fn over_floor(&self, body: &BodyState, point_in_world: Vector) -> [f64; 2] {
+        let lever = point_in_world - body.world_from_robot.translation;
+        let velocity = self.velocity_m_per_s + self.turn_rad_per_s.cross(lever);
+        let left = Vector::new(-self.forward.y, self.forward.x, 0.0);
+        [velocity.dot(self.forward), velocity.dot(left)]
+    }
+}
+
+/// An upright homogeneous cylinder whose centre is over the middle of the axle.
+fn mass_properties(scene: &Scene) -> MassProperties {
+    let (mass_kg, radius_m) = (scene.robot.mass_kg, scene.robot.body_radius_m);
+    let centre_m = CENTRE_OF_MASS_OVER_RADIUS * radius_m;
+    let height_m = 2.0 * centre_m;
+    let upright_kg_m2 = mass_kg * radius_m * radius_m / 2.0;
+    let level_kg_m2 = mass_kg * (3.0 * radius_m * radius_m + height_m * height_m) / 12.0;
+    MassProperties::new(Vector::new(0.0, 0.0, centre_m), mass_kg, Vector::new(level_kg_m2, level_kg_m2, upright_kg_m2))
+}
+
+fn build_walls(physics: &mut PhysicsWorld, scene: &Scene) {
+    let (half_x_m, half_y_m) = (0.5 * scene.room.width_m, 0.5 * scene.room.depth_m);
+    let half_thick_m = 0.5 * WALL_THICKNESS_M;
+    let height_m = 2.0;
+    // Centre in world and half extents of each wall; those along x cover the corners.
+    let along_x = [-half_thick_m, 2.0 * half_y_m + half_thick_m]
+        .map(|y_m| ([half_x_m, y_m], [half_x_m + WALL_THICKNESS_M, half_thick_m]));
+    let along_y = [-half_thick_m, 2.0 * half_x_m + half_thick_m].map(|x_m| ([x_m, half_y_m], [half_thick_m, half_y_m]));
+    for ([x_m, y_m], [extent_x_m, extent_y_m]) in along_x.into_iter().chain(along_y) {
+        let wall = ColliderBuilder::cuboid(extent_x_m, extent_y_m, 0.5 * height_m)
+            .translation(Vector::new(x_m, y_m, 0.5 * height_m))
+            .friction(WALL_FRICTION)
+            .build();
+        physics.colliders.insert(wall);
+    }
+}

@@ -1,0 +1,114 @@
+//! A driven wheel: motor, spin and tyre, in quarter-millisecond substeps.
+
+use super::tyre::{Contact, Patch, Tyre};
+
+/// Substeps of a wheel in one step of the world: a wheel on its tyre oscillates at some 30 Hz against a stiff motor.
+const SUBSTEPS: u32 = 4;
+
+/// Inertia of a wheel with its geared rotor, as a share of robot mass at the tread: 0.0086 kg·m² for the P3-DX.
+const INERTIA_SHARE: f64 = 0.1;
+
+/// Bandwidth of the speed controller against half the robot's mass: fast enough to be unseen at 10 ms, slow enough not to
+/// ring with the tyre.
+const SPEED_BANDWIDTH_PER_S: f64 = 60.0;
+
+/// Proportional over integral gain: what a steady load pushes back is recovered in this time.
+const INTEGRAL_TIME_S: f64 = 0.1;
+
+/// Greatest force of one motor at the tread over the robot's weight. Both wheels together hold against any friction
+/// below 1.2, so that a pushed robot slides rather than turns its motors.
+const FORCE_LIMIT_OVER_WEIGHT: f64 = 0.5;
+
+/// Time constant with which the set-point follows the command, so that commands 10 ms apart make a smooth acceleration.
+const SETPOINT_LAG_S: f64 = 0.02;
+
+/// One driven wheel.
+#[derive(Clone, Debug)]
+pub(super) struct Wheel {
+    /// True rolling radius.
+    pub(super) radius_m: f64,
+    /// Spin angle since the start, positive when rolling forward.
+    pub(super) angle_rad: f64,
+    /// Spin.
+    pub(super) spin_rad_per_s: f64,
+    /// Tyre on the floor.
+    pub(super) patch: Patch,
+    tyre: Tyre,
+    inertia_kg_m2: f64,
+    motor: Motor,
+}
+
+/// What a wheel gives to the body over a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Traction {
+    /// Mean force of the floor at the patch: forward, left.
+    pub(super) force_n: [f64; 2],
+    /// Mean torque that the wheel's own spinning up takes from the body, about the axle.
+    pub(super) reaction_n_m: f64,
+}
+
+impl Wheel {
+    /// A wheel at rest under a robot of this mass.
+    pub(super) fn new(radius_m: f64, robot_mass_kg: f64, gravity_m_per_s2: f64) -> Self {
+        let inertia_kg_m2 = INERTIA_SHARE * robot_mass_kg * radius_m * radius_m;
+        let driven_kg_m2 = inertia_kg_m2 + 0.5 * robot_mass_kg * radius_m * radius_m;
+        let limit_n_m = FORCE_LIMIT_OVER_WEIGHT * robot_mass_kg * gravity_m_per_s2 * radius_m;
+        Wheel {
+            radius_m,
+            angle_rad: 0.0,
+            spin_rad_per_s: 0.0,
+            patch: Patch::default(),
+            tyre: Tyre::default(),
+            inertia_kg_m2,
+            motor: Motor::new(SPEED_BANDWIDTH_PER_S * driven_kg_m2, limit_n_m),
+        }
+    }
+
+    /// Turns the wheel for one step of the world.
+    pub(super) fn advance(&mut self, commanded_rad_per_s: f64, contact: &Contact, step_s: f64) -> Traction {
+        let substep_s = step_s / f64::from(SUBSTEPS);
+        let mut mean = Traction::default();
+        for _ in 0..SUBSTEPS {
+            let torque_n_m = self.motor.torque(commanded_rad_per_s, self.spin_rad_per_s, substep_s);
+            let force_n = self.patch.force_n(&self.tyre, contact);
+            // I·Ω̇ = T − R·F_x, then the angle and the bristles by the new spin: both must see the same rolling, or every
+            // acceleration would slip by half a substep's worth.
+            let surplus_n_m = torque_n_m - self.radius_m * force_n[0];
+            self.spin_rad_per_s += surplus_n_m / self.inertia_kg_m2 * substep_s;
+            self.angle_rad += self.spin_rad_per_s * substep_s;
+            self.patch.advance(&self.tyre, contact, self.radius_m * self.spin_rad_per_s, substep_s);
+            mean.force_n[0] += force_n[0] / f64::from(SUBSTEPS);
+            mean.force_n[1] += force_n[1] / f64::from(SUBSTEPS);
+            mean.reaction_n_m -= surplus_n_m / f64::from(SUBSTEPS);
+        }
+        mean
+    }
+}
+
+/// A motor under proportional-integral control of its speed, limited in torque.
+#[derive(Clone, Debug)]
+struct Motor {
+    gain_n_m_s: f64,
+    limit_n_m: f64,
+    setpoint_rad_per_s: f64,
+    integral_n_m: f64,
+}
+
+impl Motor {
+    fn new(gain_n_m_s: f64, limit_n_m: f64) -> Self {
+        Motor { gain_n_m_s, limit_n_m, setpoint_rad_per_s: 0.0, integral_n_m: 0.0 }
+    }
+
+    fn torque(&mut self, commanded_rad_per_s: f64, spin_rad_per_s: f64, step_s: f64) -> f64 {
+        self.setpoint_rad_per_s += (commanded_rad_per_s - self.setpoint_rad_per_s) * step_s / SETPOINT_LAG_S;
+        let error_rad_per_s = self.setpoint_rad_per_s - spin_rad_per_s;
+        let proportional_n_m = self.gain_n_m_s * error_rad_per_s;
+        let wanted_n_m = proportional_n_m + self.integral_n_m;
+        let torque_n_m = wanted_n_m.clamp(-self.limit_n_m, self.limit_n_m);
+        // A saturated motor stops integrating; else a wheel held at a wall would race once it is freed.
+        if torque_n_m == wanted_n_m {
+            self.integral_n_m += proportional_n_m * step_s / INTEGRAL_TIME_S;
+        }
+        torque_n_m
+    }
+}

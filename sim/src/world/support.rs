@@ -1,0 +1,59 @@
+//! What the body stands on: damped springs under the wheels and under two frictionless casters.
+
+use rapier3d_f64::prelude::Vector;
+
+use crate::{drawn::Drawn, scene::Scene};
+
+use super::{GRAVITY_M_PER_S2, chassis::BodyState};
+
+/// Stiffness of a support per robot mass: 30 kN/m under 9 kg, so that a wheel's tyre yields by 1.2 mm.
+const STIFFNESS_PER_KG: f64 = 30_000.0 / 9.0;
+
+/// Damping of a support per robot mass: 500 N·s/m under 9 kg, about critical for heave.
+const DAMPING_PER_KG: f64 = 500.0 / 9.0;
+
+/// Share of the weight on the drive wheels; the casters bear the rest. Less means less traction and more slip.
+const WHEEL_SHARE: f64 = 0.85;
+
+/// Distance of the casters from the axle over the body's radius. Closer ones let the body pitch more.
+const CASTER_OVER_RADIUS: f64 = 0.8;
+
+/// One spring between body and floor.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Support {
+    /// Where it touches the floor with the body at rest, robot frame.
+    pub(super) foot_in_robot: Vector,
+    rest_load_n: f64,
+    stiffness_n_per_m: f64,
+    damping_n_s_per_m: f64,
+}
+
+impl Support {
+    /// Left wheel, right wheel, front caster, rear caster; together they bear the weight with the body level.
+    pub(super) fn all(scene: &Scene, drawn: &Drawn) -> [Support; 4] {
+        let robot = &scene.robot;
+        let half_track_m = 0.5 * drawn.track_m;
+        let caster_m = CASTER_OVER_RADIUS * robot.body_radius_m;
+        let weight_n = robot.mass_kg * GRAVITY_M_PER_S2;
+        let support = |x_m: f64, y_m: f64, share: f64| Support {
+            foot_in_robot: Vector::new(x_m, y_m, 0.0),
+            rest_load_n: 0.5 * share * weight_n,
+            stiffness_n_per_m: STIFFNESS_PER_KG * robot.mass_kg,
+            damping_n_s_per_m: DAMPING_PER_KG * robot.mass_kg,
+        };
+        [
+            support(0.0, half_track_m, WHEEL_SHARE),
+            support(0.0, -half_track_m, WHEEL_SHARE),
+            support(caster_m, 0.0, 1.0 - WHEEL_SHARE),
+            support(-caster_m, 0.0, 1.0 - WHEEL_SHARE),
+        ]
+    }
+
+    /// Where it touches the floor, and the vertical force of the floor there: `N = N₀ − k·z − c·ż`, never pulling.
+    pub(super) fn load(&self, body: &BodyState) -> (Vector, f64) {
+        let foot = body.world_point(self.foot_in_robot);
+        let rise_m_per_s = body.velocity_at(foot).z;
+        let load_n = self.rest_load_n - self.stiffness_n_per_m * foot.z - self.damping_n_s_per_m * rise_m_per_s;
+        (foot, load_n.max(0.0))
+    }
+}

@@ -1,0 +1,151 @@
+use std::{fs, process::Command};
+
+use serde_json::Value;
+
+use crate::command::{blind_scene, folder, outcome, wherein};
+
+#[test]
+fn met_expectations_end_with_code_0_and_a_table() {
+    let folder = folder("met");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "[expect]\nunsound = 0\n")).unwrap();
+    let (code, stdout, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml", "--seeds", "2..5"]));
+    assert_eq!(code, 0, "{stderr}");
+    for part in ["seed 2", "seed 3", "seed 4", "3 seeds", "3/3 passed", "odometry"] {
+        assert!(stdout.contains(part), "`{part}` is missing in:\n{stdout}");
+    }
+    assert!(!stdout.contains("seed 5"), "--seeds is half open");
+}
+
+#[test]
+fn a_missed_expectation_ends_with_code_1_and_a_command_that_replays_it() {
+    let folder = folder("missed");
+    let scenes = folder.join("its own place");
+    fs::create_dir(&scenes).unwrap();
+    fs::write(scenes.join("a scene.toml"), blind_scene(1.0, "[expect]\ncontainment.checks = 1\n")).unwrap();
+    let (code, _, stderr) =
+        outcome(&mut wherein(&folder, &["run", "its own place", "--seed", "6", "--out", "my results"]));
+    assert_eq!(code, 1, "{stderr}");
+    assert!(stderr.contains("FAILED a scene seed 6"), "{stderr}");
+    assert!(stderr.contains("containment.checks is "), "{stderr}");
+    let replay = stderr.lines().find_map(|line| line.trim().strip_prefix("replay: ")).unwrap();
+    if cfg!(unix) {
+        let (code, _, again) = outcome(Command::new("sh").arg("-c").arg(replay).current_dir(&folder));
+        assert_eq!(code, 1, "{again}");
+        assert!(again.contains("FAILED a scene seed 6"), "{again}");
+    }
+}
+
+#[test]
+fn equal_seeds_give_equal_summaries_in_two_processes_and_others_do_not() {
+    let folder = folder("equal");
+    fs::write(folder.join("scene.toml"), blind_scene(2.0, "")).unwrap();
+    for out in ["one", "two"] {
+        assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml", "--seeds", "0..2", "--out", out])).0, 0);
+    }
+    let read = |place: &str| fs::read_to_string(folder.join(place)).unwrap();
+    for file in ["summary.json", "boxes.csv", "truth.tum", "estimate.tum"] {
+        assert_eq!(read(&format!("one/scene/1/{file}")), read(&format!("two/scene/1/{file}")), "{file}");
+    }
+    let digest = |seed: u64, name: &str| -> Value {
+        let summary: Value = serde_json::from_str(&read(&format!("one/scene/{seed}/summary.json"))).unwrap();
+        summary["digest"][name].clone()
+    };
+    for name in ["truth", "readings", "estimates"] {
+        assert_eq!(digest(0, name).as_str().unwrap().len(), 64, "a SHA-256 has 64 hexadecimal digits");
+        assert_ne!(digest(0, name), digest(1, name), "{name}");
+    }
+    assert_eq!(digest(0, "scene"), digest(1, "scene"));
+}
+
+#[test]
+fn json_is_the_summaries_as_recorded() {
+    let folder = folder("json");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &["run", "scene.toml", "--seeds", "0..2", "--json"]));
+    assert_eq!(code, 0);
+    let printed: Vec<Value> = serde_json::from_str(&stdout).unwrap();
+    let recorded = |seed: u64| -> Value {
+        let text = fs::read_to_string(folder.join(format!("renders/scene/{seed}/summary.json"))).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    assert_eq!(printed, [recorded(0), recorded(1)]);
+}
+
+#[test]
+fn resume_runs_only_what_is_not_recorded_for_the_same_scene() {
+    let folder = folder("resume");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    let run = || assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml", "--seeds", "0..2", "--resume"])).0, 0);
+    // Wall-clock time tells one run from another.
+    let timing = |seed: u64| fs::read_to_string(folder.join(format!("renders/scene/{seed}/timing.json"))).unwrap();
+    run();
+    let first = [timing(0), timing(1)];
+    fs::remove_dir_all(folder.join("renders/scene/1")).unwrap();
+    run();
+    assert_eq!(timing(0), first[0], "seed 0 was run again");
+    assert_ne!(timing(1), first[1], "seed 1 was not run again");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "[floor]\nfriction = 0.7\n")).unwrap();
+    run();
+    assert_ne!(timing(0), first[0], "another scene was taken for the same");
+}
+
+#[test]
+fn a_run_replaces_what_an_earlier_one_left() {
+    let folder = folder("replace");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    let left = folder.join("renders/scene/0");
+    fs::create_dir_all(&left).unwrap();
+    fs::write(left.join("figure_00000.png"), "of an earlier run").unwrap();
+    assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml"])).0, 0);
+    let mut names: Vec<String> =
+        fs::read_dir(&left).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    assert_eq!(names, ["boxes.csv", "estimate.tum", "summary.json", "timing.json", "truth.tum"]);
+    assert_eq!(fs::read_dir(folder.join("renders/scene")).unwrap().count(), 1, "something was left beside the run");
+}
+
+#[test]
+fn a_table_goes_between_the_markers_of_a_document() {
+    let folder = folder("table");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    fs::write(folder.join("page.md"), "before\n<!-- results:begin -->\nold\n<!-- results:end -->\nafter\n").unwrap();
+    assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml", "--seeds", "0..3"])).0, 0);
+    assert_eq!(outcome(&mut wherein(&folder, &["table", "renders", "--into", "page.md"])).0, 0);
+    let page = fs::read_to_string(folder.join("page.md")).unwrap();
+    assert!(page.starts_with("before\n<!-- results:begin -->\n"), "{page}");
+    assert!(page.ends_with("<!-- results:end -->\nafter\n"), "{page}");
+    assert!(page.contains("| scene | 3 seeds |") && !page.contains("old"), "{page}");
+}
+
+#[test]
+fn a_document_without_markers_is_refused_and_left_alone() {
+    let folder = folder("markers");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    fs::write(folder.join("page.md"), "nothing to fill in\n").unwrap();
+    assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml"])).0, 0);
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["table", "renders", "--into", "page.md"]));
+    assert_eq!(code, 2);
+    assert!(stderr.contains("page.md") && stderr.contains("<!-- results:begin -->"), "{stderr}");
+    assert_eq!(fs::read_to_string(folder.join("page.md")).unwrap(), "nothing to fill in\n");
+}
+
+#[test]
+fn two_scenes_of_one_name_are_refused() {
+    let folder = folder("same_name");
+    for place in ["a", "b"] {
+        fs::create_dir(folder.join(place)).unwrap();
+        fs::write(folder.join(place).join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    }
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "a", "b"]));
+    assert_eq!(code, 2);
+    assert!(stderr.contains("both are scenes named `scene`"), "{stderr}");
+}
+
+#[test]
+fn help_teaches_by_example() {
+    let (code, stdout, _) = outcome(&mut wherein(&folder("help"), &["run", "--help"]));
+    assert_eq!(code, 0);
+    for part in ["--seeds <A..B>", "summary.json", "unsound"] {
+        assert!(stdout.contains(part), "`{part}` is missing in:\n{stdout}");
+    }
+}

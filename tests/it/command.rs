@@ -1,0 +1,39 @@
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+/// A folder that a test has to itself, empty at first.
+pub(crate) fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    path
+}
+
+/// The root of the repository.
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+/// `wherein` with these arguments, in `folder`.
+pub(crate) fn wherein(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wherein-under-test"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+/// The exit code, standard output and standard error of a command.
+pub(crate) fn outcome(command: &mut Command) -> (i32, String, String) {
+    let Output { status, stdout, stderr } = command.output().unwrap();
+    (status.code().unwrap(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
+}
+
+/// A scene without a camera, so that a run takes milliseconds. `more` follows its tables.
+pub(crate) fn blind_scene(duration_s: f64, more: &str) -> String {
+    format!(
+        "duration_s = {duration_s}\n[room]\nwidth_m = 3.0\ndepth_m = 2.0\n[robot]\nfloor_camera = false\n\
+         [start]\nx_m = 0.6\ny_m = 0.6\n[[route.waypoint]]\nx_m = 2.4\ny_m = 1.2\n{more}"
+    )
+}

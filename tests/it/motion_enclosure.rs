@@ -1,0 +1,130 @@
+//! The wheels' enclosure against motion integrated in steps a hundred times finer, with slip at the corner of its bounds.
+
+use localizer::{
+    Interval, PoseBox,
+    motion::{WheelHistory, moved},
+    robot::{Reach, WheelModel},
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const FINE_S: f64 = 1e-4;
+const REACH: Reach = Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 2.0 };
+
+fn wheels() -> WheelModel {
+    WheelModel {
+        radius_m: [Interval::centred(0.0975, 0.0002), Interval::centred(0.0975, 0.0002)],
+        track_m: Interval::centred(0.33, 0.001),
+        ticks_per_turn: 19_150.0,
+        slip_ratio: 0.005,
+        slip_floor_m: 0.0001,
+        side_slip_ratio: 0.006,
+        side_slip_floor_m: 0.0001,
+        slip_window_s: 0.2,
+    }
+}
+
+/// One random drive: true poses and readings every 10 ms.
+struct Drive {
+    history: WheelHistory,
+    poses: Vec<[f64; 3]>,
+}
+
+fn drive(rng: &mut ChaCha8Rng, n_readings: usize, slip_share: f64) -> Drive {
+    let model = wheels();
+    let radius_m: [f64; 2] = std::array::from_fn(|_| 0.0975 + 0.0002 * corner(rng));
+    let track_m = 0.33 + 0.001 * corner(rng);
+    let slip: [f64; 2] = std::array::from_fn(|_| slip_share * model.slip_ratio * corner(rng));
+    let side = slip_share * model.side_slip_ratio * corner(rng);
+    let phase: [f64; 2] = std::array::from_fn(|_| rng.random::<f64>());
+    let mut history = WheelHistory::new(10.0);
+    let (mut pose, mut rolled_m) = ([0.3, -0.2, rng.random_range(-20.0..20.0)], [0.0; 2]);
+    let mut speed: [f64; 2] = std::array::from_fn(|_| rng.random_range(-0.5..0.5));
+    let mut acceleration = [0.0; 2];
+    let mut poses = Vec::new();
+    for reading in 0..n_readings {
+        let ticks =
+            [0, 1].map(|w| (rolled_m[w] / radius_m[w] / std::f64::consts::TAU * 19_150.0 + phase[w]).floor() as i64);
+        history.push(reading as f64 * 0.01, ticks);
+        poses.push(pose);
+        if reading % 7 == 0 {
+            // A little below the declared acceleration, since slip adds to that of the wheel.
+            acceleration = std::array::from_fn(|_| rng.random_range(-1.9..1.9));
+        }
+        for _ in 0..100 {
+            for w in 0..2 {
+                speed[w] = (speed[w] + acceleration[w] * FINE_S).clamp(-0.5, 0.5);
+            }
+            let travel = [0, 1].map(|w| speed[w] * (1.0 + slip[w]) * FINE_S);
+            let (forward, turn) = (0.5 * (travel[0] + travel[1]), (travel[1] - travel[0]) / track_m);
+            let lateral = side * 0.5 * (speed[0].abs() + speed[1].abs()) * FINE_S;
+            let (sin, cos) = (pose[2] + 0.5 * turn).sin_cos();
+            pose = [pose[0] + forward * cos - lateral * sin, pose[1] + forward * sin + lateral * cos, pose[2] + turn];
+            (0..2).for_each(|w| rolled_m[w] += speed[w] * FINE_S);
+        }
+    }
+    Drive { history, poses }
+}
+
+fn corner(rng: &mut ChaCha8Rng) -> f64 {
+    if rng.random::<f64>() < 0.5 { [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-1.0..1.0) }
+}
+
+fn start_box(pose: [f64; 3]) -> PoseBox {
+    PoseBox::from(pose.map(|value| Interval::centred(value, 1e-9)))
+}
+
+#[test]
+fn the_true_arc_is_enclosed_with_slip_and_dimensions_at_their_bounds() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    for _ in 0..300 {
+        let Drive { history, poses } = drive(&mut rng, 60, 1.0);
+        let from = rng.random_range(0..20);
+        for to in from + 1..60 {
+            let motion =
+                history.motion(from as f64 * 0.01, to as f64 * 0.01, &wheels(), &REACH).expect("inside the history");
+            let reached = moved(&start_box(poses[from]), &motion);
+            assert!(reached.contains(&poses[to]), "from {from} to {to}: {reached:?} misses {:?}", poses[to]);
+        }
+    }
+}
+
+#[test]
+fn stamps_between_two_readings_are_enclosed() {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    for _ in 0..200 {
+        let Drive { history, poses } = drive(&mut rng, 40, 0.9);
+        // Between readings the true pose is known at the readings only: go there and back to a reading.
+        let middle_s = rng.random_range(0.05..0.15);
+        let first = history.motion(0.02, middle_s, &wheels(), &REACH).expect("inside the history");
+        let second = history.motion(middle_s, 0.3, &wheels(), &REACH).expect("inside the history");
+        let reached = moved(&moved(&start_box(poses[2]), &first), &second);
+        assert!(reached.contains(&poses[30]));
+    }
+}
+
+#[test]
+fn slip_beyond_its_bound_escapes() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let escapes = (0..50)
+        .filter(|_| {
+            let Drive { history, poses } = drive(&mut rng, 40, 12.0);
+            let motion = history.motion(0.0, 0.3, &wheels(), &REACH).expect("inside the history");
+            !moved(&start_box(poses[0]), &motion).contains(&poses[30])
+        })
+        .count();
+    assert!(escapes > 10, "a bound that nothing breaks is no bound: {escapes} of 50 escaped");
+}
+
+#[test]
+fn the_enclosure_of_a_fifth_of_a_second_is_millimetres_wide() {
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    for _ in 0..100 {
+        let Drive { history, .. } = drive(&mut rng, 40, 1.0);
+        let motion = history.motion(0.1, 0.3, &wheels(), &REACH).expect("inside the history");
+        // 0.1 m at most: 0.5 % slip, 0.2 % radius, 0.1 mm and a tick make ±0.85 mm, side slip ±0.7 mm; a turn of up to 0.6 rad
+        // carries a share of each onto the other axis.
+        assert!(motion[0].width() < 3.0e-3 && motion[1].width() < 3.0e-3, "{motion:?}");
+        assert!(motion[2].width() < 2.0 * (2.0 * 0.85e-3 / 0.33 + 0.003 * 0.7), "{motion:?}");
+    }
+}

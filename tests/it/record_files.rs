@@ -1,0 +1,94 @@
+use std::{collections::BTreeMap, fs, path::Path};
+
+use serde_json::Value;
+
+use crate::command::{blind_scene, folder, outcome, wherein};
+
+/// Numbers of a text, a list for each line, without the first `skipped` lines.
+fn rows(path: &Path, skipped: usize) -> Vec<Vec<f64>> {
+    let text = fs::read_to_string(path).unwrap();
+    let numbers = |line: &str| line.split([' ', ',']).map(|field| field.parse().unwrap_or(f64::NAN)).collect();
+    text.lines().skip(skipped).map(numbers).collect()
+}
+
+/// Time in whole steps of 10 ms, x, y and heading of a line in TUM format.
+fn pose(row: &[f64]) -> (i64, [f64; 3]) {
+    let &[time_s, x_m, y_m, _, qx, qy, qz, qw] = row else { panic!("a TUM line has eight fields") };
+    assert!(qx == 0.0 && qy == 0.0 && (qz.hypot(qw) - 1.0).abs() < 1e-12, "a unit quaternion about z");
+    ((time_s * 100.0).round() as i64, [x_m, y_m, 2.0 * qz.atan2(qw)])
+}
+
+#[test]
+fn boxes_and_trajectories_tell_what_the_summary_tells() {
+    let folder = folder("tell");
+    fs::write(folder.join("scene.toml"), blind_scene(5.0, "")).unwrap();
+    assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml"])).0, 0);
+    let run = folder.join("renders/scene/0");
+    let summary: Value = serde_json::from_str(&fs::read_to_string(run.join("summary.json")).unwrap()).unwrap();
+    let truths: Vec<(i64, [f64; 3])> = rows(&run.join("truth.tum"), 0).iter().map(|row| pose(row)).collect();
+    let estimates: Vec<(i64, [f64; 3])> = rows(&run.join("estimate.tum"), 0).iter().map(|row| pose(row)).collect();
+    assert_eq!(truths.len() as u64, summary["containment"]["checks"].as_u64().unwrap());
+
+    let mut boxes: BTreeMap<i64, Vec<Vec<f64>>> = BTreeMap::new();
+    for row in rows(&run.join("boxes.csv"), 1) {
+        boxes.entry((row[0] * 100.0).round() as i64).or_default().push(row);
+    }
+    let is_inside = |(step, place): &&(i64, [f64; 3])| {
+        boxes[step]
+            .iter()
+            .any(|row| (0..3).all(|axis| row[3 + 2 * axis] <= place[axis] && place[axis] <= row[4 + 2 * axis]))
+    };
+    assert_eq!(truths.iter().filter(is_inside).count() as u64, summary["containment"]["contained"].as_u64().unwrap());
+
+    for (axis, name) in ["x_m", "y_m"].into_iter().enumerate() {
+        let squares: f64 =
+            truths.iter().zip(&estimates).map(|(truth, estimate)| (truth.1[axis] - estimate.1[axis]).powi(2)).sum();
+        let rmse = (squares / truths.len() as f64).sqrt();
+        assert!((rmse - summary["error"][name]["rmse"].as_f64().unwrap()).abs() < 1e-9, "{name}");
+    }
+}
+
+#[test]
+fn a_summary_lists_its_parts_in_the_order_of_the_contract() {
+    let folder = folder("order");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
+    assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml"])).0, 0);
+    let text = fs::read_to_string(folder.join("renders/scene/0/summary.json")).unwrap();
+    let parts = [
+        "scene",
+        "seed",
+        "version",
+        "adapter",
+        "duration_s",
+        "containment",
+        "violations",
+        "error",
+        "width",
+        "availability",
+        "methods",
+        "baselines",
+        "metrics",
+        "verdict",
+        "digest",
+    ];
+    let listed: Vec<&str> =
+        text.lines().filter_map(|line| line.strip_prefix("  \"")).filter_map(|line| line.split('"').next()).collect();
+    assert_eq!(listed, parts);
+}
+
+#[test]
+fn frames_show_the_image_as_the_sensor_gave_it_and_a_larger_figure() {
+    let folder = folder("frames");
+    let scene = blind_scene(1.3, "[floor.tiles]\n").replace("floor_camera = false", "floor_camera = true");
+    fs::write(folder.join("scene.toml"), scene).unwrap();
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml", "--frames", "every=4"]));
+    assert_eq!(code, 0, "{stderr}");
+    let run = folder.join("renders/scene/0");
+    for number in [0, 4] {
+        let sensed = image::open(run.join(format!("image_{number:05}.png"))).unwrap();
+        assert_eq!((sensed.width(), sensed.height(), sensed.color()), (640, 480, image::ColorType::L8));
+        let figure = image::open(run.join(format!("figure_{number:05}.png"))).unwrap();
+        assert!(figure.width() > 1000 && figure.color() == image::ColorType::Rgb8);
+    }
+    assert!(!run.join("image_00001.png").exists());
+}

@@ -1,0 +1,61 @@
+use serde_json::json;
+use sim::scene::Scene;
+
+use crate::command::blind_scene;
+
+fn missed(expectations: &str, summary: &serde_json::Value) -> Vec<String> {
+    let text = blind_scene(10.0, &format!("[expect]\n{expectations}\n"));
+    Scene::parse(&text, "scene.toml").unwrap().expect.evaluate(summary)
+}
+
+fn summary() -> serde_json::Value {
+    json!({
+        "containment": { "checks": 200, "contained": 199, "unsound": 1, "perception": 0, "bound_broken": 0 },
+        "error": { "x_m": { "rmse": 0.002, "max": 0.005, "rmse_by_third": [0.001, 0.003, 0.002] } },
+        "violations": [{ "bound": "wheels.slip" }, { "bound": "body.tilt" }],
+        "availability": 0.98,
+        "metrics": { "goals_reached": 3.0 },
+    })
+}
+
+#[test]
+fn met_expectations_leave_no_line() {
+    let expectations = "perception = 0\nunsound_max = 1\nerror.x_m.rmse_max = 0.002\nerror.x_m.max_max = 0.005\n\
+                        availability_min = 0.98\nviolations = 2\nmetrics.goals_reached_min = 3";
+    assert_eq!(missed(expectations, &summary()), Vec::<String>::new());
+}
+
+#[test]
+fn a_missed_expectation_names_figure_value_and_limit() {
+    assert_eq!(missed("unsound = 0", &summary()), ["containment.unsound is 1, expected 0"]);
+    assert_eq!(missed("availability_min = 0.99", &summary()), ["availability is 0.98, expected at least 0.99"]);
+    assert_eq!(missed("error.x_m.rmse_max = 0.001", &summary()), ["error.x_m.rmse is 0.002, expected at most 0.001"]);
+}
+
+#[test]
+fn the_contained_share_is_one_only_when_every_check_is_contained() {
+    // 199 / 200 = 0.995.
+    assert_eq!(missed("containment.contained_share_min = 0.995", &summary()), Vec::<String>::new());
+    assert_eq!(missed("containment.contained_share_min = 1", &summary()).len(), 1);
+}
+
+#[test]
+fn the_worst_third_counts() {
+    assert_eq!(missed("error.x_m.rmse_worst_third_max = 0.003", &summary()), Vec::<String>::new());
+    assert_eq!(missed("error.x_m.rmse_worst_third_max = 0.0029", &summary()).len(), 1);
+}
+
+#[test]
+fn a_figure_that_was_not_measured_misses_every_limit() {
+    for limit in ["", "_min", "_max"] {
+        let lines = missed(&format!("metrics.collisions{limit} = 0"), &summary());
+        assert_eq!(lines.len(), 1);
+        assert!(lines[0].contains("did not measure"), "{}", lines[0]);
+    }
+}
+
+#[test]
+fn a_run_without_checks_has_contained_nothing() {
+    let nothing = json!({ "containment": { "checks": 0, "contained": 0 } });
+    assert_eq!(missed("containment.contained_share_min = 1", &nothing).len(), 1);
+}

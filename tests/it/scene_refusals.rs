@@ -1,0 +1,238 @@
+use std::fs;
+
+use crate::command::{blind_scene, folder, outcome, wherein};
+
+/// Asserts that a scene is refused with exit code 2 and one message that holds every one of `parts`.
+fn assert_refused(test: &str, scene: impl AsRef<[u8]>, parts: &[&str]) {
+    let folder = folder(test);
+    fs::write(folder.join("scene.toml"), scene).unwrap();
+    let (code, stdout, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
+    let message = stderr.lines().next().unwrap();
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stdout.is_empty(), "{stdout}");
+    assert!(message.starts_with("wherein: failed to read scene scene.toml: "), "{message}");
+    for part in parts {
+        assert!(message.contains(part), "`{part}` is missing in: {message}");
+    }
+    assert!(!folder.join("renders").exists(), "a refused scene left a folder behind");
+}
+
+fn edited(from: &str, to: &str) -> String {
+    let scene = blind_scene(10.0, "");
+    assert!(scene.contains(from));
+    scene.replacen(from, to, 1)
+}
+
+#[test]
+fn an_unknown_key_is_refused_with_the_nearest_right_one() {
+    let scene = edited("width_m", "widht_m");
+    assert_refused("unknown_key", scene, &["`room.widht_m`", "unknown key", "`width_m`"]);
+}
+
+#[test]
+fn a_wrong_type_is_refused() {
+    let scene = edited("depth_m = 2.0", "depth_m = \"wide\"");
+    assert_refused("wrong_type", scene, &["`room.depth_m = \"wide\"`", "a text", "expected a number from 0.5 to 200"]);
+}
+
+#[test]
+fn a_negative_length_is_refused() {
+    let scene = blind_scene(10.0, "[floor.tiles]\nedge_x_m = -0.3\n");
+    assert_refused("negative", scene, &["`floor.tiles.edge_x_m = -0.3`", "expected a number from 0.05 to 5"]);
+}
+
+#[test]
+fn not_a_number_and_infinity_are_refused() {
+    for value in ["nan", "-nan", "inf", "-inf"] {
+        let scene = edited("width_m = 3.0", &format!("width_m = {value}"));
+        assert_refused(
+            "not_a_number",
+            scene,
+            &[&format!("`room.width_m = {value}`"), "expected a number from 0.5 to 200"],
+        );
+    }
+}
+
+#[test]
+fn the_open_end_of_a_range_is_refused() {
+    let scene = edited("duration_s = 10", "duration_s = 0");
+    assert_refused("open_end", scene, &["`duration_s = 0`", "expected a number above 0, at most 36000"]);
+}
+
+#[test]
+fn a_fraction_where_things_are_counted_is_refused() {
+    let scene = edited("floor_camera = false", "encoders = { ticks_per_turn = 99.5 }");
+    assert_refused("fraction", scene, &["`robot.encoders.ticks_per_turn = 99.5`", "expected a whole number"]);
+}
+
+#[test]
+fn a_wrong_choice_is_refused_with_the_right_ones() {
+    let scene = blind_scene(10.0, "[floor.tiles]\npattern = \"marbel\"\n");
+    assert_refused("choice", scene, &["`floor.tiles.pattern = \"marbel\"`", "plain, speckle, marble, stripes"]);
+}
+
+#[test]
+fn a_list_of_the_wrong_length_is_refused() {
+    let scene = blind_scene(10.0, "[[floor.stray]]\nfrom_m = [1]\nto_m = [1, 1]\nwidth_m = 0.01\nalbedo = 0.5\n");
+    assert_refused("length", scene, &["`floor.stray[0].from_m = [1]`", "a list of 1", "2"]);
+}
+
+#[test]
+fn a_waypoint_outside_the_room_is_refused() {
+    // The room is 3 m wide and the body reaches 0.25 m: its origin comes no farther than 2.75 m.
+    let scene = edited("x_m = 2.4", "x_m = 2.8");
+    assert_refused("outside", scene, &["`route.waypoint[0].x_m = 2.8`", "outside the room", "from 0.25 to 2.75"]);
+}
+
+#[test]
+fn a_start_that_may_be_drawn_into_a_wall_is_refused() {
+    // 0.25 m for the body and 0.4 m for the tolerance.
+    let scene = edited("y_m = 0.6", "y_m = 0.6\ntolerance_m = 0.4");
+    assert_refused("start", scene, &["`start.x_m = 0.6`", "from 0.65 to 2.35", "drawn within 0.4 m"]);
+}
+
+#[test]
+fn a_station_outside_the_room_is_refused() {
+    let scene = edited("[[route.waypoint]]", "[[station]]\nheading_deg = 0").replace("y_m = 1.2", "y_m = 1.9");
+    assert_refused("station", scene, &["`station[0].y_m = 1.9`", "from 0.25 to 1.75"]);
+}
+
+#[test]
+fn a_stray_thing_outside_the_room_is_refused() {
+    let scene = blind_scene(10.0, "[[floor.stray]]\nfrom_m = [1, 1]\nto_m = [1, 2.1]\nwidth_m = 0.01\nalbedo = 0.5\n");
+    assert_refused("stray", scene, &["`floor.stray[0].to_m = [1, 2.1]`", "outside the room", "[3, 2]"]);
+}
+
+#[test]
+fn a_scene_without_route_and_stations_is_refused() {
+    let scene = blind_scene(10.0, "").split("[[route").next().unwrap().to_owned();
+    assert_refused("no_route", scene, &["`route`: missing", "`[route]`", "`[[station]]`"]);
+}
+
+#[test]
+fn a_scene_with_both_route_and_stations_is_refused() {
+    let scene = blind_scene(10.0, "[[station]]\nx_m = 1\ny_m = 1\nheading_deg = 0\n");
+    assert_refused("both", scene, &["`route`", "beside `[[station]]`", "one of the two"]);
+}
+
+#[test]
+fn an_event_after_the_end_is_refused() {
+    let push = "[[event]]\nkind = \"push\"\nat_s = 9.5\nlasts_s = 1\ndisplacement_m = [0.1, 0]\n";
+    assert_refused("event", blind_scene(10.0, push), &["`event[0].at_s = 9.5`", "expected at most 9", "10 s"]);
+}
+
+#[test]
+fn an_unknown_kind_of_event_is_refused_with_the_right_ones() {
+    let scene = blind_scene(10.0, "[[event]]\nkind = \"pusch\"\nat_s = 1\n");
+    assert_refused("kind", scene, &["`event[0].kind = \"pusch\"`", "push, light, friction"]);
+}
+
+#[test]
+fn an_unknown_region_is_refused_with_the_nearest_right_one() {
+    let more = "[[floor.region]]\nname = \"carpet\"\nx_m = [0, 1]\ny_m = [0, 1]\nfriction = 0.4\n\
+                [[event]]\nkind = \"friction\"\nat_s = 1\nregion = \"carpt\"\nfriction = 0.2\n";
+    assert_refused("region", blind_scene(10.0, more), &["`event[0].region = \"carpt\"`", "\"carpet\""]);
+}
+
+#[test]
+fn an_unknown_figure_in_expect_is_refused_with_the_nearest_right_one() {
+    let scene = blind_scene(10.0, "[expect]\navailabilty_min = 0.9\n");
+    assert_refused("figure", scene, &["`expect.availabilty_min = 0.9`", "unknown figure", "`availability_min`"]);
+}
+
+#[test]
+fn several_mistakes_are_told_at_once() {
+    let scene = edited("width_m = 3.0", "width_m = -3.0").replace("depth_m", "deepth_m");
+    assert_refused("several", scene, &["`room.width_m = -3.0`", "`room.deepth_m`", "`room.depth_m`: missing"]);
+}
+
+#[test]
+fn an_empty_file_is_refused_with_what_is_missing() {
+    assert_refused("empty", "", &["`room`: missing, expected a table", "`start`: missing, expected a table"]);
+}
+
+#[test]
+fn text_that_is_not_toml_is_refused() {
+    assert_refused("not_toml", "[room\nwidth_m = 3\n", &["not a scene in TOML"]);
+}
+
+#[test]
+fn bytes_that_are_not_text_are_refused_at_the_first_wrong_byte() {
+    assert_refused("bytes", b"[room]\n\xff\xfe\x00\x80", &["byte 7 is not UTF-8"]);
+}
+
+#[test]
+fn whatever_bytes_a_file_holds_it_is_refused_without_a_crash() {
+    // A linear congruential generator: bytes without a pattern, the same in every run.
+    let mut state = 1_u32;
+    for round in 0..20 {
+        let bytes: Vec<u8> = (0..200)
+            .map(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                // Half of the rounds stay in ASCII, where the TOML parser has to cope with them.
+                (state >> 24) as u8 & if round % 2 == 0 { 0x7f } else { 0xff }
+            })
+            .collect();
+        assert_refused("random", bytes, &[]);
+    }
+}
+
+#[test]
+fn the_place_of_a_mistake_is_underlined() {
+    let folder = folder("underlined");
+    fs::write(folder.join("scene.toml"), edited("depth_m = 2.0", "depth_m = -2.0")).unwrap();
+    let (_, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
+    assert!(stderr.contains("[scene.toml:4:11]"), "{stderr}");
+    assert!(stderr.contains("depth_m = -2.0"), "{stderr}");
+    assert!(stderr.contains("Extent along world y"), "{stderr}");
+}
+
+#[test]
+fn a_folder_without_scenes_is_refused() {
+    let folder = folder("no_scenes");
+    fs::create_dir(folder.join("nothing")).unwrap();
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "nothing"]));
+    assert_eq!(code, 2);
+    assert!(
+        stderr.contains("failed to find a scene in nothing: expected at least one file that ends in .toml"),
+        "{stderr}"
+    );
+}
+
+#[test]
+fn a_file_that_does_not_exist_is_refused() {
+    let (code, _, stderr) = outcome(&mut wherein(&folder("no_file"), &["run", "missing.toml"]));
+    assert_eq!(code, 2);
+    assert!(stderr.contains("failed to read scene missing.toml: "), "{stderr}");
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_is_refused_before_anything_runs() {
+    let folder = folder("no_out");
+    fs::write(folder.join("scene.toml"), blind_scene(3600.0, "")).unwrap();
+    fs::write(folder.join("taken"), "a file").unwrap();
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml", "--out", "taken/below"]));
+    assert_eq!(code, 2);
+    assert!(stderr.contains("failed to create the folder taken/below: "), "{stderr}");
+}
+
+#[test]
+fn a_camera_without_an_adapter_is_refused_with_what_to_do() {
+    let folder = folder("no_adapter");
+    fs::write(folder.join("scene.toml"), blind_scene(1.0, "").replace("floor_camera = false", "floor_camera = true"))
+        .unwrap();
+    let mut command = wherein(&folder, &["run", "scene.toml"]);
+    let (code, _, stderr) = outcome(command.env("WHEREIN_ADAPTER", "an adapter that nobody built"));
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("failed to find a graphics adapter") && stderr.contains("make driver"), "{stderr}");
+}
+
+#[test]
+fn seeds_that_are_no_range_are_refused() {
+    for seeds in ["5", "3..3", "7..2", "a..b", "-1..2"] {
+        let (code, _, stderr) =
+            outcome(&mut wherein(&folder("seeds"), &["run", "x.toml", &format!("--seeds={seeds}")]));
+        assert_eq!(code, 2);
+        assert!(stderr.contains("expected A..B"), "{stderr}");
+    }
+}
