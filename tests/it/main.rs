@@ -1,6 +1,4 @@
-//! Claims about the whole system that could be false, checked from outside: one binary, each module states what belongs in it.
-
-// A failing assumption of a test should stop it where it stands.
+//! One binary for all integration tests; each module states what belongs in it.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 /// Runs the `wherein` command in folders of its own.
@@ -22,6 +20,20 @@ mod interval_text;
 mod motion_enclosure;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
 mod floor_tiles_geometry;
+/// Scenes and drives that the tests of the world share.
+mod world_setup;
+/// The tyre law against the brush's own integral and closed form.
+mod world_tyre;
+/// Motion at rest, straight on and in a circle against closed forms; walls; travel against pose.
+mod world_motion;
+/// Slip by region, friction events and pushes.
+mod world_floor;
+/// Routes driven by estimates, and the default bounds on such a drive.
+mod world_driver;
+/// Encoders against the definition of a tick.
+mod world_encoder;
+/// Drawn errors against their tolerances.
+mod world_drawn;
 /// Scenes that must be refused, and what the refusal says.
 mod scene_refusals;
 /// What `[expect]` holds a run against.
@@ -32,3 +44,11 @@ mod cli_runs;
 mod record_files;
 /// What every scene file, the schema and the documents keep true.
 mod repository;
+/// Tiles as laid, against the bounds that the localizer is told.
+mod render_laid_tiles;
+/// Grey levels and noise against photon counts by hand.
+mod render_photons;
+/// Rendered floor points, joints and blur against a projection derived by hand.
+mod render_projection;
+/// What the renderer's tests share.
+mod render_studio;

@@ -18,6 +18,7 @@ mod vote;
 use image::GrayImage;
 
 use self::measure::{Filters, Joint};
+use self::ridge::RidgePoint;
 use self::vote::Candidate;
 use super::{FloorLine, FloorLines, FloorView};
 
@@ -67,14 +68,15 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
     // Cells somewhat smaller than a joint keep its contrast and lose most of the noise.
     let bin = (0.8 * view.joint_width_px).round().clamp(2.0, 8.0) as usize;
     let Some(plane) = ridge::binned_log(image, bin) else { return FloorLines::default() };
-    let mut points = ridge::ridge_points(&plane, bin, size_px);
+    let mut points = ridge::ridge_points(&plane, bin, size_px, STRONG_SHARE);
     let mut filters = Filters::new(view.joint_width_px);
     let mut result = FloorLines::default();
-    let mut grids = Vec::new();
+    let (mut grids, mut seen) = (Vec::new(), 0);
     // The strongest angle first; what it explains must not vote again for another angle.
     for _ in 0..HYPOTHESES {
         let candidates = vote::candidates(&points, bin as f32, size_px);
         let mut joints: Vec<Joint> = Vec::new();
+        seen += candidates.len();
         for candidate in &candidates {
             match measure::measure(&picture, &mut filters, candidate) {
                 Some(joint) => joints.push(joint),
@@ -84,7 +86,13 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
         }
         grids.push(agreement::grid(joints, view));
     }
-    for joint in agreement::best(grids, f64::from(size_px[0].min(size_px[1]))) {
+    let mut joints = agreement::best(grids);
+    if let [lone] = joints.as_slice()
+        && !(seen == 1 && is_alone(lone, &ridge::ridge_points(&plane, bin, size_px, 0.0), bin as f32, size_px))
+    {
+        joints.clear();
+    }
+    for joint in joints {
         result.lines.push(FloorLine {
             points_px: joint.points_px,
             share_wrong: SHARE_WRONG,
@@ -96,6 +104,23 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
 
 /// Angles tried: the joints, and what may compete with them (a wire, a tape, a shadow's edge).
 const HYPOTHESES: usize = 2;
+
+/// Ridges fainter than this share of the strong ones are their side lobes.
+const STRONG_SHARE: f32 = 0.15;
+/// A line without any other to support it must cross at least this share of the picture's shorter side.
+const LONE_SPAN: f64 = 0.6;
+
+/// Whether a line that has no other to agree with has none to disagree with either: nothing else in the picture is straight.
+///
+/// `points` are all ridge points, the faint ones too, for a black wire is stronger than the joints beside it.
+fn is_alone(lone: &Joint, points: &[RidgePoint], cell_px: f32, size_px: [f32; 2]) -> bool {
+    let mut points = points.to_vec();
+    // Its own side lobes reach four cells.
+    vote::remove(&mut points, &lone.line, 5.0 * cell_px);
+    lone.width_is_sure
+        && lone.span_px > LONE_SPAN * f64::from(size_px[0].min(size_px[1]))
+        && vote::candidates(&points, cell_px, size_px).is_empty()
+}
 
 /// Share of a line's points that may be wrong: a wire, a crumb or a worn stretch spoils that many and no more.
 const SHARE_WRONG: f64 = 0.30;
@@ -109,33 +134,133 @@ fn segment(picture: &Picture, candidate: &Candidate) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vision::synthetic::Random;
-    use crate::vision::trial::{Tally, frames, plain_floor, realistic_floor};
+    use crate::vision::synthetic::{Floor, Pattern, Random, Strip};
+    use crate::vision::trial::{Tally, frames, plain_floor, realistic_floor, save};
+
+    /// Tries the chain on floors of one kind; nothing that it says may be false.
+    fn trial(name: &str, seed: u64, usual: usize, mut floor: impl FnMut(&mut Random) -> Floor) -> Tally {
+        let mut random = Random::new(seed);
+        let mut tally = Tally::default();
+        for frame in 0..frames(usual) {
+            let floor = floor(&mut random);
+            let (picture, found, good) = tally.add(detect, &floor, &mut random);
+            if !good {
+                save(&format!("{name}_{frame}").replace(' ', "_"), &picture, &found, &floor);
+            }
+        }
+        tally.print(name);
+        assert_eq!((tally.wrong_lines, tally.false_claims, tally.missed_sets), (0, 0, 0), "{name}");
+        tally
+    }
+
+    fn found_share(tally: &Tally) -> f64 {
+        tally.families_found as f64 / tally.families_in_view.max(1) as f64
+    }
 
     #[test]
-    fn every_line_found_on_plain_floors_is_a_joint_where_it_claims() {
-        let mut random = Random::new(1);
-        let mut tally = Tally::default();
-        for _ in 0..frames(40) {
-            let floor = plain_floor(&mut random);
-            tally.add(detect, &floor, &mut random);
-        }
-        tally.print("plain");
-        assert_eq!((tally.wrong_lines, tally.false_claims, tally.missed_sets), (0, 0, 0));
+    fn plain_floors_are_measured_to_a_twentieth_of_a_pixel() {
+        let tally = trial("plain", 1, 12, plain_floor);
+        assert_eq!(found_share(&tally), 1.0);
+        assert!((tally.rho_squares / tally.lines as f64).sqrt() < 0.05);
+        assert!((tally.psi_squares / tally.lines as f64).sqrt() < 0.3e-3);
     }
 
     #[test]
     fn no_wrong_line_on_realistic_floors() {
-        let mut random = Random::new(2);
-        let mut tally = Tally::default();
-        for frame in 0..frames(40) {
-            let floor = realistic_floor(&mut random);
-            let (picture, found, good) = tally.add(detect, &floor, &mut random);
-            if !good && std::env::var_os("VISION_SAVE").is_some() {
-                crate::vision::trial::save(&format!("bad_{frame}"), &picture, &found, &floor);
-            }
+        assert!(found_share(&trial("realistic", 2, 24, realistic_floor)) > 0.6);
+    }
+
+    #[test]
+    fn three_lux_leave_the_joints_in_place() {
+        let tally = trial("50 electrons", 4, 8, |random| Floor { electrons: 50.0, ..plain_floor(random) });
+        assert!(found_share(&tally) > 0.9);
+    }
+
+    #[test]
+    fn motion_of_ten_pixels_and_a_turn_leave_the_joints_in_place() {
+        let tally = trial("blur 10 px, turn 12 mrad", 5, 8, |random| {
+            let course = random.between(-3.0, 3.0);
+            let blur_px = [10.0 * course.cos(), 10.0 * course.sin()];
+            Floor { blur_px, turn_rad: 0.012, electrons: 1700.0, ..plain_floor(random) }
+        });
+        assert!(found_share(&tally) > 0.85);
+    }
+
+    #[test]
+    fn a_tape_nearly_along_the_joints_is_not_one() {
+        trial("tape", 6, 8, |random| {
+            let floor = plain_floor(random);
+            let normal_rad = floor.angle_rad + random.between(0.015, 0.06);
+            let strip = Strip {
+                sin_cos: [normal_rad.sin(), normal_rad.cos()],
+                offset_px: random.between(-150.0, 150.0),
+                width_px: floor.joint_width_px,
+                albedo: floor.joint_albedo,
+                bend_px: 0.0,
+            };
+            Floor { strips: vec![strip], ..floor }
+        });
+    }
+
+    #[test]
+    fn printed_stripes_are_no_joints() {
+        let tally = trial("stripes", 7, 8, |random| {
+            let pattern =
+                Pattern::Stripes { pitch_px: random.between(35.0, 120.0), contrast: random.between(0.1, 0.2) };
+            Floor { pattern, electrons: 1700.0, ..plain_floor(random) }
+        });
+        assert!(found_share(&tally) > 0.7);
+    }
+
+    #[test]
+    fn joints_lighter_than_the_tiles_are_found() {
+        let tally = trial("light joints", 8, 6, |random| Floor {
+            tile_albedo: 0.4,
+            joint_albedo: 0.7,
+            electrons: 1700.0,
+            ..plain_floor(random)
+        });
+        assert!(found_share(&tally) > 0.9);
+    }
+
+    #[test]
+    fn a_black_a_clipped_and_an_empty_picture_have_no_line() {
+        let view = plain_floor(&mut Random::new(1)).view();
+        for picture in [
+            GrayImage::from_pixel(640, 480, image::Luma([1])),
+            GrayImage::from_pixel(640, 480, image::Luma([255])),
+            GrayImage::from_pixel(640, 480, image::Luma([128])),
+            GrayImage::new(0, 0),
+            GrayImage::new(7, 3),
+        ] {
+            assert!(detect(&picture, &view, [0.0, 0.0], 0.0).lines.is_empty());
         }
-        tally.print("realistic");
-        assert_eq!((tally.wrong_lines, tally.false_claims, tally.missed_sets), (0, 0, 0));
+    }
+
+    #[test]
+    fn noise_and_texture_without_joints_have_no_line() {
+        let mut random = Random::new(9);
+        for _ in 0..frames(6) {
+            let floor = Floor { texture: 0.05, joint_albedo: 0.6, tile_spread: 0.0, ..plain_floor(&mut random) };
+            let picture = floor.picture(&mut random);
+            assert!(detect(&picture, &floor.view(), [0.0, 0.0], 0.0).lines.is_empty());
+        }
+    }
+
+    #[test]
+    fn turning_on_the_spot_blurs_a_line_through_the_centre_at_its_ends() {
+        // By hand: a turn of 10 mrad moves a point 300 px along the line by 3 px across it, one way at either end.
+        let picture =
+            Picture { pixels: &[], stride: 640, centre_px: [319.5, 239.5], blur_px: [0.0, 0.0], turn_rad: 0.01 };
+        let line = Candidate { normal_rad: 0.3, offset_px: 0.0, family: 0, dark: true, support: 0.0 };
+        for along_px in [-300.0, 300.0] {
+            assert!((picture.blur_across_px(&line, along_px) - 3.0).abs() < 1e-12);
+        }
+        // Image up is forward: turning left moves a floor point on the right (u = +300) down the image (v grows by 3),
+        // so a motion of the whole image by −3 in v leaves it at rest.
+        let level = Candidate { normal_rad: std::f64::consts::FRAC_PI_2, ..line };
+        let picture = Picture { blur_px: [0.0, -3.0], ..picture };
+        assert!(picture.blur_across_px(&level, -300.0) < 1e-9);
+        assert!((picture.point_px(&level, -300.0, 0.0)[0] - 619.5).abs() < 1e-9);
     }
 }

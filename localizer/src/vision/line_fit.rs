@@ -1,5 +1,9 @@
 //! Set-membership fit: every line that is near enough to most of the points, enclosed without a gap.
 
+mod level;
+
+use self::level::{Leaf, Level};
+
 /// The lines `{ p : n(φ)·(p − centroid) = offset }`, `n(φ) = (cos φ, sin φ)`, that are within bound of enough points.
 ///
 /// Angles are on the real line around [`direction_rad`](Self::direction_rad); the same line at `φ + π` with the opposite
@@ -38,16 +42,16 @@ impl LineSet {
 /// have no use, and the smallness keeps the local coordinates honest.
 const SLOPE_MAX: f64 = 0.2;
 /// Widening of a slice's offsets that is worth another bisection.
-const SLACK_PX: f64 = 0.04;
+const SLACK_PX: f64 = 0.06;
 /// Absolute margin for rounding: coordinates below 10⁵ px have a spacing of 10⁻¹¹, and each goes through few operations.
 const ROUNDING: f64 = 1e-9;
 
 /// Encloses all lines that are within their bound of at least `n − ⌊share_wrong·n⌋` of the `n` points `[u, v, bound]`.
 ///
 /// In local coordinates, x along and y across a first estimate, a line `y = m·x + b` satisfies
-/// `|y_i − m·x_i − b| ≤ e_i·√(1 + m²)` for at least K points. At a slope m that leaves `b` between the K-th smallest lower and the
-/// K-th greatest upper end of these intervals (the K-level of the arrangement of bounding lines). Both change by at
-/// most `max|x_i|` per unit of slope, so two slopes enclose all between them; slopes are bisected until that is tight.
+/// `|y_i − m·x_i − b| ≤ e_i·√(1 + m²)` for at least K points: the K-level of the arrangement of bounding lines. Over a
+/// small range of slopes each point allows one interval of `b`, so a sweep encloses what K of them allow; ranges of
+/// slopes are bisected, and dropped where nothing is left.
 ///
 /// `None` if no line is near enough to so many points, or if they are too few or too short to bound the direction.
 pub fn enclose(points: &[[f64; 3]], share_wrong: f64) -> Option<LineSet> {
@@ -72,20 +76,7 @@ pub fn enclose(points: &[[f64; 3]], share_wrong: f64) -> Option<LineSet> {
     for point in &mut local {
         point[2] = point[2] * widening + ROUNDING;
     }
-    let level = Level {
-        points: &local,
-        needed,
-        reach_px: local.iter().map(|point| point[0].abs()).fold(0.0, f64::max) + ROUNDING,
-    };
-    let mut leaves = Vec::new();
-    let mut work = Vec::with_capacity(count);
-    let ends = [-slope_max, slope_max].map(|slope| level.at(slope, &mut work));
-    level.bisect(ends[0], ends[1], &mut work, &mut leaves);
-    let (first, last) = (*leaves.first()?, *leaves.last()?);
-    let sharp = [level.sharpen(first, false, &mut work), level.sharpen(last, true, &mut work)];
-    let end = leaves.len() - 1;
-    leaves[0][0] = if end == 0 { leaves[0][0] } else { sharp[0] };
-    leaves[end][1] = if end == 0 { leaves[end][1] } else { sharp[1] };
+    let leaves = Level::new(&local, needed).leaves([-slope_max, slope_max], SLACK_PX);
     // A greater slope is a smaller angle of the normal.
     let slices: Vec<Slice> = leaves.iter().rev().map(|leaf| slice(leaf, direction_rad)).collect();
     let offset_px = slices.iter().map(|slice| slice.offset_px).reduce(hull)?;
@@ -98,73 +89,14 @@ fn hull(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 }
 
 /// Slopes `[m₀, m₁]` and intercepts `[b₀, b₁]` in local coordinates as angles and offsets: `φ = φ₀ − atan m`, `offset = b·cos(atan m)`.
-fn slice(&[slope_from, slope_to, low_px, high_px]: &[f64; 4], direction_rad: f64) -> Slice {
+fn slice(leaf: &Leaf, direction_rad: f64) -> Slice {
+    let ([slope_from, slope_to], [low_px, high_px]) = (leaf.slope, leaf.intercept_px);
     let angle_rad =
         [direction_rad - slope_to.atan() - ROUNDING * 1e-3, direction_rad - slope_from.atan() + ROUNDING * 1e-3];
     let steepest = slope_from.abs().max(slope_to.abs());
     let shrink = 1.0 / (1.0 + steepest * steepest).sqrt();
     let offset_px = [low_px.min(low_px * shrink) - ROUNDING, high_px.max(high_px * shrink) + ROUNDING];
     Slice { angle_rad, offset_px }
-}
-
-/// Intercepts left at one slope: `lower ≤ b ≤ upper`.
-#[derive(Clone, Copy)]
-struct Node {
-    slope: f64,
-    lower_px: f64,
-    upper_px: f64,
-}
-
-/// The K-level of the bounding lines of points in local coordinates `[x, y, bound]`.
-struct Level<'a> {
-    points: &'a [[f64; 3]],
-    needed: usize,
-    /// Greatest |x|: how fast an intercept moves with the slope.
-    reach_px: f64,
-}
-
-impl Level<'_> {
-    fn at(&self, slope: f64, work: &mut Vec<f64>) -> Node {
-        work.clear();
-        work.extend(self.points.iter().map(|[x, y, bound]| y - slope * x - bound));
-        let lower_px = *work.select_nth_unstable_by(self.needed - 1, f64::total_cmp).1;
-        work.clear();
-        work.extend(self.points.iter().map(|[x, y, bound]| y - slope * x + bound));
-        let upper_px = *work.select_nth_unstable_by(self.points.len() - self.needed, f64::total_cmp).1;
-        Node { slope, lower_px, upper_px }
-    }
-
-    /// Intercepts of all lines with slopes between two nodes, `None` if there is none.
-    fn between(&self, a: &Node, b: &Node) -> Option<[f64; 2]> {
-        let travel_px = self.reach_px * (b.slope - a.slope) + ROUNDING;
-        let low_px = 0.5 * (a.lower_px + b.lower_px - travel_px);
-        let high_px = 0.5 * (a.upper_px + b.upper_px + travel_px);
-        (low_px <= high_px).then_some([low_px, high_px])
-    }
-
-    /// Appends the leaves `[slope from, slope to, least intercept, greatest intercept]` between two nodes, by ascending slope.
-    fn bisect(&self, a: Node, b: Node, work: &mut Vec<f64>, leaves: &mut Vec<[f64; 4]>) {
-        let Some([low_px, high_px]) = self.between(&a, &b) else { return };
-        if self.reach_px * (b.slope - a.slope) <= SLACK_PX {
-            leaves.push([a.slope, b.slope, low_px, high_px]);
-            return;
-        }
-        let middle = self.at(0.5 * (a.slope + b.slope), work);
-        self.bisect(a, middle, work, leaves);
-        self.bisect(middle, b, work, leaves);
-    }
-
-    /// Least (or greatest) slope of a leaf that cannot be ruled out, to an eighth of its width.
-    fn sharpen(&self, leaf: [f64; 4], greatest: bool, work: &mut Vec<f64>) -> f64 {
-        let (mut from, mut to) = (self.at(leaf[0], work), self.at(leaf[1], work));
-        for _ in 0..3 {
-            let middle = self.at(0.5 * (from.slope + to.slope), work);
-            let outer = if greatest { self.between(&middle, &to) } else { self.between(&from, &middle) };
-            // An empty outer half is cut off; else the search goes on inside of it.
-            if greatest == outer.is_none() { to = middle } else { from = middle }
-        }
-        if greatest { to.slope } else { from.slope }
-    }
 }
 
 /// Centroid and normal angle of a line near most points: the best of some pairs, then least squares through the nearest.
@@ -231,4 +163,144 @@ fn greatest_slope(local: &[[f64; 3]], needed: usize) -> Option<f64> {
     let sine = (spread_px + 2.0 * bound_px + ROUNDING) / stretch_px;
     let slope = sine / (1.0 - sine * sine).sqrt();
     (sine < 1.0 && slope < SLOPE_MAX).then_some(slope * (1.0 + ROUNDING))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vision::synthetic::Random;
+
+    /// Points about a line at an angle through a place, a share of them far off, the others within their bounds.
+    fn scattered(
+        random: &mut Random,
+        count: usize,
+        wrong: usize,
+        bounds_px: [f64; 2],
+        normal_rad: f64,
+        place: [f64; 2],
+    ) -> Vec<[f64; 3]> {
+        let (sin, cos) = normal_rad.sin_cos();
+        let mut points: Vec<[f64; 3]> = (0..count)
+            .map(|index| {
+                let bound_px = random.between(bounds_px[0], bounds_px[1]);
+                let along = 500.0 * (index as f64 / count as f64 - 0.5);
+                let across =
+                    if index < wrong { random.between(-9.0, 9.0) } else { random.between(-bound_px, bound_px) };
+                [place[0] + across * cos - along * sin, place[1] + across * sin + along * cos, bound_px]
+            })
+            .collect();
+        // Wrong points anywhere in the list.
+        for index in 0..count {
+            points.swap(index, (random.unit() * count as f64) as usize);
+        }
+        points
+    }
+
+    fn enclosed(points: &[[f64; 3]], share_wrong: f64) -> LineSet {
+        enclose(points, share_wrong).unwrap_or_else(|| panic!("a line near the points is in the set"))
+    }
+
+    /// Whether a line is near enough to enough points, straight from the definition.
+    fn is_member(points: &[[f64; 3]], wrong: usize, centroid_px: [f64; 2], normal_rad: f64, offset_px: f64) -> bool {
+        let (sin, cos) = normal_rad.sin_cos();
+        let near = |point: &&[f64; 3]| {
+            ((point[0] - centroid_px[0]) * cos + (point[1] - centroid_px[1]) * sin - offset_px).abs() <= point[2]
+        };
+        points.iter().filter(near).count() + wrong >= points.len()
+    }
+
+    /// Ends of the members' offsets at one angle, by brute force: offsets change membership only where a bound is met.
+    fn members_at(points: &[[f64; 3]], wrong: usize, centroid_px: [f64; 2], normal_rad: f64) -> Vec<f64> {
+        let (sin, cos) = normal_rad.sin_cos();
+        let ends = points.iter().flat_map(|point| {
+            let middle = (point[0] - centroid_px[0]) * cos + (point[1] - centroid_px[1]) * sin;
+            [middle - point[2] + 1e-9, middle + point[2] - 1e-9]
+        });
+        ends.filter(|&offset_px| is_member(points, wrong, centroid_px, normal_rad, offset_px)).collect()
+    }
+
+    #[test]
+    fn every_line_near_enough_points_is_in_the_set() {
+        let mut random = Random::new(11);
+        let mut members = 0;
+        for _ in 0..300 {
+            let count = 10 + (random.unit() * 70.0) as usize;
+            let wrong = (0.3 * count as f64) as usize;
+            let normal_rad = random.between(-3.0, 3.0);
+            let place = [random.between(0.0, 640.0), random.between(0.0, 480.0)];
+            let points = scattered(&mut random, count, wrong, [0.2, 0.9], normal_rad, place);
+            let set = enclosed(&points, 0.3);
+            for _ in 0..2000 {
+                let tried_rad = set.direction_rad + random.normal() * 0.003;
+                let offset_px = random.normal() * 0.6;
+                if !is_member(&points, wrong, set.centroid_px, tried_rad, offset_px) {
+                    continue;
+                }
+                members += 1;
+                assert!(set.normal_angle_rad[0] <= tried_rad && tried_rad <= set.normal_angle_rad[1]);
+                assert!(set.offset_px[0] <= offset_px && offset_px <= set.offset_px[1]);
+                let [low, high] = set.offset_at(tried_rad, tried_rad).unwrap_or([f64::NAN; 2]);
+                assert!(low <= offset_px && offset_px <= high);
+            }
+        }
+        assert!(members > 5_000, "only {members} members tried");
+    }
+
+    #[test]
+    fn the_set_is_hardly_wider_than_its_members() {
+        let mut random = Random::new(12);
+        for _ in 0..50 {
+            let normal_rad = random.between(-1.5, 1.5);
+            let points = scattered(&mut random, 60, 15, [0.2, 0.9], normal_rad, [320.0, 240.0]);
+            let set = enclosed(&points, 0.3);
+            let (mut angles, mut offsets) = ([f64::MAX, f64::MIN], [f64::MAX, f64::MIN]);
+            for step in 0..=4000 {
+                let share = f64::from(step) / 4000.0;
+                let tried_rad = set.normal_angle_rad[0] + share * (set.normal_angle_rad[1] - set.normal_angle_rad[0]);
+                for offset_px in members_at(&points, 18, set.centroid_px, tried_rad) {
+                    angles = hull(angles, [tried_rad, tried_rad]);
+                    offsets = hull(offsets, [offset_px, offset_px]);
+                }
+            }
+            // Twice the slack over the 250 px from the middle to an end is 0.5 mrad.
+            assert!(set.normal_angle_rad[1] - set.normal_angle_rad[0] < angles[1] - angles[0] + 6e-4);
+            assert!(set.offset_px[1] - set.offset_px[0] < offsets[1] - offsets[0] + 0.12);
+        }
+    }
+
+    #[test]
+    fn offsets_of_a_range_of_angles_hold_those_of_its_parts() {
+        let mut random = Random::new(13);
+        let points = scattered(&mut random, 40, 6, [0.2, 0.9], 0.4, [100.0, 50.0]);
+        let set = enclosed(&points, 0.3);
+        let [low, high] = set.normal_angle_rad;
+        let middle = 0.5 * (low + high);
+        let (all, part) = (set.offset_at(low, high), set.offset_at(middle, middle));
+        assert_eq!(all, Some(set.offset_px));
+        assert!(all.zip(part).is_some_and(|(all, part)| hull(all, part) == all));
+        assert_eq!(set.offset_at(high + 1e-3, high + 1.0), None);
+    }
+
+    #[test]
+    fn points_that_no_line_fits_give_no_set() {
+        let mut random = Random::new(14);
+        let points: Vec<[f64; 3]> =
+            (0..30).map(|_| [random.between(0.0, 600.0), random.between(0.0, 400.0), 0.5]).collect();
+        assert_eq!(enclose(&points, 0.3), None);
+        // A cluster bounds no direction.
+        let cluster: Vec<[f64; 3]> = (0..30).map(|_| [random.unit(), random.unit(), 0.5]).collect();
+        assert_eq!(enclose(&cluster, 0.3), None);
+        assert_eq!(enclose(&[], 0.3), None);
+        assert_eq!(enclose(&[[1.0, 2.0, 0.5]], 0.3), None);
+        assert_eq!(enclose(&[[f64::NAN, 2.0, 0.5], [3.0, 4.0, 0.5], [9.0, 9.0, 0.5]], 0.0), None);
+    }
+
+    #[test]
+    fn two_points_enclose_the_lines_between_their_bounds() {
+        // By hand: ends at u = ±100 within ±1 px: angles ±atan-ish 0.01 rad, offsets ±1 px.
+        let set = enclosed(&[[-100.0, 5.0, 1.0], [100.0, 5.0, 1.0]], 0.0);
+        let half_angle = 0.5 * (set.normal_angle_rad[1] - set.normal_angle_rad[0]);
+        assert!((half_angle - 0.01).abs() < 2e-4, "half angle {half_angle}");
+        assert!((set.offset_px[1] - 1.0).abs() < 0.03 && (set.offset_px[0] + 1.0).abs() < 0.03);
+    }
 }

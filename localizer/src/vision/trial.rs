@@ -22,7 +22,7 @@ pub(super) struct Tally {
     pub(super) families_in_view: usize,
     pub(super) families_found: usize,
     pub(super) lines: usize,
-    /// Lines that are no joint: most of their points are more than 2 px off.
+    /// Lines that are no joint: most of their points are more than 2 px beyond their bound.
     pub(super) wrong_lines: usize,
     /// Lines with more false points than claimed.
     pub(super) false_claims: usize,
@@ -105,12 +105,13 @@ impl Tally {
         else {
             return;
         };
+        let beyond = |distance: f64, point: &[f64; 3]| distance.abs() > 2.0 + point[2];
         let distances: Vec<f64> = line
             .points_px
             .iter()
             .map(|point| floor.distance_to_joint_px(family, number, [point[0], point[1]]))
             .collect();
-        let off = distances.iter().filter(|distance| distance.abs() > 2.0).count();
+        let off = distances.iter().zip(&line.points_px).filter(|(distance, point)| beyond(**distance, point)).count();
         self.lines += 1;
         self.points += line.points_px.len();
         self.false_points += wrong;

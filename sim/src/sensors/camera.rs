@@ -148,8 +148,9 @@ const TARGET_MEAN_LEVEL: f64 = 110.0;
 const HIGHLIGHT_LEVEL: f64 = 215.0;
 /// Share of the pixels that may be highlights.
 const HIGHLIGHT_SHARE: f64 = 0.005;
-/// An image that is saturated tells only that it got too much light; at most this much is taken off at once.
-const STRONGEST_STEP_DOWN: f64 = 8.0;
+/// An image that is white all over tells only that it got too much light: so much is taken off, as to find the range
+/// within two images after any switch of lamps up to 40 times.
+const STRONGEST_STEP_DOWN: f64 = 20.0;
 /// A dark image is mostly noise; at most this much is put on at once.
 const STRONGEST_STEP_UP: f64 = 32.0;
 /// Shortest exposure of a global shutter of this class.
@@ -191,7 +192,10 @@ impl AutoExposure {
         let sum: usize = histogram.iter().enumerate().map(|(level, count)| level * count).sum();
         let mean = sum as f64 / pixels.len().max(1) as f64;
         let highlight = level_exceeded_by(&histogram, HIGHLIGHT_SHARE * pixels.len() as f64);
-        let change = if highlight >= 255.0 {
+        let white = histogram[255] as f64 / pixels.len().max(1) as f64;
+        let change = if white > 0.5 {
+            1.0 / STRONGEST_STEP_DOWN
+        } else if highlight >= 255.0 {
             // Clipped: the mean bounds the light only from below, so take off clearly more than it asks for.
             (TARGET_MEAN_LEVEL / mean).min(1.0) * 0.6
         } else {

@@ -2,7 +2,7 @@
 
 use super::tyre::{Contact, Patch, Tyre};
 
-/// Substeps of a wheel in one step of the world: a wheel on its tyre oscillates at some 30 Hz against a stiff motor.
+/// Substeps of a wheel in one step of the world: on its tyre a wheel oscillates at 36 Hz, and its motor is as stiff.
 const SUBSTEPS: u32 = 4;
 
 /// Inertia of a wheel with its geared rotor, as a share of robot mass at the tread: 0.0086 kg·m² for the P3-DX.

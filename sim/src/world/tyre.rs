@@ -22,7 +22,7 @@ impl Default for Tyre {
             // About half the length of a patch, √(2·0.0975·0.0012) m, and the carcass. A shorter one stiffens the body's
             // oscillation on its tyres beyond what 1 ms steps resolve.
             relaxation_length_m: 0.02,
-            // Damps a standing robot's oscillation of about 14 Hz to a fifth of critical; no part in steady forces.
+            // Damps a standing robot's oscillation of 16 Hz with a quarter of critical damping; no part in steady forces.
             damping_s: 0.005,
         }
     }

@@ -8,10 +8,8 @@ use crate::vision::FloorView;
 /// Joints that agree with each other, and the weight of their evidence.
 #[derive(Debug, Default)]
 pub(super) struct Grid {
-    pub(super) joints: Vec<Joint>,
+    joints: Vec<Joint>,
     evidence: f64,
-    /// Nothing else in the picture looked like a joint.
-    undisputed: bool,
 }
 
 /// Angle between true joints beyond their measured scatter: each may be laid half a millimetre askew over one tile.
@@ -23,8 +21,6 @@ const PITCH_ERROR_RATIO: f64 = 0.004;
 const DEPTH_RATIO: f64 = 2.5;
 /// A rival with this share of the evidence leaves it open which of the two is a joint.
 const RIVAL_SHARE: f64 = 0.4;
-/// A line without any other to support it must cross at least this share of the picture's shorter side.
-const LONE_SPAN: f64 = 0.6;
 
 /// The joints of one angle that agree, without those that a rival leaves in doubt.
 pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
@@ -56,30 +52,19 @@ pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
             kept &= common;
         }
     }
-    let undisputed = kept.count_ones() as usize == distinct.len();
     let evidence = winners.weights[kept];
     let joints =
         distinct.into_iter().enumerate().filter(|(index, _)| kept >> index & 1 == 1).map(|(_, joint)| joint).collect();
-    Grid { joints, evidence, undisputed }
+    Grid { joints, evidence }
 }
 
-/// The grid with the most evidence; nothing if another at another angle comes close, or if it is a single doubtful line.
-pub(super) fn best(mut grids: Vec<Grid>, shorter_side_px: f64) -> Vec<Joint> {
+/// The grid with the most evidence; nothing if another at another angle comes close.
+pub(super) fn best(mut grids: Vec<Grid>) -> Vec<Joint> {
     grids.retain(|grid| !grid.joints.is_empty());
     grids.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     let rival = grids.get(1).map_or(0.0, |grid| grid.evidence);
-    let Some(best) = grids.into_iter().next() else { return Vec::new() };
-    if rival > RIVAL_SHARE * best.evidence {
-        return Vec::new();
-    }
-    if let [lone] = best.joints.as_slice() {
-        let certain =
-            best.undisputed && rival == 0.0 && lone.width_is_sure && lone.span_px > LONE_SPAN * shorter_side_px;
-        if !certain {
-            return Vec::new();
-        }
-    }
-    best.joints
+    let best = grids.into_iter().next().filter(|best| rival <= RIVAL_SHARE * best.evidence);
+    best.map_or_else(Vec::new, |best| best.joints)
 }
 
 /// Distance from joint `a`'s line to the middle of joint `b`, along the normal of `a`; both in one family.

@@ -53,6 +53,9 @@ const LEAST_AGREEMENT: f64 = 0.5;
 const LOOK_PX: usize = 4;
 /// Shifts tried on mean profiles, which the course has already centred.
 const LOOK_REACH_PX: f64 = 1.5;
+/// Residual of a third's mean profile in units of its depth: 99 of 100 joints leave less than 0.13, what is printed beside
+/// some of them more.
+const RESIDUAL_ALLOWED: f32 = 0.12;
 /// Widths tried on the mean profile, in units of the joint's.
 const WIDTHS: [f64; 5] = [0.45, 0.7, 1.0, 1.4, 2.1];
 
@@ -247,15 +250,17 @@ impl Look<'_> {
             let mean = self.mean_profile([from_px, from_px + third_px])?;
             let fit = own.fit(&mean, self.dark, 0.0, LOOK_REACH_PX as f32)?;
             let in_place = f64::from(fit.shift_px).abs() < 2.0 * bound_px(self.blur_px);
-            if !in_place || !(0.3..3.0).contains(&(fit.depth / self.depth)) || fit.residual > 0.3 * fit.depth.abs() {
+            if !in_place
+                || !(0.3..3.0).contains(&(fit.depth / self.depth))
+                || fit.residual > RESIDUAL_ALLOWED * fit.depth.abs()
+            {
                 return None;
             }
         }
         let mean = self.mean_profile(span)?;
-        let residuals = WIDTHS.map(|ratio| {
-            filter(ratio).fit(&mean, self.dark, 0.0, LOOK_REACH_PX as f32).map_or(f32::MAX, |fit| fit.residual)
-        });
-        let best = (0..WIDTHS.len()).min_by(|&a, &b| residuals[a].total_cmp(&residuals[b]))?;
+        let fits = WIDTHS.map(|ratio| filter(ratio).fit(&mean, self.dark, 0.0, LOOK_REACH_PX as f32));
+        let residual = |index: usize| fits[index].map_or(f32::MAX, |fit| fit.residual);
+        let best = (0..WIDTHS.len()).min_by(|&a, &b| residual(a).total_cmp(&residual(b)))?;
         match best {
             2 => Some(true),
             1 | 3 => Some(false),

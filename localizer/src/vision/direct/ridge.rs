@@ -86,7 +86,9 @@ fn smoothed(plane: &Plane) -> Plane {
 const BORDER_CELLS: usize = 3;
 
 /// Ridge points of the picture: cells where the curvature across dominates and whose extremum lies inside the cell.
-pub(super) fn ridge_points(plane: &Plane, bin: usize, image_size_px: [f32; 2]) -> Vec<RidgePoint> {
+///
+/// Points weaker than `strong_share` of the picture's strong ridges are left out.
+pub(super) fn ridge_points(plane: &Plane, bin: usize, image_size_px: [f32; 2], strong_share: f32) -> Vec<RidgePoint> {
     let smooth = smoothed(plane);
     let width = smooth.width;
     let mut curvature = vec![0f32; smooth.values.len()];
@@ -101,7 +103,7 @@ pub(super) fn ridge_points(plane: &Plane, bin: usize, image_size_px: [f32; 2]) -
             *across = half_sum + root.copysign(half_sum);
         }
     }
-    let threshold = threshold(&curvature, width);
+    let threshold = threshold(&curvature, width, strong_share);
     let mut points = Vec::with_capacity(1024);
     for row in rows {
         let near = smooth.three_rows(row);
@@ -156,12 +158,12 @@ fn hessian([above, here, below]: [&[f32]; 3], column: usize) -> (f32, f32, f32) 
 /// Curvature that counts as a ridge: three times the median of the picture (noise and texture), a share of its strong
 /// ridges (else their side lobes count), and no less than 1 % of contrast, below which eight-bit steps in a dark picture
 /// make ridges of their own.
-fn threshold(curvature: &[f32], width: usize) -> f32 {
+fn threshold(curvature: &[f32], width: usize, strong_share: f32) -> f32 {
     // Every seventh cell tells the quantiles; seven divides no usual width, so that columns take turns.
     let mut sample: Vec<f32> = curvature[BORDER_CELLS * width..].iter().step_by(7).map(|value| value.abs()).collect();
     let count = sample.len();
     let (_, &mut median, _) = sample.select_nth_unstable_by(count / 2, f32::total_cmp);
     // One joint across a picture fills about one per cent of its cells.
     let (_, &mut strong, _) = sample.select_nth_unstable_by(count * 98 / 100, f32::total_cmp);
-    (3.0 * median).max(0.15 * strong).max(0.01)
+    (3.0 * median).max(strong_share * strong).max(0.01)
 }

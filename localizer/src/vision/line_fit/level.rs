@@ -1,0 +1,91 @@
+//! Which lines `y = m·x + b` are near enough to K of the points? Slopes are bisected; intercepts are swept.
+
+use std::cell::RefCell;
+
+/// Points in local coordinates `[x, y, bound]`, of which a line must be within bound of `needed`.
+pub(super) struct Level<'a> {
+    points: &'a [[f64; 3]],
+    needed: usize,
+    /// Greatest |x|: how fast an intercept moves with the slope.
+    reach_px: f64,
+    /// Ends of the points' intervals, lower and upper: room kept between sweeps.
+    ends: RefCell<[Vec<f64>; 2]>,
+}
+
+/// Slopes `[from, to]` and the intercepts `[least, greatest]` of all lines with slopes between.
+#[derive(Clone, Copy)]
+pub(super) struct Leaf {
+    pub(super) slope: [f64; 2],
+    pub(super) intercept_px: [f64; 2],
+}
+
+impl<'a> Level<'a> {
+    pub(super) fn new(points: &'a [[f64; 3]], needed: usize) -> Self {
+        let reach_px = points.iter().map(|point| point[0].abs()).fold(0.0, f64::max);
+        Level { points, needed, reach_px, ends: RefCell::default() }
+    }
+
+    /// Leaves between two slopes, by ascending slope, fine enough to widen intercepts by no more than `slack_px`.
+    pub(super) fn leaves(&self, slope: [f64; 2], slack_px: f64) -> Vec<Leaf> {
+        let mut leaves = Vec::with_capacity(64);
+        self.bisect(slope, slack_px, &mut leaves);
+        if leaves.len() > 1 {
+            let end = leaves.len() - 1;
+            leaves[0].slope[0] = self.sharpened(leaves[0].slope, false);
+            leaves[end].slope[1] = self.sharpened(leaves[end].slope, true);
+        }
+        leaves
+    }
+
+    fn bisect(&self, slope: [f64; 2], slack_px: f64, leaves: &mut Vec<Leaf>) {
+        let Some(intercept_px) = self.intercepts(slope) else { return };
+        if self.reach_px * (slope[1] - slope[0]) <= slack_px {
+            leaves.push(Leaf { slope, intercept_px });
+            return;
+        }
+        let middle = 0.5 * (slope[0] + slope[1]);
+        self.bisect([slope[0], middle], slack_px, leaves);
+        self.bisect([middle, slope[1]], slack_px, leaves);
+    }
+
+    /// Hull of the intercepts that at least `needed` points allow, each for some slope in the range.
+    ///
+    /// A point allows `y − m·x ± bound`; over the slopes that is one interval. Where enough intervals overlap is found by a
+    /// sweep over their ends: as many cover `b` as have begun and have not ended.
+    fn intercepts(&self, slope: [f64; 2]) -> Option<[f64; 2]> {
+        let [lower, upper] = &mut *self.ends.borrow_mut();
+        lower.clear();
+        upper.clear();
+        for &[x, y, bound_px] in self.points {
+            let (a, b) = (y - slope[0] * x, y - slope[1] * x);
+            lower.push(a.min(b) - bound_px);
+            upper.push(a.max(b) + bound_px);
+        }
+        lower.sort_unstable_by(f64::total_cmp);
+        upper.sort_unstable_by(f64::total_cmp);
+        let mut ended = 0;
+        let least = lower.iter().enumerate().find(|&(begun, &b)| {
+            ended += upper[ended..].iter().take_while(|&&end| end < b).count();
+            begun + 1 - ended >= self.needed
+        });
+        let mut not_begun = 0;
+        let count = lower.len();
+        let greatest = upper.iter().rev().enumerate().find(|&(not_ended, &b)| {
+            not_begun += lower[..count - not_begun].iter().rev().take_while(|&&begin| begin > b).count();
+            not_ended + 1 - not_begun >= self.needed
+        });
+        Some([*least?.1, *greatest?.1])
+    }
+
+    /// Least (or greatest) slope of a leaf that cannot be ruled out, to an eighth of its width.
+    fn sharpened(&self, slope: [f64; 2], greatest: bool) -> f64 {
+        let [mut from, mut to] = slope;
+        for _ in 0..3 {
+            let middle = 0.5 * (from + to);
+            let outer = if greatest { [middle, to] } else { [from, middle] };
+            // An empty outer half is cut off; else the search goes on inside of it.
+            if greatest == self.intercepts(outer).is_none() { to = middle } else { from = middle }
+        }
+        if greatest { to } else { from }
+    }
+}

@@ -1,0 +1,127 @@
+//! What the renderer's tests share: a scene, an ideal mount, one renderer for the process.
+
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use image::GrayImage;
+use localizer::Pose;
+use nalgebra::Isometry3;
+use sim::{
+    drawn::{Drawn, DrawnFloorCamera},
+    render::{NoiseKey, Renderer, View},
+    scene::Scene,
+    sensors::camera::{Exposure, Photosites, floor_camera_intrinsics, world_from_floor_camera},
+    truth::Truth,
+};
+
+/// A room with even light, a scene's worth of drawn errors, and a camera that is mounted as a test wants it.
+pub(crate) struct Studio {
+    pub(crate) scene: Scene,
+    pub(crate) drawn: Drawn,
+    pub(crate) mount: DrawnFloorCamera,
+}
+
+impl Studio {
+    /// A square room of this width, lit evenly by 300 lx unless `more` says otherwise; `more` is appended to the scene.
+    pub(crate) fn new(width_m: f64, more: &str) -> Studio {
+        let light = if more.contains("[light]") { "" } else { "[light]\nunevenness_ratio = 1.0" };
+        let middle_m = width_m / 2.0;
+        let text = format!(
+            "duration_s = 1.0
+            [room]\nwidth_m = {width_m:?}\ndepth_m = {width_m:?}
+            [start]\nx_m = {middle_m:?}\ny_m = {middle_m:?}\nheading_deg = 0
+            [[route.waypoint]]\nx_m = {middle_m:?}\ny_m = {middle_m:?}\nspeed_m_per_s = 0.1
+            {light}\n{more}"
+        );
+        let scene = Scene::parse(&text, "studio.toml").unwrap();
+        let drawn = Drawn::draw(&scene, 1);
+        let camera = scene.robot.floor_camera.as_ref().unwrap();
+        // 640 px over 0.48 m seen from 0.25 m above: one pixel is 0.75 mm.
+        let focal_px = 0.25 * 640.0 / 0.48;
+        assert_eq!((camera.height_m, camera.footprint_width_m), (0.25, 0.48));
+        let mount =
+            DrawnFloorCamera { position_m: [-0.15, 0.0], height_m: 0.25, focal_px, yaw_rad: 0.0, tilt_rad: [0.0, 0.0] };
+        Studio { scene, drawn, mount }
+    }
+
+    /// A view from poses during an exposure of 10 ms, in light that gives a tile of albedo 0.55 some 110 levels.
+    pub(crate) fn view(&self, truths: &[Truth], image: u32) -> View {
+        let camera = self.scene.robot.floor_camera.as_ref().unwrap();
+        View {
+            intrinsics: floor_camera_intrinsics(camera, &self.mount),
+            photosites: Photosites::from(camera),
+            world_from_camera: self.poses(truths),
+            exposure_s: 0.01,
+            gain_levels_per_electron: 0.025,
+            illuminance_at_floor_lux: self.scene.light.illuminance_at_floor_lux,
+            noise: NoiseKey { seed: 5, image },
+        }
+    }
+
+    /// A view whose noise is a fifth of a grey level: a well of a million electrons without read noise.
+    pub(crate) fn quiet_view(&self, truths: &[Truth]) -> View {
+        let mut view = self.view(truths, 0);
+        view.photosites.full_well_electrons = 1e6;
+        view.photosites.read_noise_electrons = 0.0;
+        view.exposure_s = 1.0;
+        view.gain_levels_per_electron = 0.025 / 100.0;
+        view
+    }
+
+    pub(crate) fn draw(&self, view: View) -> GrayImage {
+        // Tests run in threads, and a process has one renderer.
+        static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
+        let mutex = RENDERER.get_or_init(|| Mutex::new(Renderer::new().unwrap()));
+        let mut renderer = mutex.lock().unwrap_or_else(PoisonError::into_inner);
+        let world = renderer.upload(&self.scene, &self.drawn).unwrap();
+        renderer.draw(&world, &[view]).unwrap().remove(0)
+    }
+
+    fn poses(&self, truths: &[Truth]) -> Vec<Isometry3<f64>> {
+        truths.iter().map(|truth| world_from_floor_camera(truth, &self.mount)).collect()
+    }
+
+    /// Image of a floor point by trigonometry alone, written from the frames' definitions and not from the simulator's code.
+    ///
+    /// World to body undoes heading, then pitch, then roll; body to mount undoes tilt, then yaw; looking down, image right
+    /// is robot right (−y) and image down is robot backward (−x).
+    pub(crate) fn project(&self, truth: &Truth, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [roll, pitch] = truth.tilt_rad;
+        let (dx, dy, dz) = (x - truth.pose.x_m, y - truth.pose.y_m, -truth.heave_m);
+        let (sin, cos) = truth.pose.heading_rad.sin_cos();
+        let (dx, dy) = (cos * dx + sin * dy, -sin * dx + cos * dy);
+        let (dx, dz) = (pitch.cos() * dx - pitch.sin() * dz, pitch.sin() * dx + pitch.cos() * dz);
+        let (dy, dz) = (roll.cos() * dy + roll.sin() * dz, -roll.sin() * dy + roll.cos() * dz);
+        let [forward, left] = self.mount.position_m;
+        let p = [dx - forward, dy - left, dz - self.mount.height_m];
+        let p = rotated(p, [-self.mount.tilt_rad[0], -self.mount.tilt_rad[1], 0.0]);
+        let (sin, cos) = self.mount.yaw_rad.sin_cos();
+        let (px, py) = (cos * p[0] + sin * p[1], -sin * p[0] + cos * p[1]);
+        let depth = -p[2];
+        // Principal points of 640 × 480.
+        [319.5 + self.mount.focal_px * -py / depth, 239.5 + self.mount.focal_px * -px / depth]
+    }
+}
+
+/// A truth at rest.
+pub(crate) fn standing(x_m: f64, y_m: f64, heading_rad: f64) -> Truth {
+    Truth { pose: Pose { x_m, y_m, heading_rad }, ..Truth::default() }
+}
+
+/// An exposure as auto-exposure states it, put into a view.
+pub(crate) fn exposed(mut view: View, exposure: Exposure) -> View {
+    view.exposure_s = exposure.exposure_s;
+    view.gain_levels_per_electron = exposure.gain_levels_per_electron;
+    view
+}
+
+/// Rodrigues: p·cos a + (n × p)·sin a + n·(n·p)·(1 − cos a) for the rotation vector a·n.
+fn rotated(p: [f64; 3], vector: [f64; 3]) -> [f64; 3] {
+    let angle = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
+    if angle == 0.0 {
+        return p;
+    }
+    let n = vector.map(|v| v / angle);
+    let cross = [n[1] * p[2] - n[2] * p[1], n[2] * p[0] - n[0] * p[2], n[0] * p[1] - n[1] * p[0]];
+    let dot = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
+    [0, 1, 2].map(|k| p[k] * angle.cos() + cross[k] * angle.sin() + n[k] * dot * (1.0 - angle.cos()))
+}

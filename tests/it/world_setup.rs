@@ -1,0 +1,86 @@
+//! Scenes and drives that the tests of the world share.
+
+use localizer::{Estimate, Interval, PoseBox, PoseUnion, Status};
+use sim::{
+    drawn::Drawn,
+    driver::Driver,
+    scene::Scene,
+    truth::Truth,
+    world::{WheelCommand, World},
+};
+
+/// A P3-DX in the middle of an 8 × 6 m room, facing along world x, with more keys of the scene's top level.
+pub(crate) fn scene(more: serde_json::Value) -> Scene {
+    let mut scene = serde_json::json!({
+        "floor": {},
+        "room": { "width_m": 8.0, "depth_m": 6.0 },
+        "start": { "x_m": 1.5, "y_m": 3.0, "tolerance_m": 0.0, "tolerance_deg": 0.0 },
+    });
+    for (key, value) in more.as_object().into_iter().flatten() {
+        scene[key] = value.clone();
+    }
+    serde_json::from_value(scene).expect("the test's own scene is valid")
+}
+
+/// A world whose wheels and track are exactly nominal.
+pub(crate) fn nominal_world(scene: &Scene) -> World {
+    World::new(scene, &nominal(scene))
+}
+
+/// Draws without any error.
+pub(crate) fn nominal(scene: &Scene) -> Drawn {
+    let mut drawn = Drawn::draw(scene, 0);
+    drawn.start = scene.nominal_start();
+    drawn.wheel_radius_m = [scene.robot.wheel_radius_m; 2];
+    drawn.track_m = scene.robot.track_m;
+    drawn
+}
+
+/// Wheel speeds of a nominal P3-DX for a motion of its axle middle.
+pub(crate) fn command(speed_m_per_s: f64, turn_rad_per_s: f64) -> WheelCommand {
+    let half_turn_m_per_s = 0.5 * 0.33 * turn_rad_per_s;
+    WheelCommand {
+        speed_rad_per_s: [(speed_m_per_s - half_turn_m_per_s) / 0.0975, (speed_m_per_s + half_turn_m_per_s) / 0.0975],
+    }
+}
+
+/// Steps a world under one command and returns the last truth.
+pub(crate) fn hold(world: &mut World, command: WheelCommand, lasts_s: f64) -> Truth {
+    for _ in 0..(lasts_s * 1000.0).round() as usize {
+        world.step(command);
+    }
+    world.truth()
+}
+
+/// Gathers speed at 0.5 m/s² up to a motion.
+pub(crate) fn gather_speed(world: &mut World, speed_m_per_s: f64, turn_rad_per_s: f64) {
+    let lasts_s = 2.0 * speed_m_per_s;
+    let n_steps = (lasts_s * 1000.0).round() as usize;
+    for step in 0..n_steps {
+        let share = step as f64 / n_steps as f64;
+        world.step(command(share * speed_m_per_s, share * turn_rad_per_s));
+    }
+}
+
+/// What a localizer that is right within a millimetre and a milliradian says of a truth.
+pub(crate) fn estimate(truth: &Truth) -> Estimate {
+    let pose = truth.pose;
+    let pose = PoseBox::from([
+        Interval::centred(pose.x_m, 0.001),
+        Interval::centred(pose.y_m, 0.001),
+        Interval::centred(pose.heading_rad, 0.001),
+    ]);
+    Estimate { time_s: truth.time_s, pose: PoseUnion::single(pose), status: Status::Sound, relies_on: Vec::new() }
+}
+
+/// Drives the scene's route by such estimates, and returns the truth at every 10 ms.
+pub(crate) fn drive(scene: &Scene, drawn: &Drawn, lasts_s: f64) -> Vec<Truth> {
+    let mut world = World::new(scene, drawn);
+    let mut driver = Driver::new(scene);
+    let mut truths = vec![world.truth()];
+    for step in 0..(lasts_s * 100.0).round() as usize {
+        let command = driver.command(&estimate(&world.truth()), step as f64 * 0.01);
+        truths.push(hold(&mut world, command, 0.01));
+    }
+    truths
+}
