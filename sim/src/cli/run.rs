@@ -34,7 +34,8 @@ pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandEr
         renderer = Some(Renderer::new()?);
     }
     let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
-    let bar = progress_bar(files.iter().map(|file| file.scene.simulated_s()).sum::<f64>() * seeds.clone().count() as f64);
+    let bar =
+        progress_bar(files.iter().map(|file| file.scene.simulated_s()).sum::<f64>() * seeds.clone().count() as f64);
     let mut recorded = Vec::new();
     for file in &files {
         for seed in seeds.clone() {

@@ -9,7 +9,7 @@ mod pipelines;
 
 pub(super) use cut::Floor;
 
-use cut::{Cut, ViewUniform};
+use cut::{Cut, ViewOnDevice};
 use geometry::{BandInstance, TileInstance};
 
 /// Pipelines of the floor; faces have one for each pattern, so that a plain tile does not pay for marble.
@@ -35,7 +35,7 @@ impl FloorPass {
                 binding: 0,
                 visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
                 ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
+                    ty: wgpu::BufferBindingType::Storage { read_only: true },
                     has_dynamic_offset: false,
                     min_binding_size: None,
                 },
@@ -56,8 +56,8 @@ impl FloorPass {
     pub(super) fn slot(&self, device: &wgpu::Device) -> FloorSlot {
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("floor view"),
-            size: size_of::<ViewUniform>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            size: size_of::<ViewOnDevice>() as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -24,7 +24,7 @@ pub(super) struct PhotonSlot {
 /// `Readout` of photons.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct ReadoutUniform {
+struct ReadoutOnDevice {
     size_px: [u32; 2],
     seed: [u32; 2],
     image: u32,
@@ -56,8 +56,8 @@ impl PhotonPass {
     pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView, grey: &wgpu::Buffer) -> PhotonSlot {
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("readout"),
-            size: size_of::<ReadoutUniform>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            size: size_of::<ReadoutOnDevice>() as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -77,7 +77,7 @@ impl PhotonPass {
         let words = (target.size_px[0] * target.size_px[1]).div_ceil(4);
         let workgroups = words.div_ceil(WORKGROUP);
         let columns = workgroups.min(WORKGROUPS_IN_ROW);
-        let uniform = ReadoutUniform {
+        let uniform = ReadoutOnDevice {
             size_px: target.size_px,
             seed: [view.noise.seed as u32, (view.noise.seed >> 32) as u32],
             image: view.noise.image,

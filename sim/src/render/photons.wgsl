@@ -15,7 +15,8 @@ struct Readout {
     row_per_pixel: f32,
 }
 
-@group(0) @binding(0) var<uniform> readout: Readout;
+// In storage for the same reason as the floor's view.
+@group(0) @binding(0) var<storage, read> readout: Readout;
 @group(0) @binding(1) var luminance: texture_2d<f32>;
 // Row-major grey levels without padding, four to a word, the first in the lowest byte.
 @group(0) @binding(2) var<storage, read_write> grey: array<u32>;

@@ -52,10 +52,13 @@ impl Scene {
 
     /// The scene with the robot put at a station, for as long as one image takes to arrive.
     pub fn at_station(&self, station: &Station) -> Scene {
-        let arrival_s = self.robot.floor_camera.as_ref().map_or(0.0, |camera| {
-            camera.exposure_s + camera.latency_s + camera.latency_tolerance_s
-        });
-        let start = Start { x_m: station.x_m, y_m: station.y_m, heading_deg: station.heading_deg, ..self.start.clone() };
+        let arrival_s = self
+            .robot
+            .floor_camera
+            .as_ref()
+            .map_or(0.0, |camera| camera.exposure_s + camera.latency_s + camera.latency_tolerance_s);
+        let start =
+            Start { x_m: station.x_m, y_m: station.y_m, heading_deg: station.heading_deg, ..self.start.clone() };
         // A step more than the arrival, so that the estimate after it is counted too.
         let duration_s = ((arrival_s / 0.01).ceil() + 1.0) * 0.01;
         Scene { start, duration_s, stations: Vec::new(), ..self.clone() }

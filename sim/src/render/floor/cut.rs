@@ -30,7 +30,7 @@ pub(in crate::render) struct Floor {
 
 /// One view's part of a floor.
 pub(super) struct Cut {
-    pub(super) uniform: ViewUniform,
+    pub(super) uniform: ViewOnDevice,
     pub(super) faces: Vec<TileInstance>,
     /// In the order in which they lie on each other.
     pub(super) bands: Vec<BandInstance>,
@@ -42,7 +42,7 @@ type Rows = [[f32; 4]; 3];
 /// `View` of view.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-pub(super) struct ViewUniform {
+pub(super) struct ViewOnDevice {
     start: Rows,
     middle: Rows,
     end: Rows,
@@ -89,7 +89,7 @@ impl Floor {
         Ok(Cut { uniform: self.uniform(view, &path, &frame)?, faces, bands })
     }
 
-    fn uniform(&self, view: &View, path: &Path, frame: &LocalFrame) -> Result<ViewUniform, RenderError> {
+    fn uniform(&self, view: &View, path: &Path, frame: &LocalFrame) -> Result<ViewOnDevice, RenderError> {
         let local_from_pixel = |pose: &Isometry3<f64>| frame.local_from_pixel(pose, view.intrinsics.focal_px);
         let middle = local_from_pixel(&path.middle);
         let clip_from_local = local::clip_from_local(&middle, &view.intrinsics)
@@ -105,7 +105,7 @@ impl Floor {
             view.illuminance_at_floor_lux * self.light.factor_at(origin_in_world) / std::f64::consts::PI;
         let [cu, cv] = view.intrinsics.principal_point_px;
         let tiles = self.tiled.as_ref().map(|(tiles, _)| tiles);
-        Ok(ViewUniform {
+        Ok(ViewOnDevice {
             start: sub_frame_ends[0],
             middle: rows_of(&middle),
             end: sub_frame_ends[path.sub_frame_ends.len() - 1],

@@ -1,5 +1,7 @@
 //! What of the floor a view sees, as instances of faces and bands in the view's local frame.
 
+use std::ops::Range;
+
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Vector2, vector};
 
@@ -100,6 +102,14 @@ pub(super) fn plain_face(seen: &Footprint) -> TileInstance {
     }
 }
 
+/// Laid tiles in a view's local frame.
+struct TileWindow<'a> {
+    tiles: &'a Tiles,
+    laid: &'a LaidTiles,
+    /// Which of the laid corners has the local origin as its nominal place.
+    origin: [i32; 2],
+}
+
 /// Faces and joints of the tiles in view.
 pub(super) fn tiles_in_view(
     tiles: &Tiles,
@@ -107,56 +117,71 @@ pub(super) fn tiles_in_view(
     frame: &LocalFrame,
     seen: &Footprint,
 ) -> (Vec<TileInstance>, Vec<BandInstance>) {
-    let edge_m = vector![tiles.edge_x_m, tiles.edge_y_m];
     let origin = [0, 1].map(|axis| frame.corner[axis] - laid.first[axis]);
-    // Indices of the joints in view, with one tile more for corners that are displaced.
-    let range = |axis: usize| {
-        let last = laid.count[axis] as i32 - 1;
-        let low = origin[axis] + (seen.low[axis] / edge_m[axis]).floor() as i32 - 1;
-        let high = origin[axis] + (seen.high[axis] / edge_m[axis]).ceil() as i32 + 1;
-        low.clamp(0, last) as usize..high.clamp(0, last) as usize
-    };
-    let nominal = |i: usize, j: usize| {
-        edge_m.component_mul(&vector![(i as i32 - origin[0]) as f64, (j as i32 - origin[1]) as f64])
-    };
-    let index = |i: usize, j: usize| i * laid.count[1] + j;
-    let corner = |i: usize, j: usize| nominal(i, j) + Vector2::from(laid.corner_offset_m[index(i, j)]);
+    let window = TileWindow { tiles, laid, origin };
+    let [columns, rows] = window.in_view(seen);
+    let places = || columns.clone().flat_map(|i| rows.clone().map(move |j| [i, j]));
+    let faces = places().map(|place| window.face(place)).collect();
+    let joints = places().flat_map(|place| [0, 1].map(|axis| window.joint(axis, place, seen))).collect();
+    (faces, joints)
+}
 
-    let mut faces = Vec::new();
-    let mut joints = Vec::new();
-    for i in range(0) {
-        for j in range(1) {
-            faces.push(TileInstance {
-                corners: [corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)].map(single),
-                anchor: single(nominal(i, j)),
-                albedo: laid.tile_albedo[index(i, j)],
-                seed: tile_seed(laid.pattern_seed, i, j),
-            });
-            for axis in 0..2 {
-                let (next_i, next_j) = if axis == 0 { (i, j + 1) } else { (i + 1, j) };
-                let contrast = laid.contrast[axis][index(i, j)];
-                let before = neighbour(laid, axis, [i, j], -1);
-                let after = neighbour(laid, axis, [i, j], 1);
-                // The face at (i, j) is left of a joint along grid x and right of one along grid y.
-                let (left, right) = if axis == 0 { (i.checked_sub(1), Some(i)) } else { (Some(j), j.checked_sub(1)) };
-                let albedo = |place: Option<usize>| {
-                    place.map_or(laid.tile_albedo[index(i, j)], |place| {
-                        laid.tile_albedo[if axis == 0 { index(place, j) } else { index(i, place) }]
-                    })
-                };
-                let (from, to) = (corner(i, j), corner(next_i, next_j));
-                let margin_m = seen.margin_m((to - from).normalize());
-                joints.push(BandInstance {
-                    albedo: tiles.joint_albedo as f32,
-                    contrast: [faded(contrast, before), contrast, faded(contrast, after)],
-                    step: albedo(left) - albedo(right),
-                    capped: 0.0,
-                    ..BandInstance::between(from, to, tiles.joint_width_m, [margin_m, 0.0])
-                });
-            }
+impl TileWindow<'_> {
+    /// Tiles in view along each axis, with one more on each side for corners that are displaced.
+    fn in_view(&self, seen: &Footprint) -> [Range<usize>; 2] {
+        let edge_m = [self.tiles.edge_x_m, self.tiles.edge_y_m];
+        [0, 1].map(|axis| {
+            let last = self.laid.count[axis] as i32 - 1;
+            let low = self.origin[axis] + (seen.low[axis] / edge_m[axis]).floor() as i32 - 1;
+            let high = self.origin[axis] + (seen.high[axis] / edge_m[axis]).ceil() as i32 + 1;
+            low.clamp(0, last) as usize..high.clamp(0, last) as usize
+        })
+    }
+
+    fn index(&self, [i, j]: [usize; 2]) -> usize {
+        i * self.laid.count[1] + j
+    }
+
+    fn nominal_corner(&self, [i, j]: [usize; 2]) -> Vector2<f64> {
+        let tiles_away = vector![(i as i32 - self.origin[0]) as f64, (j as i32 - self.origin[1]) as f64];
+        tiles_away.component_mul(&vector![self.tiles.edge_x_m, self.tiles.edge_y_m])
+    }
+
+    fn corner(&self, place: [usize; 2]) -> Vector2<f64> {
+        self.nominal_corner(place) + Vector2::from(self.laid.corner_offset_m[self.index(place)])
+    }
+
+    /// The face whose least corner is `(i, j)`.
+    fn face(&self, [i, j]: [usize; 2]) -> TileInstance {
+        TileInstance {
+            corners: [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].map(|place| single(self.corner(place))),
+            anchor: single(self.nominal_corner([i, j])),
+            albedo: self.laid.tile_albedo[self.index([i, j])],
+            seed: tile_seed(self.laid.pattern_seed, i, j),
         }
     }
-    (faces, joints)
+
+    /// The joint from corner `(i, j)` to the next one, of the family at constant grid x (axis 0) or y (axis 1).
+    fn joint(&self, axis: usize, place: [usize; 2], seen: &Footprint) -> BandInstance {
+        let contrast_at = |place| self.laid.contrast[axis][self.index(place)];
+        let contrast = contrast_at(place);
+        let before = stepped(place, 1 - axis, -1).map(contrast_at);
+        let next = stepped(place, 1 - axis, 1).filter(|next| next[1 - axis] < self.laid.count[1 - axis]);
+        let (from, to) = (self.corner(place), next.map_or(self.corner(place), |next| self.corner(next)));
+
+        let albedo = self.laid.tile_albedo[self.index(place)];
+        let across = stepped(place, axis, -1).map_or(albedo, |other| self.laid.tile_albedo[self.index(other)]);
+        // Going along grid y, the face at (i, j) is on the right; going along grid x, on the left.
+        let step = if axis == 0 { across - albedo } else { albedo - across };
+        let direction = (to - from).try_normalize(0.0).unwrap_or(Vector2::x());
+        BandInstance {
+            albedo: self.tiles.joint_albedo as f32,
+            contrast: [faded(contrast, before), contrast, faded(contrast, next.map(contrast_at))],
+            step,
+            capped: 0.0,
+            ..BandInstance::between(from, to, self.tiles.joint_width_m, [seen.margin_m(direction), 0.0])
+        }
+    }
 }
 
 /// Wires and tape in view.
@@ -213,11 +238,11 @@ pub(super) fn walls_in_view<'a>(
     })
 }
 
-/// Contrast of the segment before or after a segment of the same joint.
-fn neighbour(laid: &LaidTiles, axis: usize, corner: [usize; 2], step: isize) -> Option<f32> {
-    let mut next = corner;
-    next[1 - axis] = next[1 - axis].checked_add_signed(step)?;
-    (next[1 - axis] < laid.count[1 - axis]).then(|| laid.contrast[axis][next[0] * laid.count[1] + next[1]])
+/// The place one step along an axis, unless that is below the first.
+fn stepped(place: [usize; 2], axis: usize, step: isize) -> Option<[usize; 2]> {
+    let mut next = place;
+    next[axis] = next[axis].checked_add_signed(step)?;
+    Some(next)
 }
 
 /// Contrast at a corner between two segments: their mean, unless one of them is missing.

@@ -35,7 +35,9 @@ struct View {
     sub_frame_ends: array<Homography, 33>, // MAX_SUB_FRAMES of exposure.rs, and one
 }
 
-@group(0) @binding(0) var<uniform> view: View;
+// In storage, not in uniform memory: lavapipe compiles a shader anew for every new value of a uniform that a branch or a
+// loop depends on, which takes 90 ms and is never freed.
+@group(0) @binding(0) var<storage, read> view: View;
 
 // The pixel whose centre the rasteriser calls (0.5, 0.5), about the principal point.
 fn pixel_at(position: vec4<f32>) -> vec3<f32> {
