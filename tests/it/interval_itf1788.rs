@@ -2,8 +2,6 @@
 //!
 //! The data lie beside the project and not in it (`../shared/data/itf1788` from the project's root, in their own format).
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

@@ -2,8 +2,6 @@
 //!
 //! `WHEREIN_INTERVAL_TRIALS` sets the number of function values, and one expression for 20 of them; the experiments set 1.4·10⁷.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::cell::RefCell;
 use std::rc::Rc;
 

@@ -1,7 +1,5 @@
 //! What is printed reads back as the same interval, and what is read contains what was written.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use localizer::{Interval, IntervalBox};
 use proptest::prelude::*;
 

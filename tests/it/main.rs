@@ -1,6 +1,9 @@
 //! One binary for all integration tests; each module states what belongs in it.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+/// Runs the `wherein` command in folders of its own.
+mod command;
+
 /// Contractors and pavings on problems worked out by hand.
 mod contractor_by_hand;
 /// Attempts to make the rigid contractors lose the truth.
@@ -11,6 +14,8 @@ mod contractor_laws;
 mod interval_itf1788;
 /// Interval arithmetic against arithmetic with many more bits.
 mod interval_precision;
+/// Printing and reading intervals.
+mod interval_text;
 /// The wheels' enclosure against motion integrated much finer.
 mod motion_enclosure;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
@@ -47,5 +52,3 @@ mod render_photons;
 mod render_projection;
 /// What the renderer's tests share.
 mod render_studio;
-/// Printing and reading intervals.
-mod interval_text;

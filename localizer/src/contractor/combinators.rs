@@ -1,6 +1,6 @@
 //! Contractors made of contractors: conjunction, disjunction, repetition, and a change of variables.
 //!
-//! Source: G. Chabert, L. Jaulin, "Contractor programming", Artificial Intelligence 173 (2009), section 3. Each is sound when
+//! Source: G. Chabert, L. Jaulin, "Contractor programming", Artificial Intelligence 173 (2009). Each is sound when
 //! its parts are. None is optimal even if its parts are, because a box cannot say how its sides depend on each other.
 
 use super::{Contractor, Outcome, settle};

@@ -7,7 +7,7 @@
 //! **Optimal** for the linearised rows along x and y: in a linear problem with two unknowns a bound is always given by two rows.
 //! What is lost is Lagrange's remainder, which slices make as small as wanted: with k slices the result tends to the hull of the solutions.
 //! **Source.** The elimination is Fourier and Motzkin's; its use on a linearisation with a rigorous remainder is that of
-//! A. Neumaier, *Interval Methods for Systems of Equations*, Cambridge 1990, section 5.
+//! A. Neumaier, *Interval Methods for Systems of Equations*, Cambridge 1990, chapter 5.
 
 use super::rigid_planar::{CAUSE, common};
 use super::rigid_rows::{About, LANES, Row, SLACK};

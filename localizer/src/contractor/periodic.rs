@@ -3,8 +3,7 @@
 //! **Constraint.** x ∈ offset + k · period for some integer k, with offset and period in intervals, period > 0.
 //! **Sound.** The indices k are enclosed by an outward-rounded division, with every one of them tried.
 //! **Optimal.** Branches are exact up to rounding; the contraction is their hull. Nothing is lost by walking from both ends.
-//! **Source.** E. Colle, S. Galerne, "Mobile robot localization by multiangulation using set inversion" uses unions alike; the
-//! quadrant-free form of floor-joint localization is derived in the page of the method that reads floor joints.
+//! **Source.** Solving for k: k ∈ (x − offset) / period, where each variable occurs once, so that the enclosure of k is exact.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};

@@ -3,9 +3,9 @@
 //! **Constraint.** x = r cos θ, y = r sin θ, r ≥ 0; the variables are x, y, r, θ, and θ is on the real line (not wrapped).
 //! **Sound.** θ is cut at the multiples of π/2, enclosed; in each quadrant, turned into the first one, every function is monotone
 //! and every variable is contracted by outward-rounded inverses. The quadrants' results are joined.
-//! **Optimal** up to rounding for one quadrant and one pass over the others; proven minimal, with the quadrants treated alike, in the source.
+//! **Optimal** on boxes within a quadrant as far as tested; the source proves its own order of steps minimal, and the hull over quadrants keeps that.
 //! **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation: application to robot localization",
-//! Engineering Applications of Artificial Intelligence 55 (2016), algorithm 1.
+//! Engineering Applications of Artificial Intelligence 55 (2016).
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};

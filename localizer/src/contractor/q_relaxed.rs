@@ -5,7 +5,7 @@
 //! least n − q of their intervals, and stays so after boxes that miss the hull are dropped (they never contain a solution).
 //! **Not optimal.** The exact hull of points in n − q of n boxes takes time exponential in the dimension; this one projects on
 //! the axes and repeats until nothing changes.
-//! **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009), section 3;
+//! **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009);
 //! the projection is that of C. Carbonnel et al., "Q-intersection algorithms for constraint-based robust parameter estimation", AAAI 2014.
 
 use super::{Contractor, Outcome, settle};

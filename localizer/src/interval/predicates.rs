@@ -1,12 +1,12 @@
-//! Comparisons of intervals as sets and as ordered ranges (IEEE 1788-2015, 10.5.10, 10.6.3 and 10.6.4).
+//! Comparisons of intervals as sets and as ordered ranges (the boolean functions and extended comparisons of IEEE 1788-2015).
 
 use super::Interval;
 
-/// How two intervals lie on the line: Allen's relations, extended to empty intervals (IEEE 1788-2015, table 10.7).
+/// How two intervals lie on the line: Allen's relations, extended to empty intervals (the overlap states of IEEE 1788-2015).
 ///
 /// Named from the point of view of the first: `a.overlap(b) == Before` when a ends before b starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs, reason = "the names are the definitions of table 10.7")]
+#[allow(missing_docs, reason = "the names are those of the standard and say it all")]
 pub enum Overlap {
     BothEmpty,
     FirstEmpty,

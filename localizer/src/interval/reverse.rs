@@ -1,6 +1,6 @@
 //! Reverse operations: given the result and what is known of the operand, what can the operand be?
 //!
-//! Each answers with the hull of { x ∈ known : f(x) ∈ result } (IEEE 1788-2015, 10.5.4). They are what the backward pass of a
+//! Each answers with the hull of { x ∈ known : f(x) ∈ result } (the reverse-mode operations of IEEE 1788-2015). They are what the backward pass of a
 //! forward-backward contractor consists of.
 
 use super::Interval;

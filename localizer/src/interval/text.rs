@@ -1,7 +1,7 @@
 //! Text and serde forms. What is printed reads back as the same interval; what is read contains the number written.
 //!
 //! Read: `[1, 2]`, `[0.1]`, `[-inf, 2]`, `[, 2]`, `[1/3, 2/3]`, `[0x1.8p-1, 1]`, `[empty]`, `[]`, `[entire]`, `[,]`, in any case
-//! and with spaces anywhere around the numbers (IEEE 1788-2015, 9.7, without the uncertain form `2.5?`).
+//! and with spaces anywhere around the numbers (the interval literals of IEEE 1788-2015, without the uncertain form `2.5?`).
 
 use std::cmp::Ordering;
 use std::fmt;

@@ -1,7 +1,7 @@
 //! Times the arithmetic and the planar problem of paper 3 on one core; `make bench` prints it.
 //!
 //! Landmarks (3, 2), (−2, 3), (−3, −2.5), (2.5, −3), pose (1, 0.5, 0.4), all coordinates known to ±0.1 m in both frames, with the errors
-//! listed below; prior ±3 m, ±3 m, ±3.14 rad. Codac, when Python can import it, solves the same problem in `interval_bench_codac.py`.
+//! listed below; prior ±3 m, ±3 m, ±3.14 rad. Codac, when Python can import it, solves the same problem in `interval_codac.py`.
 
 use std::hint::black_box;
 use std::io::Write;
@@ -116,7 +116,7 @@ fn planar_problem() {
 
 /// Seconds of Codac's paving of the same problem, when `$PYTHON` (or `python3`) can import it.
 fn codac(landmarks: &[([Interval; 2], [Interval; 2])]) -> Option<f64> {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/interval_bench_codac.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/interval_codac.py");
     let python = std::env::var("PYTHON").unwrap_or("python3".into());
     let mut child = Command::new(python).arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
     let mut input = child.stdin.take()?;
