@@ -52,3 +52,7 @@ mod render_photons;
 mod render_projection;
 /// What the renderer's tests share.
 mod render_studio;
+/// Who is at fault when the truth is outside, on records made by hand.
+mod blame;
+/// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
+mod whole_runs;

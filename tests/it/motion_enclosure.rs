@@ -18,8 +18,8 @@ fn wheels() -> WheelModel {
         ticks_per_turn: 19_150.0,
         slip_ratio: 0.005,
         slip_floor_m: 0.0001,
-        side_slip_ratio: 0.006,
-        side_slip_floor_m: 0.0001,
+        side_slip_ratio: 0.003,
+        side_slip_floor_m: 0.00005,
         slip_window_s: 0.2,
     }
 }

@@ -122,8 +122,9 @@ fn is_alone(lone: &Joint, points: &[RidgePoint], cell_px: f32, size_px: [f32; 2]
         && vote::candidates(&points, cell_px, size_px).is_empty()
 }
 
-/// Share of a line's points that may be wrong: a wire, a crumb or a worn stretch spoils that many and no more.
-const SHARE_WRONG: f64 = 0.30;
+/// Share of a line's points that may be wrong: a wire, a crumb or a worn stretch that passes the gates spoils fewer; by scatter alone
+/// one point in eighty is.
+const SHARE_WRONG: f64 = 0.20;
 
 /// The visible part of a candidate, roughly: 60 px to either side of the point nearest to the centre.
 fn segment(picture: &Picture, candidate: &Candidate) -> [f64; 4] {
