@@ -3,7 +3,8 @@
 //! After Lv, Kang and Qin, *FVO: floor vision aided odometry* (2019), in a form without quadrants: a joint whose image has its
 //! normal at ψ (robot frame, counter-clockwise from forward) and distance ρ belongs to the family k with
 //! θ + ψ = k·π/2 + γ, and says of the pose n(k·π/2 + γ)·P ∈ ±(E·ℤ + phase) − n(ψ)·a − ρ. Each axis is contracted on its own; which
-//! tile and which quadrant stay a union of branches.
+//! tile and which quadrant stay a union of branches. Joints end at the walls: a branch from which most of a line would lie outside
+//! of the room goes.
 
 mod joint;
 mod pose_contractor;
@@ -19,7 +20,7 @@ use joint::Joint;
 use pose_contractor::TileJoints;
 
 /// The declared bounds a floor-tile constraint stands on.
-pub const RELIES_ON: [Assumption; 12] = [
+pub const RELIES_ON: [Assumption; 13] = [
     "floor_tiles.laying",
     "floor_tiles.laying_angle",
     "floor_tiles.straightness",
@@ -32,6 +33,7 @@ pub const RELIES_ON: [Assumption; 12] = [
     "body.heave",
     "reach.speed",
     "reach.turn_rate",
+    "room.walls",
 ];
 
 /// How joints are found in an image.
@@ -58,6 +60,7 @@ struct Geometry {
     robot: RobotModel,
     camera: crate::robot::FloorCameraModel,
     grid: crate::map::TileGrid,
+    room_m: [Interval; 2],
 }
 
 impl FloorTiles {
@@ -71,7 +74,7 @@ impl FloorTiles {
             joint_width_px: grid.joint_width_m * scale,
             q_items: camera.q_items,
         };
-        Some(FloorTiles { geometry: Geometry { robot: robot.clone(), camera, grid }, view, chain })
+        Some(FloorTiles { geometry: Geometry { robot: robot.clone(), camera, grid, room_m: map.room_m }, view, chain })
     }
 
     /// What lines found in an image of `stamp_s` say of the pose; `None` when no line is left.
@@ -84,7 +87,7 @@ impl FloorTiles {
             let mut points = line.points_px.clone();
             points.iter_mut().for_each(|point| point[2] += straightness_px);
             let set = line_fit::enclose(&points, line.share_wrong);
-            let Some(joint) = set.and_then(|set| Joint::new(set, &self.geometry)) else { continue };
+            let Some(joint) = set.and_then(|set| Joint::new(set, &line, &self.geometry)) else { continue };
             // Eq. (20): the paper drops a line that no heading of the odometric prior explains. The direct chain's lines are
             // orthogonal and at the pitch already; one that contradicts the prior then speaks against the prior.
             if self.chain == Chain::Paper && !joint.agrees(prior, &self.geometry) {

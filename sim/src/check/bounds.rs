@@ -96,7 +96,7 @@ fn tiles(scene: &Scene, camera: &FloorCamera, record: &RunRecord) -> Vec<Violati
     let mut laying = Monitor::new("floor_tiles.laying");
     for image in &record.images {
         let Some(centre_m) = view_centre(image, record) else { continue };
-        let offset_m = laid.max_offset_near(tiles, centre_m, half_diagonal_m(camera));
+        let offset_m = laid.max_offset_near(tiles, &scene.room, centre_m, half_diagonal_m(camera));
         laying.watch(
             [image.truth.time_s, image.arrived_s],
             tiles.laying_tolerance_m + tiles.corner_tolerance_m,

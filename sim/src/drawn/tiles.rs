@@ -115,12 +115,16 @@ impl LaidTiles {
         joints
     }
 
-    /// Largest distance of a joint's centre line from its nominal line within a radius of a place in the world.
-    pub fn max_offset_near(&self, tiles: &Tiles, place_in_world_m: [f64; 2], radius_m: f64) -> f64 {
-        let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
+    /// Largest distance of a joint's centre line from its nominal line, in the room and within a radius of a place in the world.
+    pub fn max_offset_near(&self, tiles: &Tiles, room: &Room, place_in_world_m: [f64; 2], radius_m: f64) -> f64 {
+        let grid_from_world = grid_from_world(tiles);
+        let place = grid_from_world * Vector2::from(place_in_world_m);
         let reach = vector![radius_m + 2.0 * tiles.edge_x_m, radius_m + 2.0 * tiles.edge_y_m];
         self.segments_within(tiles, place, reach)
-            .filter_map(|segment| segment.largest_offset_m(place, radius_m))
+            .filter_map(|segment| {
+                let in_room = segment.within(&grid_from_world, room)?;
+                segment.largest_offset_m(place, radius_m, in_room)
+            })
             .fold(0.0, f64::max)
     }
 
@@ -223,8 +227,27 @@ impl Segment {
         (place - self.from - reach * share).norm()
     }
 
-    /// Largest displacement across the joint on the part of the segment that lies in a disc, if any does.
-    fn largest_offset_m(&self, centre: Vector2<f64>, radius_m: f64) -> Option<f64> {
+    /// The part of the segment that lies in the room, as a range of shares of its length (Liang and Barsky's clipping).
+    fn within(&self, grid_from_world: &Rotation2<f64>, room: &Room) -> Option<[f64; 2]> {
+        let from = grid_from_world.inverse() * self.from;
+        let reach = grid_from_world.inverse() * (self.to - self.from);
+        let (mut low, mut high) = (0.0_f64, 1.0_f64);
+        for (axis, extent_m) in [room.width_m, room.depth_m].into_iter().enumerate() {
+            if reach[axis].abs() < 1e-12 {
+                if !(0.0..=extent_m).contains(&from[axis]) {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [-from[axis] / reach[axis], (extent_m - from[axis]) / reach[axis]];
+            low = low.max(ends[0].min(ends[1]));
+            high = high.min(ends[0].max(ends[1]));
+        }
+        (low <= high).then_some([low, high])
+    }
+
+    /// Largest displacement across the joint on the part of `range` that lies in a disc, if any does.
+    fn largest_offset_m(&self, centre: Vector2<f64>, radius_m: f64, range: [f64; 2]) -> Option<f64> {
         // |from + s·reach − centre|² = radius², a quadratic in s.
         let reach = self.to - self.from;
         let start = self.from - centre;
@@ -233,8 +256,8 @@ impl Segment {
         if root < 0.0 {
             return None;
         }
-        let low = ((-half_b - root.sqrt()) / a).max(0.0);
-        let high = ((-half_b + root.sqrt()) / a).min(1.0);
+        let low = ((-half_b - root.sqrt()) / a).max(range[0]);
+        let high = ((-half_b + root.sqrt()) / a).min(range[1]);
         let offset_at = |share: f64| self.offset_m[0] + (self.offset_m[1] - self.offset_m[0]) * share;
         (low <= high).then(|| offset_at(low).abs().max(offset_at(high).abs()))
     }

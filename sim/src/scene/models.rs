@@ -38,8 +38,8 @@ impl Scene {
             body: BodyModel {
                 tilt_rad: bounds.body_tilt_deg.to_radians(),
                 heave_m: bounds.body_heave_m,
-                // The contact with a wall gives way by a few millimetres.
-                clearance_m: robot.body_radius_m * 0.95,
+                // The contact with a wall gives way by less than a millimetre.
+                clearance_m: robot.body_radius_m - 0.001,
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
         }

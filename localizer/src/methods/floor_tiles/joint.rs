@@ -2,7 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::{Interval, PoseUnion, vision::line_fit::LineSet};
+use crate::{
+    Interval, IntervalBox, PoseUnion,
+    vision::{FloorLine, line_fit::LineSet},
+};
 
 use super::Geometry;
 
@@ -17,6 +20,9 @@ pub(super) struct Joint {
     centroid_px: [f64; 2],
     /// Hull of the normal angle in the camera frame, as seen.
     angle_rad: Interval,
+    /// Points of the line in the robot frame, and how many of them may be no joint's.
+    points_m: Vec<[f64; 2]>,
+    n_wrong: usize,
     /// Greatest turn of the line by tilts of mount and body.
     tilt_angle_rad: f64,
     /// Greatest shift of the line along its normal, at the centroid, by tilts, heave and stamp.
@@ -25,13 +31,20 @@ pub(super) struct Joint {
 
 impl Joint {
     /// The statement of a fitted line; `None` when the line passes so far out that its tilt bound makes no sense.
-    pub(super) fn new(set: LineSet, geometry: &Geometry) -> Option<Self> {
+    pub(super) fn new(set: LineSet, line: &FloorLine, geometry: &Geometry) -> Option<Self> {
         let camera = &geometry.camera;
         let middle_px = [(f64::from(camera.width_px) - 1.0) / 2.0, (f64::from(camera.height_px) - 1.0) / 2.0];
         // Image up is forward, image right is right: forward = v₀ − v, left = u₀ − u.
-        let centroid_px = [middle_px[1] - set.centroid_px[1], middle_px[0] - set.centroid_px[0]];
+        let in_camera_px = |u: f64, v: f64| [middle_px[1] - v, middle_px[0] - u];
+        let centroid_px = in_camera_px(set.centroid_px[0], set.centroid_px[1]);
+        let in_robot_m = |&[u, v, _]: &[f64; 3]| {
+            let point_px = in_camera_px(u, v);
+            [0, 1].map(|axis| camera.position_m[axis].mid() + point_px[axis] / camera.pixels_per_m.mid())
+        };
+        let points_m: Vec<[f64; 2]> = line.points_px.iter().map(in_robot_m).collect();
+        let n_wrong = (line.share_wrong * points_m.len() as f64).floor() as usize;
         let angle_rad = camera_angle(Interval::new(set.normal_angle_rad[0], set.normal_angle_rad[1]));
-        let mut joint = Joint { set, centroid_px, angle_rad, tilt_angle_rad: 0.0, shift_m: 0.0 };
+        let mut joint = Joint { set, centroid_px, angle_rad, points_m, n_wrong, tilt_angle_rad: 0.0, shift_m: 0.0 };
         joint.account_for_posture(geometry);
         (joint.tilt_angle_rad < FRAC_PI_2 / 4.0).then_some(joint)
     }
@@ -88,6 +101,18 @@ impl Joint {
         })
     }
 
+    /// Whether more of the line's points than may be wrong lie outside of the room from every pose of the box.
+    pub(super) fn leaves_room(&self, pose: &IntervalBox<3>, geometry: &Geometry) -> bool {
+        let (cos, sin) = (pose[2].cos(), pose[2].sin());
+        let outside = self.points_m.iter().filter(|&&[forward_m, left_m]| {
+            let x = pose[0] + cos * forward_m - sin * left_m;
+            let y = pose[1] + sin * forward_m + cos * left_m;
+            !x.overlaps(geometry.room_m[0].inflate(WALL_SLACK_M))
+                || !y.overlaps(geometry.room_m[1].inflate(WALL_SLACK_M))
+        });
+        outside.count() > self.n_wrong
+    }
+
     /// σ·(n(ψ)·a + n(ψ_camera)·c + offset), what lies between the robot origin and the joint along the grid axis of the family:
     /// grid coordinate of the joint minus that of the robot origin. Empty when no line of the feasible set fits the heading.
     pub(super) fn ahead(&self, family: i64, heading: Interval, geometry: &Geometry) -> Interval {
@@ -126,6 +151,9 @@ impl Joint {
         Interval::new(self.set.offset_px[0], self.set.offset_px[1])
     }
 }
+
+/// A point of a joint is off by less than this for all errors of mount, scale, tilt and detection together.
+const WALL_SLACK_M: f64 = 0.01;
 
 /// k·π/2 + γ.
 fn family_angle(family: i64, geometry: &Geometry) -> Interval {

@@ -120,6 +120,11 @@ impl TileJoints {
         hull
     }
 
+    /// Whether all but q lines can be joints of this room, seen from the box.
+    fn joints_stay_in_room(&self, domain: &IntervalBox<3>) -> bool {
+        self.joints.iter().filter(|joint| joint.leaves_room(domain, &self.geometry)).count() <= self.q_items
+    }
+
     /// Position of a world box in the grid frame: turned by −γ.
     fn to_grid(&self, domain: &IntervalBox<3>) -> [Interval; 2] {
         let angle = Interval::point(self.geometry.grid.rotation_rad);
@@ -167,7 +172,7 @@ impl Contractor<3> for TileJoints {
             for &x in &across {
                 for &y in &along {
                     let kept = self.slices(domain, &GridBox { position: [x, y], heading });
-                    if !kept.is_empty() {
+                    if !kept.is_empty() && self.joints_stay_in_room(&kept) {
                         branches.push(kept);
                     }
                 }

@@ -43,6 +43,11 @@ pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
     let (winners, winner) = heaviest(0);
     let mut kept = winner;
     for rival in (0..distinct.len()).filter(|index| winner >> index & 1 == 0) {
+        // A worn joint is too faint to count as one of them, but stands where a joint should: it speaks against none.
+        let members = (0..distinct.len()).filter(|index| winner >> index & 1 == 1);
+        if members.into_iter().all(|member| fits(&distinct[member], &distinct[rival], winners.edge_px)) {
+            continue;
+        }
         let (others, other) = heaviest(1 << rival);
         // What both have in common speaks for neither.
         let common = winner & other;
@@ -76,14 +81,19 @@ fn distance_px(a: &Joint, b: &Joint) -> f64 {
     b.middle_px[0] * cos + b.middle_px[1] * sin - a.line.offset_px
 }
 
-/// Whether two joints can be of one grid whose families have these pitches.
+/// Whether two joints can be of one grid whose families have these pitches: in their places, and of one kind.
 fn agree(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
+    // One floor has one colour of joints, but wear takes some of it.
+    let alike = a.line.dark == b.line.dark && (1.0 / DEPTH_RATIO..DEPTH_RATIO).contains(&(a.depth / b.depth));
+    alike && fits(a, b, edge_px)
+}
+
+/// Whether two joints stand to each other as those of one grid do.
+fn fits(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
     let quarter_turns = f64::from(b.line.family) - f64::from(a.line.family);
     let askew_rad = b.line.normal_rad - a.line.normal_rad - quarter_turns * FRAC_PI_2;
     let scatter_rad = 4.0 * a.direction_sd_rad.hypot(b.direction_sd_rad);
-    // One floor has one colour of joints, but wear takes some of it.
-    let alike = a.line.dark == b.line.dark && (1.0 / DEPTH_RATIO..DEPTH_RATIO).contains(&(a.depth / b.depth));
-    if !alike || askew_rad.abs() > LAID_ASKEW_RAD + scatter_rad {
+    if askew_rad.abs() > LAID_ASKEW_RAD + scatter_rad {
         return false;
     }
     if a.line.family != b.line.family {
@@ -128,6 +138,8 @@ fn is_supported(joints: &[Joint], set: usize, index: usize) -> bool {
 
 /// Sets of joints, as bits.
 struct Cliques {
+    /// Pitches of the two families.
+    edge_px: [f64; 2],
     /// Evidence of each set, negative where two of its members disagree; indexed by the bits.
     weights: Vec<f64>,
 }
@@ -149,7 +161,7 @@ impl Cliques {
             agreed.push(agreed[rest] && friends[newest] & rest == rest);
         }
         let weights = agreed.iter().enumerate().map(|(set, &agreed)| if agreed { evidence(joints, set) } else { -1.0 });
-        Cliques { weights: weights.collect() }
+        Cliques { edge_px, weights: weights.collect() }
     }
 
     /// The heaviest set that contains these members.
@@ -225,6 +237,13 @@ mod tests {
         assert_eq!(kept(askew), [(0, -150.0), (1, 40.0)]);
         let off_pitch = vec![joint(0, 0.2, -150.0, 0.8), joint(0, 0.2, 100.0, 0.8), across];
         assert_eq!(kept(off_pitch), [(1, 40.0)]);
+    }
+
+    #[test]
+    fn a_worn_joint_in_its_place_does_not_speak_against_the_others() {
+        // Two joints a pitch apart, and an orthogonal one whose contrast has faded to a quarter.
+        let joints = vec![joint(0, 0.0, -150.0, 0.8), joint(0, 0.0, 250.0, 0.8), joint(1, FRAC_PI_2, -50.0, 0.19)];
+        assert_eq!(kept(joints), [(0, -150.0), (0, 250.0)]);
     }
 
     #[test]
