@@ -139,11 +139,12 @@ impl Localizer {
 
     /// Sets the current union from the last slot.
     fn predict(&mut self) {
-        let Some(last) = self.ring.last() else { return };
+        // A slot ahead of the wheels says nothing of now; the next reading will pass it.
+        let Some(last) = self.ring.last().filter(|last| last.stamp_s <= self.now_s) else { return };
         let predicted = match (&self.integral, self.doubt) {
             (Some(integral), None) => moved_union(&last.union, &integral.motion(&self.robot.wheels)),
-            (None, None) => last.union.clone(),
-            (_, Some(_)) => moved_union(&last.union, &reach_motion(self.now_s - last.stamp_s, &self.robot.reach)),
+            // Without wheels to trust, or without their history since the slot, reach is all there is.
+            _ => moved_union(&last.union, &reach_motion(self.now_s - last.stamp_s, &self.robot.reach)),
         };
         self.current = self.inside_room(predicted);
         if self.current.is_empty() {
@@ -192,6 +193,12 @@ impl Localizer {
 
     /// A union carried from one stamp to a later one, by reach when the wheels are doubted.
     fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
+        let latest_s = self.wheels.latest()?.time_s;
+        if !doubted && to_s > latest_s.max(from_s) {
+            // An image that overtook the wheels: they tell the way so far, reach bounds the rest.
+            let known = self.carried(union, from_s, latest_s.max(from_s), false)?;
+            return self.carried(&known, latest_s.max(from_s), to_s, true);
+        }
         let motion = if doubted {
             reach_motion(to_s - from_s, &self.robot.reach)
         } else if to_s == from_s {
