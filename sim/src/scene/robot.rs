@@ -205,7 +205,7 @@ impl Default for FloorCamera {
             exposure_s: 0.01,
             latency_s: 0.030,
             latency_tolerance_s: 0.002,
-            stamp_tolerance_s: 0.0002,
+            stamp_tolerance_s: 0.0001,
             position_tolerance_m: 0.0005,
             yaw_tolerance_deg: 0.1,
             tilt_tolerance_deg: 0.1,
