@@ -31,18 +31,7 @@ fn the_schema_file_is_up_to_date() {
 #[test]
 fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside() {
     // Angles and coordinates are free; what is outside the room is refused elsewhere.
-    const FREE: [&str; 10] = [
-        "x_m",
-        "y_m",
-        "heading_deg",
-        "rotation_deg",
-        "phase_x_m",
-        "phase_y_m",
-        "unevenness_direction_deg",
-        "tile",
-        "from_m",
-        "to_m",
-    ];
+    const FREE: [&str; 6] = ["x_m", "y_m", "unevenness_direction_deg", "tile", "from_m", "to_m"];
     fn walk(name: &str, node: &Value) {
         let number = |key: &str| node.get(key).and_then(Value::as_f64);
         if matches!(node["type"].as_str(), Some("number" | "integer")) && !FREE.contains(&name) {
@@ -70,11 +59,19 @@ fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside()
 #[test]
 fn every_path_that_a_document_names_exists() {
     for document in ["README.md", "ARCHITECTURE.md"] {
-        // A document that does not exist names nothing.
-        let text = fs::read_to_string(root().join(document)).unwrap_or_default();
+        let text = fs::read_to_string(root().join(document)).unwrap();
         for path in named_paths(&text) {
             assert!(root().join(&path).exists(), "{document} names `{}`, which does not exist", path.display());
         }
+    }
+}
+
+#[test]
+fn the_readme_holds_a_table_of_results() {
+    let text = fs::read_to_string(root().join("README.md")).unwrap();
+    let table = text.split("<!-- results:begin -->").nth(1).unwrap().split("<!-- results:end -->").next().unwrap();
+    for row in ["papers/floor_vision_odometry |", "papers/floor_vision_odometry_paper_chain |", "odometry"] {
+        assert!(table.contains(row), "make experiments writes a row of {row}");
     }
 }
 

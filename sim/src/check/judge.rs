@@ -80,5 +80,8 @@ fn farthest_axis(hull: &localizer::PoseBox, truth: localizer::Pose) -> (&'static
     // Metres and radians are compared through the widths of the box.
     let relative = |axis: usize| outside(axis) / hull[axis].width().max(1e-9);
     let axis = (0..3).max_by(|&a, &b| relative(a).total_cmp(&relative(b))).unwrap_or(0);
+    if outside(axis) == 0.0 {
+        return ("between branches", 0.0);
+    }
     (["x_m", "y_m", "heading_rad"][axis], outside(axis))
 }

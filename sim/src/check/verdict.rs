@@ -63,9 +63,9 @@ pub struct Containment {
 pub struct FirstFailure {
     /// When.
     pub time_s: f64,
-    /// Axis with the greatest distance to the hull: `x_m`, `y_m` or `heading_rad`.
+    /// Axis with the greatest distance to the hull: `x_m`, `y_m` or `heading_rad`; `between branches` when inside the hull.
     pub axis: &'static str,
-    /// That distance; 0 when the truth lies between branches.
+    /// That distance; 0 between branches.
     pub margin: f64,
     /// The judgement.
     pub outcome: Judgement,
@@ -74,6 +74,9 @@ pub struct FirstFailure {
 }
 
 /// A time range in which a quantity exceeded its declared bound.
+///
+/// A bound of displacement, such as `wheels.slip`, is one over a window of at most `bounds.slip_window_s`: its value is the greatest
+/// over such windows, not the sum over a longer push.
 #[derive(Clone, Debug, Serialize)]
 pub struct Violation {
     /// Name of the bound.

@@ -30,11 +30,14 @@ pub struct Tiles {
     /// Pitch of the joints along grid y, joint included.
     #[schemars(range(min = 0.05, max = 5.0))]
     pub edge_y_m: f64,
-    /// Angle from world x to grid x. Any angle.
+    /// Angle from world x to grid x.
+    #[schemars(range(min = -360.0, max = 360.0))]
     pub rotation_deg: f64,
     /// Grid x of the centre line of joint 0.
+    #[schemars(range(min = -1000.0, max = 1000.0))]
     pub phase_x_m: f64,
     /// Grid y of the centre line of joint 0.
+    #[schemars(range(min = -1000.0, max = 1000.0))]
     pub phase_y_m: f64,
     /// Width of a joint.
     #[schemars(range(min = 0.0005, max = 0.05))]

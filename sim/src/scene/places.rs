@@ -63,6 +63,14 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
 }
 
 fn floor_places(scene: &Scene, found: &mut Vec<Contradiction>) {
+    if let Some(tiles) = &scene.floor.tiles {
+        let shorter_m = tiles.edge_x_m.min(tiles.edge_y_m);
+        // A joint of half a tile is a stripe of its own; nothing could be told from its middle.
+        if tiles.joint_width_m > 0.5 * shorter_m {
+            let expected = format!("wider than half a tile, expected at most {}", 0.5 * shorter_m);
+            found.push(Contradiction { key: "floor.tiles.joint_width_m".to_owned(), expected });
+        }
+    }
     let room_m = [scene.room.width_m, scene.room.depth_m];
     for (index, stray) in scene.floor.strays.iter().enumerate() {
         for (end, at_m) in [("from_m", stray.from_m), ("to_m", stray.to_m)] {

@@ -13,6 +13,7 @@ pub struct Start {
     pub y_m: f64,
     /// Heading from world x, counter-clockwise.
     #[serde(default)]
+    #[schemars(range(min = -1e6, max = 1e6))]
     pub heading_deg: f64,
     /// The true start is drawn within this of x and y, each.
     #[serde(default = "default_tolerance_m")]
@@ -67,6 +68,7 @@ pub struct Station {
     /// World y.
     pub y_m: f64,
     /// Heading from world x, counter-clockwise.
+    #[schemars(range(min = -1e6, max = 1e6))]
     pub heading_deg: f64,
 }
 
