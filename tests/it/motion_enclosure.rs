@@ -128,3 +128,59 @@ fn the_enclosure_of_a_fifth_of_a_second_is_millimetres_wide() {
         assert!(motion[2].width() < 2.0 * (2.0 * 0.85e-3 / 0.33 + 0.003 * 0.7), "{motion:?}");
     }
 }
+
+/// Wheels without error: what an enclosure of them still has to allow for is geometry alone.
+fn perfect_wheels() -> WheelModel {
+    WheelModel {
+        radius_m: [Interval::point(0.0975); 2],
+        track_m: Interval::point(0.33),
+        ticks_per_turn: 1e9,
+        slip_ratio: 0.0,
+        slip_floor_m: 0.0,
+        side_slip_ratio: 0.0,
+        side_slip_floor_m: 0.0,
+        slip_window_s: 10.0,
+    }
+}
+
+/// The pose after `path_m` of an arc of a circle that turns by `turn_rad`, from the origin.
+fn arc(path_m: f64, turn_rad: f64) -> [f64; 3] {
+    let radius_m = path_m / turn_rad;
+    [radius_m * turn_rad.sin(), radius_m * (1.0 - turn_rad.cos()), turn_rad]
+}
+
+/// The motion of that arc as told by a reading at its start and one at its end, a second later.
+fn told_in_one_step(path_m: f64, turn_rad: f64, wheels: &WheelModel) -> PoseBox {
+    let ticks = [-0.5, 0.5].map(|side| {
+        let travel_m = path_m + side * turn_rad * 0.33;
+        (travel_m / 0.0975 / std::f64::consts::TAU * 1e9) as i64
+    });
+    let mut history = WheelHistory::new(10.0);
+    history.push(0.0, [0, 0]);
+    history.push(1.0, ticks);
+    let steady = Reach { acceleration_m_per_s2: 1e-6, ..REACH };
+    let motion = history.motion(0.0, 1.0, wheels, &steady).expect("inside the history");
+    moved(&start_box([0.0; 3]), &motion)
+}
+
+#[test]
+fn a_step_is_as_long_as_its_chord_not_as_its_arc() {
+    for turn_rad in [-1.2, -0.4, 0.3, 1.0] {
+        let reached = told_in_one_step(0.5, turn_rad, &perfect_wheels());
+        assert!(reached.contains(&arc(0.5, turn_rad)), "a turn of {turn_rad}: {reached:?}");
+    }
+}
+
+#[test]
+fn side_slip_that_turns_about_on_the_way_is_enclosed() {
+    // Only the total is bounded: all of it to the right before the turn, then all the way over to the left after it.
+    let bound_m = 0.01;
+    let wheels = WheelModel { side_slip_floor_m: bound_m, ..perfect_wheels() };
+    for turn_rad in [-1.0, 0.5, 1.0_f64] {
+        let [x_m, y_m, heading_rad] = arc(0.5, turn_rad);
+        let (sin, cos) = turn_rad.sin_cos();
+        let truth = [x_m - 2.0 * bound_m * sin, y_m - bound_m + 2.0 * bound_m * cos, heading_rad];
+        let reached = told_in_one_step(0.5, turn_rad, &wheels);
+        assert!(reached.contains(&truth), "a turn of {turn_rad}: {reached:?} misses {truth:?}");
+    }
+}

@@ -236,3 +236,19 @@ fn seeds_that_are_no_range_are_refused() {
         assert!(stderr.contains("expected A..B"), "{stderr}");
     }
 }
+
+#[test]
+fn a_heading_beyond_counting_is_refused() {
+    let scene = edited("x_m = 0.6", "heading_deg = 1e300\nx_m = 0.6");
+    assert_refused(
+        "far_heading",
+        scene,
+        &["`start.heading_deg = 1e300`", "expected a number from -1000000 to 1000000"],
+    );
+}
+
+#[test]
+fn joints_wider_than_half_a_tile_are_refused() {
+    let scene = blind_scene(10.0, "[floor.tiles]\nedge_x_m = 0.06\njoint_width_m = 0.05\n");
+    assert_refused("all_joint", scene, &["`floor.tiles.joint_width_m = 0.05`", "expected at most 0.03"]);
+}
