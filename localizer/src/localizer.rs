@@ -3,10 +3,11 @@
 mod ring;
 
 use crate::{
-    Constraint, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
+    Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
     method::{Assumption, Claim},
     motion::{WheelHistory, WheelIntegral, moved_union, reach_motion},
+    reading::LandmarkId,
 };
 
 use ring::{Ring, Slot};
@@ -61,6 +62,8 @@ pub struct Account {
     pub emptied: bool,
     /// Union at the stamp, just after.
     pub posterior: PoseUnion,
+    /// Landmarks as the method knows them now: code, and box of world x and y.
+    pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
 }
 
 /// From readings to estimates.
@@ -75,6 +78,8 @@ pub struct Localizer {
     current: PoseUnion,
     now_s: f64,
     doubt: Option<Doubt>,
+    /// What methods learnt from later readings than this is in doubt and not yet unlearnt.
+    unlearn_since_s: Option<f64>,
     relies_on: Vec<Assumption>,
 }
 
@@ -97,22 +102,44 @@ impl Localizer {
             current: PoseUnion::default(),
             now_s: 0.0,
             doubt: None,
+            unlearn_since_s: None,
             relies_on: WHEELS.to_vec(),
         };
-        localizer.current = localizer.inside_room(PoseUnion::single(start));
-        localizer.ring.push(Slot { stamp_s: 0.0, union: localizer.current.clone(), constraint: None });
+        localizer.begin_at(start);
         localizer
+    }
+
+    /// The robot was put within `start` and the clock set back to 0: nothing carries over but what the methods have learnt.
+    pub fn restart(&mut self, start: PoseBox) {
+        self.wheels = WheelHistory::new(REMEMBER_S);
+        self.ring = Ring::new(REMEMBER_S);
+        self.integral = None;
+        self.now_s = 0.0;
+        self.doubt = None;
+        self.relies_on = WHEELS.to_vec();
+        self.methods.iter_mut().for_each(|method| method.clock_set_back());
+        self.begin_at(start);
+    }
+
+    fn begin_at(&mut self, start: PoseBox) {
+        self.current = self.inside_room(PoseUnion::single(start));
+        self.ring.push(Slot { stamp_s: 0.0, union: self.current.clone(), constraint: None });
     }
 
     /// Takes in one reading; readings come in order of arrival. Answers with an account of each method that read an image.
     pub fn observe(&mut self, reading: &Reading) -> Vec<Account> {
-        match reading {
+        let accounts = match reading {
             Reading::Wheels { measured_s, ticks, .. } => {
                 self.roll(*measured_s, *ticks);
                 Vec::new()
             }
-            Reading::Camera { .. } => self.look(reading),
+            Reading::Gyro { .. } => Vec::new(),
+            Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
+        };
+        if let Some(since_s) = self.unlearn_since_s.take() {
+            self.methods.iter_mut().for_each(|method| method.forget_since(since_s));
         }
+        accounts
     }
 
     /// The answer as of the latest wheel reading.
@@ -173,12 +200,17 @@ impl Localizer {
         let mut methods = std::mem::take(&mut self.methods);
         let accounts = methods
             .iter_mut()
-            .map(|method| {
-                let name = method.name();
-                match method.constrain(reading, &prior, &twist) {
-                    Some(constraint) => self.hang(constraint),
-                    None => Account::absent(name, prior.clone()),
+            .filter(|method| method.reads(reading))
+            .map(|method| match method.constrain(reading, &prior, &twist) {
+                Some(constraint) => {
+                    let mut account = self.hang(constraint);
+                    if self.doubt.is_none() {
+                        method.learn(&account.posterior);
+                    }
+                    account.landmarks = method.landmarks();
+                    account
                 }
+                None => Account::absent(method.name(), prior.clone()),
             })
             .collect();
         self.methods = methods;
@@ -266,6 +298,7 @@ impl Localizer {
             REACH.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
         );
         let doubtful_s = self.now_s - DOUBT_S;
+        self.unlearn_since_s = Some(self.unlearn_since_s.map_or(doubtful_s, |since_s| since_s.min(doubtful_s)));
         self.ring.drop_anchors_after(doubtful_s);
         self.replay(doubtful_s);
         let growing = self
@@ -318,8 +351,8 @@ impl Localizer {
 
     fn whole_room(&self) -> PoseBox {
         let keep_m = self.robot.body.clearance_m;
-        let [x, y] = self.map.room_m.map(|range| crate::Interval::new(range.lo() + keep_m, range.hi() - keep_m));
-        IntervalBox::from([x, y, crate::Interval::ENTIRE])
+        let [x, y] = self.map.room_m.map(|range| Interval::new(range.lo() + keep_m, range.hi() - keep_m));
+        IntervalBox::from([x, y, Interval::ENTIRE])
     }
 }
 
@@ -333,6 +366,7 @@ impl Account {
             constrained: false,
             emptied: false,
             posterior: union,
+            landmarks: Vec::new(),
         }
     }
 
@@ -345,6 +379,7 @@ impl Account {
             constrained: true,
             emptied: false,
             posterior: PoseUnion::default(),
+            landmarks: Vec::new(),
         }
     }
 }

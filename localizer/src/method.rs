@@ -1,6 +1,6 @@
 //! What every localization method offers: one reading in, one constraint on the pose out, with what it claims to have seen.
 
-use crate::{Contractor, PoseUnion, Reading};
+use crate::{Contractor, Interval, PoseUnion, Reading, reading::LandmarkId};
 
 /// Name of a declared bound, such as `wheels.slip` or `floor_tiles.laying`.
 pub type Assumption = &'static str;
@@ -10,10 +10,29 @@ pub trait Method: Send {
     /// The method's name in scenes, summaries and tables.
     fn name(&self) -> &'static str;
 
-    /// A constraint on the pose at the reading's stamp, or `None` when the cue is absent or the reading is not this method's.
+    /// Whether readings of this kind are this method's.
+    fn reads(&self, reading: &Reading) -> bool;
+
+    /// A constraint on the pose at the reading's stamp, or `None` when the cue is absent.
     ///
     /// `prior` encloses the pose at the stamp as far as known before; `twist` is the body motion at the stamp.
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint>;
+
+    /// Learns what lasts, such as where landmarks are, from the reading last constrained: the pose at its stamp is in `posterior`.
+    ///
+    /// Not called while an assumption is doubted.
+    fn learn(&mut self, _posterior: &PoseUnion) {}
+
+    /// Unlearns what was learnt from readings stamped later than `since_s`: an assumption failed, perhaps since then.
+    fn forget_since(&mut self, _since_s: f64) {}
+
+    /// The clock is set back to 0: what was learnt so far stays for good.
+    fn clock_set_back(&mut self) {}
+
+    /// Landmarks as learnt so far: code, and box of world x and y.
+    fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
+        Vec::new()
+    }
 }
 
 /// Body motion at a stamp as the wheels tell it: where the blur in an image comes from.
@@ -52,5 +71,12 @@ pub enum Claim {
         points_px: Vec<[f64; 3]>,
         /// Share of the points that may be farther away.
         share_wrong: f64,
+    },
+    /// At the stamp, this landmark lies in this box of the robot frame.
+    Landmark {
+        /// Which landmark.
+        landmark: LandmarkId,
+        /// Forward and left of the robot origin, in metres.
+        in_robot_m: [Interval; 2],
     },
 }

@@ -27,7 +27,42 @@ pub enum Reading {
         /// Grey levels as the sensor gave them, row-major, (0, 0) the centre of the first pixel.
         image: GrayImage,
     },
+    /// Turn rate of the body, averaged since the reading before.
+    Gyro {
+        /// End of the span averaged over.
+        measured_s: f64,
+        /// When the localizer gets to know.
+        arrived_s: f64,
+        /// Counter-clockwise.
+        rate_rad_per_s: f64,
+    },
+    /// Coded landmarks as a range camera measured them.
+    Range {
+        /// Middle of the exposure, by the sensor's own stamp.
+        measured_s: f64,
+        /// When the localizer gets to know.
+        arrived_s: f64,
+        /// What was in view, in no order that means anything.
+        sightings: Vec<Sighting>,
+    },
 }
+
+/// One coded landmark in the two views of a range camera.
+///
+/// The second view is another camera's or a projector's; it stands one baseline to the right of the first and looks the same way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sighting {
+    /// The landmark that it is taken for; a wrong correspondence is another one's.
+    pub landmark: LandmarkId,
+    /// Column in the first (left) view, a multiple of the model's step.
+    pub left_px: f64,
+    /// Column in the second (right) view, a multiple of the model's step.
+    pub right_px: f64,
+}
+
+/// Code of a landmark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LandmarkId(pub u32);
 
 /// The robot's cameras.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -40,14 +75,20 @@ impl Reading {
     /// The time the reading speaks of.
     pub fn measured_s(&self) -> f64 {
         match self {
-            Reading::Wheels { measured_s, .. } | Reading::Camera { measured_s, .. } => *measured_s,
+            Reading::Wheels { measured_s, .. }
+            | Reading::Camera { measured_s, .. }
+            | Reading::Gyro { measured_s, .. }
+            | Reading::Range { measured_s, .. } => *measured_s,
         }
     }
 
     /// The time the reading reached the localizer.
     pub fn arrived_s(&self) -> f64 {
         match self {
-            Reading::Wheels { arrived_s, .. } | Reading::Camera { arrived_s, .. } => *arrived_s,
+            Reading::Wheels { arrived_s, .. }
+            | Reading::Camera { arrived_s, .. }
+            | Reading::Gyro { arrived_s, .. }
+            | Reading::Range { arrived_s, .. } => *arrived_s,
         }
     }
 }

@@ -15,6 +15,10 @@ pub struct RobotModel {
     pub body: BodyModel,
     /// The camera that looks straight down at the floor, if there is one.
     pub floor_camera: Option<FloorCameraModel>,
+    /// The gyroscope about the vertical, if there is one.
+    pub gyro: Option<GyroModel>,
+    /// The range camera that measures coded landmarks, if there is one.
+    pub range_camera: Option<RangeCameraModel>,
 }
 
 /// Drive wheels, encoders and the displacement bounds of slip.
@@ -83,4 +87,46 @@ pub struct FloorCameraModel {
     pub latency_s: Interval,
     /// At most this many wrong lines in one image, `floor_tiles.q_items`.
     pub q_items: usize,
+}
+
+/// A gyroscope about the vertical: `rate read = scale·true rate + bias + noise`, each within its bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GyroModel {
+    /// Constant over a run, `gyro.bias`.
+    pub bias_rad_per_s: Interval,
+    /// Constant over a run, `gyro.scale`.
+    pub scale: Interval,
+    /// Greatest noise of one reading, quantisation included, `gyro.noise`.
+    pub noise_rad_per_s: f64,
+}
+
+/// A stereo or structured-light camera that measures landmarks by the columns at which its two views see them.
+///
+/// Frame `sensor`: x right, z forward, origin at the optical centre of the first view. A point at (x, z) has the columns
+/// `left = centre + f·x/z` and `right = centre + f·(x − b)/z` (paper 3, Fig. 2), each rounded to a multiple of its step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RangeCameraModel {
+    /// Focal length, `range_camera.focal`.
+    pub focal_px: Interval,
+    /// Distance between the optical centres, `range_camera.baseline`.
+    pub baseline_m: Interval,
+    /// Column of the optical axis.
+    pub centre_px: f64,
+    /// Steps to which the columns of the first and of the second view are rounded.
+    pub step_px: [f64; 2],
+    /// Optical centre of the first view in the robot frame: forward and left, `range_camera.position`.
+    pub position_m: [Interval; 2],
+    /// Direction of the optical axis from robot forward, counter-clockwise, `range_camera.yaw`.
+    pub yaw_rad: Interval,
+    /// Greatest angle between the sensor's vertical and the body's, `range_camera.tilt`.
+    pub tilt_rad: f64,
+    /// Greatest difference in height between the sensor and a landmark, `range_camera.height_span`.
+    pub height_span_m: f64,
+    /// Greatest error of a stamp, `range_camera.stamp`.
+    pub stamp_error_s: f64,
+    /// At most this many wrong correspondences in one reading, `range_landmarks.q_items`.
+    pub q_items: usize,
+    /// With wrong correspondences: at least so many right ones lie between two wrong ones given to the same landmark,
+    /// `range_landmarks.wrong_spacing`.
+    pub wrong_spacing: usize,
 }

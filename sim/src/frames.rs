@@ -81,6 +81,6 @@ pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Resu
 fn camera_image(image: &ImageRecord) -> Option<(&GrayImage, f64)> {
     match image.reading.as_ref()? {
         Reading::Camera { image, exposure_s, .. } => Some((image, *exposure_s)),
-        Reading::Wheels { .. } => None,
+        _ => None,
     }
 }

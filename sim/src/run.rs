@@ -50,8 +50,9 @@ pub fn run(
     let drawn = Drawn::draw(scene, seed);
     let adapter = renderer.as_deref().map(Renderer::adapter);
     let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options);
+    let mut localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
     if scene.stations.is_empty() {
-        drive(scene, seed, &drawn, renderer.as_deref_mut(), &mut record, progress)?;
+        drive(scene, seed, &drawn, renderer.as_deref_mut(), &mut localizer, &mut record, progress)?;
     }
     for (index, station) in scene.stations.iter().enumerate() {
         let here = scene.at_station(station);
@@ -59,7 +60,8 @@ pub fn run(
         let noise_seed = seed.wrapping_add((index as u64 + 1) << 32);
         let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
         record.restart(index, here.duration_s, &here);
-        drive(&here, noise_seed, &drawn_here, renderer.as_deref_mut(), &mut record, progress)?;
+        localizer.restart(here.start_box());
+        drive(&here, noise_seed, &drawn_here, renderer.as_deref_mut(), &mut localizer, &mut record, progress)?;
     }
     Ok(record.finish(began))
 }
@@ -70,23 +72,23 @@ fn drive(
     seed: u64,
     drawn: &Drawn,
     mut renderer: Option<&mut Renderer>,
+    localizer: &mut Localizer,
     record: &mut Recorder,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(), RenderError> {
     let mut world = World::new(scene, drawn);
     let mut sensors = Sensors::new(scene, seed, drawn, renderer.as_deref_mut())?;
-    let mut localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
     let mut driver = Driver::new(scene);
-    look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, record)?;
-    record.step(&world.truth(), &localizer);
+    look(&world.truth(), &mut sensors, renderer.as_deref_mut(), localizer, record)?;
+    record.step(&world.truth(), localizer);
     for step in 0..(scene.duration_s / STEP_S).round() as usize {
         let time_s = step as f64 * STEP_S;
         let command = driver.command(&localizer.estimate(), time_s);
         for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
-            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), &mut localizer, record)?;
+            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), localizer, record)?;
         }
-        record.step(&world.truth(), &localizer);
+        record.step(&world.truth(), localizer);
         if step % 50 == 0 {
             progress(record.offset_s + time_s);
         }
@@ -108,7 +110,7 @@ fn look(
         let accounts = record.timed(
             |timing| match observation.reading {
                 Reading::Camera { .. } => &mut timing.vision_s,
-                Reading::Wheels { .. } => &mut timing.localizer_s,
+                Reading::Wheels { .. } | Reading::Gyro { .. } | Reading::Range { .. } => &mut timing.localizer_s,
             },
             || localizer.observe(&observation.reading),
         );
@@ -187,6 +189,14 @@ impl Recorder {
                 self.readings.update(exposure_s.to_le_bytes());
                 self.readings.update(image.as_raw());
             }
+            Reading::Gyro { rate_rad_per_s, .. } => self.readings.update(rate_rad_per_s.to_le_bytes()),
+            Reading::Range { sightings, .. } => {
+                for sighting in sightings {
+                    self.readings.update(sighting.landmark.0.to_le_bytes());
+                    self.readings.update(sighting.left_px.to_le_bytes());
+                    self.readings.update(sighting.right_px.to_le_bytes());
+                }
+            }
         }
     }
 
@@ -210,6 +220,7 @@ impl Recorder {
                 constrained: account.constrained,
                 emptied: account.emptied,
                 posterior: account.posterior,
+                landmarks: account.landmarks,
                 reading: kept,
             });
         }

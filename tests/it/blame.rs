@@ -136,6 +136,7 @@ fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
         constrained: true,
         emptied: false,
         posterior: record.estimates[40].pose.clone(),
+        landmarks: Vec::new(),
         reading: None,
     }
 }

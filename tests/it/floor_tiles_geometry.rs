@@ -67,6 +67,8 @@ fn robot() -> RobotModel {
             latency_s: Interval::point(0.03),
             q_items: 0,
         }),
+        gyro: None,
+        range_camera: None,
     }
 }
 

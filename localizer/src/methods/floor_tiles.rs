@@ -126,6 +126,10 @@ impl Method for FloorTiles {
         "floor_tiles"
     }
 
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Camera { camera: Camera::Floor, .. })
+    }
+
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Floor, exposure_s, image, .. } = reading else { return None };
         let (blur_px, turn_rad) = (self.blur_px(twist, *exposure_s), twist.turn_rad_per_s * exposure_s);

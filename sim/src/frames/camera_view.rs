@@ -76,6 +76,8 @@ pub(super) fn draw(
                 if is_true(claim, scene, &record.drawn, &image.truth) { palette::SEEN } else { palette::FALSE };
             match claim {
                 Claim::FloorJoint { points_px, .. } => joint(canvas, points_px, place, colour),
+                // Not of an image.
+                Claim::Landmark { .. } => {}
             }
         }
     });

@@ -1,6 +1,6 @@
 //! What a run leaves for the check and the record.
 
-use localizer::{Claim, Estimate, Pose, PoseUnion, Reading};
+use localizer::{Claim, Estimate, Interval, Pose, PoseUnion, Reading, reading::LandmarkId};
 
 use crate::{drawn::Drawn, truth::Truth};
 
@@ -52,6 +52,8 @@ pub struct ImageRecord {
     pub emptied: bool,
     /// Union at the stamp just after the constraint.
     pub posterior: PoseUnion,
+    /// Landmarks as the method knew them then: code, and box of world x and y.
+    pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
     /// The reading itself, kept when frames are asked for.
     pub reading: Option<Reading>,
 }

@@ -42,6 +42,8 @@ impl Scene {
                 clearance_m: robot.body_radius_m - 0.001,
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
+            gyro: None,
+            range_camera: None,
         }
     }
 
