@@ -3,6 +3,7 @@
 pub mod camera;
 pub mod encoder;
 mod floor_camera;
+pub mod lens;
 
 use localizer::Reading;
 

@@ -54,6 +54,7 @@ impl Studio {
             gain_levels_per_electron: 0.025,
             illuminance_at_floor_lux: self.scene.light.illuminance_at_floor_lux,
             noise: NoiseKey { seed: 5, image },
+            lens: None,
         }
     }
 

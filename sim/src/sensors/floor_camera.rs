@@ -87,6 +87,7 @@ impl FloorCameraSensor {
             gain_levels_per_electron: exposure.gain_levels_per_electron,
             illuminance_at_floor_lux: self.illuminance_lux(middle_s),
             noise: NoiseKey { seed: self.seed, image: self.n_images },
+            lens: None,
         };
         let middle = self.truth_at(middle_s);
         let Some(image) = renderer.draw(&self.world, &[view])?.pop() else { return Ok(None) };

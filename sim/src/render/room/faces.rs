@@ -1,0 +1,188 @@
+//! Panels, lamps and discs of a building in the form in which the device reads them.
+
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use nalgebra::{Point3, Vector3};
+
+use super::pipelines::Kind;
+use crate::{
+    building::Building,
+    light::{Lighting, Patch, Shape},
+    scene::{Pattern, Tiles},
+};
+
+/// Faces are cut into cells no longer than this, within which a row of a rolling shutter is interpolated linearly.
+const CELL_M: f64 = 0.5;
+/// Albedo of a retro-reflective dot in light that does not come from the camera.
+const DOT_ALBEDO: f32 = 0.3;
+
+/// `Surface` of world.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct SurfaceOnDevice {
+    corner: [f32; 4],
+    along: [f32; 4],
+    up: [f32; 4],
+    nodes: [f32; 4],
+    size: [f32; 4],
+}
+
+/// `Node` of surface.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct NodeOnDevice {
+    surface: u32,
+    share: [f32; 2],
+}
+
+/// `Lamp` of world.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct LampOnDevice {
+    centre: [f32; 4],
+    half_u: [f32; 4],
+    half_v: [f32; 4],
+}
+
+/// `Disc` of disc.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct DiscOnDevice {
+    centre: [f32; 3],
+    radius_m: f32,
+    retroreflection: f32,
+    matt: f32,
+}
+
+/// `Grid` of world.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct GridOnDevice {
+    turn: [f32; 2],
+    edge_m: [f32; 2],
+    phase_m: [f32; 2],
+    joint_width_m: f32,
+    joint_albedo: f32,
+    first: [i32; 2],
+    count: [i32; 2],
+    pattern_contrast: f32,
+    mean_albedo: f32,
+    albedo_ratio: f32,
+    pattern: u32,
+}
+
+/// Panels with the albedo of one band.
+pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> Vec<SurfaceOnDevice> {
+    let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
+    let surface = |(panel, patch): (&crate::building::Panel, &Patch)| {
+        let [along_m, up_m] = panel.size_m();
+        SurfaceOnDevice {
+            corner: with(panel.corner.coords, panel.material.albedo[band]),
+            along: with(panel.along, panel.material.mirrored),
+            up: with(panel.up, panel.material.roughness_rad),
+            nodes: [patch.first[0], patch.first[1], patch.count[0] - 1, patch.count[1] - 1].map(|number| number as f32),
+            size: [along_m as f32, up_m as f32, panel.material.seed as f32, 0.0],
+        }
+    };
+    building.panels.iter().zip(patches).map(surface).collect()
+}
+
+/// Corners of all cells, and the triangles of each kind of surface.
+pub(super) fn cells(building: &Building) -> (Vec<NodeOnDevice>, Vec<u32>, Vec<(Kind, Range<u32>)>) {
+    let (mut nodes, mut indices, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
+    let kind_of = |index: usize| Kind::of(&building.panels[index].material);
+    let mut order: Vec<usize> = (0..building.panels.len()).collect();
+    order.sort_by_key(|index| kind_of(*index));
+    for group in order.chunk_by(|one, other| kind_of(*one) == kind_of(*other)) {
+        let start = indices.len() as u32;
+        for &surface in group {
+            let [columns, rows] =
+                building.panels[surface].size_m().map(|side_m| (side_m / CELL_M).ceil().max(1.0) as u32);
+            let first = nodes.len() as u32;
+            for (j, i) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (j, i))) {
+                let share = [i as f32 / columns as f32, j as f32 / rows as f32];
+                nodes.push(NodeOnDevice { surface: surface as u32, share });
+            }
+            for (j, i) in (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i))) {
+                let at = |i: u32, j: u32| first + j * (columns + 1) + i;
+                indices.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+        ranges.push((kind_of(group[0]), start..indices.len() as u32));
+    }
+    (nodes, indices, ranges)
+}
+
+/// Lamps with their luminance in one band.
+pub(super) fn lamps(lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
+    let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
+    let lamp = |source: &crate::light::Source| {
+        let luminance = source.luminance() * [source.photons.visible, source.photons.infrared][band];
+        match source.shape {
+            Shape::Rectangle { centre, half_u, half_v } => LampOnDevice {
+                centre: with(centre.coords, luminance),
+                half_u: with(half_u, 0.0),
+                half_v: with(half_v, 0.0),
+            },
+            Shape::Point { at, radius_m } => LampOnDevice {
+                centre: with(at.coords, luminance),
+                half_u: with(Vector3::zeros(), radius_m),
+                half_v: [0.0; 4],
+            },
+        }
+    };
+    lighting.sources.iter().map(lamp).collect()
+}
+
+/// Retro-reflective dots, lit as their place is, and bulbs.
+pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Vec<DiscOnDevice> {
+    let single = |at: Point3<f64>| [at.x as f32, at.y as f32, at.z as f32];
+    let dots = building.dots.iter().map(|dot| {
+        let room = building.room_at(dot.centre);
+        let light = lighting.at(dot.centre, -Vector3::z(), room).by_band[band];
+        DiscOnDevice {
+            centre: single(dot.centre),
+            radius_m: dot.radius_m as f32,
+            // A dot that does not shine back at all would be taken for a bulb.
+            retroreflection: (dot.retroreflection_cd_per_lux_m2 as f32).max(1e-6),
+            matt: light as f32 / lighting.dimming.max(1e-30) as f32 * DOT_ALBEDO,
+        }
+    });
+    let bulbs = lighting.sources.iter().filter_map(|source| match source.shape {
+        Shape::Point { at, radius_m } => Some(DiscOnDevice {
+            centre: single(at),
+            radius_m: radius_m as f32,
+            retroreflection: 0.0,
+            matt: (source.luminance() * [source.photons.visible, source.photons.infrared][band]) as f32,
+        }),
+        Shape::Rectangle { .. } => None,
+    });
+    dots.chain(bulbs).collect()
+}
+
+/// The tiles' grid and the albedo of each; edges of 0 when there are none.
+pub(super) fn grid(building: &Building) -> (GridOnDevice, Vec<f32>) {
+    let Some((tiles, laid)) = &building.tiles else { return (GridOnDevice::zeroed(), vec![1.0]) };
+    let (sin, cos) = tiles.rotation_deg.to_radians().sin_cos();
+    let plain = matches!(tiles.pattern, Pattern::Plain);
+    let grid = GridOnDevice {
+        turn: [cos as f32, sin as f32],
+        edge_m: [tiles.edge_x_m as f32, tiles.edge_y_m as f32],
+        phase_m: [tiles.phase_x_m as f32, tiles.phase_y_m as f32],
+        joint_width_m: tiles.joint_width_m as f32,
+        joint_albedo: tiles.joint_albedo as f32,
+        first: laid.first,
+        count: laid.count.map(|count| count as i32),
+        pattern_contrast: if plain { 0.0 } else { tiles.pattern_contrast as f32 },
+        mean_albedo: tiles.tile_albedo as f32,
+        albedo_ratio: relative_to(tiles),
+        pattern: tiles.pattern as u32,
+    };
+    (grid, laid.tile_albedo.clone())
+}
+
+/// One over the tiles' mean albedo, which their surface's own then multiplies.
+fn relative_to(tiles: &Tiles) -> f32 {
+    (1.0 / tiles.tile_albedo.max(1e-3)) as f32
+}

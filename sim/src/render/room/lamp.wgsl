@@ -1,0 +1,23 @@
+// Lamps as one sees them when one looks into them.
+
+struct Glow {
+    @builtin(position) @invariant position: vec4<f32>,
+    @location(0) @interpolate(flat) luminance: f32,
+}
+
+// Two triangles for each rectangle.
+@vertex
+fn lamp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) lamp_index: u32) -> Glow {
+    let lamp = lamps[lamp_index];
+    let corner = array<vec2<f32>, 6>(
+        vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0),
+    )[index];
+    let world = lamp.centre.xyz + lamp.half_u.xyz * corner.x + lamp.half_v.xyz * corner.y;
+    // A bulb has no sides: its corners fall together.
+    return Glow(clip_of(in_camera(world)), lamp.centre.w * view.lamp_factor);
+}
+
+@fragment
+fn lamp_luminance(glow: Glow) -> @location(0) vec4<f32> {
+    return vec4(glow.luminance, 0.0, 0.0, 1.0);
+}
