@@ -19,6 +19,9 @@ use crate::{
     scene::{Scene, Tiles},
 };
 
+/// What lies on something, or in the same plane, is drawn so far above it that the depth buffer tells them apart.
+const LAYER_M: f64 = 0.001;
+
 /// Everything about a building that stands still.
 #[derive(Clone, Debug)]
 pub struct Building {

@@ -100,7 +100,7 @@ struct RenderArguments {
     #[arg(long, value_name = "NAME", value_parser = camera_name)]
     camera: Option<CameraName>,
     /// Mean illuminance at the floor in lux, all lamps dimmed alike. What the scene states unless given.
-    #[arg(long, value_name = "LUX", value_parser = render::illuminance, conflicts_with = "contact_sheet")]
+    #[arg(long, value_name = "LUX", value_parser = render::illuminance, allow_hyphen_values = true, conflicts_with = "contact_sheet")]
     lux: Option<f64>,
     /// One sheet with all cameras in several lights, such as lux=0.1,1,10,100,1000.
     #[arg(long, value_name = "lux=A,B,…")]

@@ -62,6 +62,20 @@ impl CameraName {
     }
 }
 
+/// The first views of cameras that stand still, exposed for office light.
+pub fn views_at(
+    scene: &Scene,
+    drawn: &Drawn,
+    pose: Pose,
+    illuminance_at_floor_lux: f64,
+    cameras: &[CameraName],
+    seed: u64,
+) -> Vec<View> {
+    let truth = Truth { pose, ..Truth::default() };
+    let stations = cameras.iter().filter_map(|camera| station(*camera, scene, drawn, &truth, illuminance_at_floor_lux, seed));
+    stations.map(|station| station.exposed(0)).collect()
+}
+
 /// A camera that stands still: everything of its view but the exposure.
 struct Station {
     view: View,

@@ -2,11 +2,8 @@
 
 use nalgebra::{Point3, vector};
 
-use super::{Building, Material, Panel, Part, Texture};
+use super::{Building, LAYER_M, Material, Panel, Part, Texture};
 use crate::scene::{Covering, Scene};
-
-/// Each covering lies so far above what is below it that the depth buffer tells them apart.
-const LAYER_M: f64 = 0.001;
 
 /// The floors of all rooms and the coverings of regions upon them.
 pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
@@ -20,7 +17,8 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
         .enumerate()
         .map(|(room, enclosure)| {
             let [along, up] = enclosure.axes();
-            Panel { corner: enclosure.corner, along, up, material: base, part: Part::Floor, room }
+            let corner = enclosure.corner - vector![0.0, 0.0, LAYER_M * room as f64];
+            Panel { corner, along, up, material: base, part: Part::Floor, room }
         })
         .collect();
     let covered =

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3, vector};
 
-use super::{Material, Panel, Part, Texture, level, raised};
+use super::{LAYER_M, Material, Panel, Part, Texture, level, raised};
 use crate::scene::{Door, Scene};
 
 /// How far from a wall's foot a door may stand and still belong to it.
@@ -120,7 +120,8 @@ pub(super) fn ceiling_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     let material = Material::matt(scene.building.ceiling_albedo).with(Texture::Plaster);
     let panel = |(room, enclosure): (usize, &Enclosure)| {
         let [along, across] = enclosure.axes();
-        let corner = enclosure.corner + vector![0.0, 0.0, enclosure.height_m];
+        // Where rooms overlap, the first one's ceiling is the one that is seen.
+        let corner = enclosure.corner + vector![0.0, 0.0, enclosure.height_m + LAYER_M * room as f64];
         // Across before along: seen from below.
         Panel { corner, along: across, up: along, material, part: Part::Ceiling, room }
     };
