@@ -72,7 +72,8 @@ pub fn views_at(
     seed: u64,
 ) -> Vec<View> {
     let truth = Truth { pose, ..Truth::default() };
-    let stations = cameras.iter().filter_map(|camera| station(*camera, scene, drawn, &truth, illuminance_at_floor_lux, seed));
+    let stations =
+        cameras.iter().filter_map(|camera| station(*camera, scene, drawn, &truth, illuminance_at_floor_lux, seed));
     stations.map(|station| station.exposed(0)).collect()
 }
 

@@ -120,6 +120,11 @@ fn views() {
             black_box(renderer.draw(&world, views).unwrap());
             1e3 * began.elapsed().as_secs_f64()
         };
-        line(&format!("one view of the {} camera", camera.as_str()), median((0..41).map(milliseconds).collect()), "ms", "");
+        line(
+            &format!("one view of the {} camera", camera.as_str()),
+            median((0..41).map(milliseconds).collect()),
+            "ms",
+            "",
+        );
     }
 }

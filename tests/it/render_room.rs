@@ -120,7 +120,8 @@ fn grey_levels_of_a_floor_are_its_luminance_by_hand() {
     );
     let view = quiet_view(Lens::ideal([64, 64], 200.0), vec![looking_down(1.0, 1.5, 1.0)], 50.0);
     let image = draw(&scene, view);
-    let mean = (28..36).flat_map(|u| (28..36).map(move |v| (u, v))).map(|(u, v)| level(&image, u, v)).sum::<f64>() / 64.0;
+    let mean =
+        (28..36).flat_map(|u| (28..36).map(move |v| (u, v))).map(|(u, v)| level(&image, u, v)).sum::<f64>() / 64.0;
     let expected = 50.0 * 0.4 * 25.0 / PI;
     assert!((mean / expected - 1.0).abs() < 0.01, "{mean}, expected {expected}");
 }
@@ -189,7 +190,8 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
     for place in places {
         // The row's own time, by bisection on row(time) − row.
         let centre = Point3::new(place[0], place[1], DOT_HEIGHT_M);
-        let row_at = |row: f64| opencv(&lens, pose_at(0.5 * exposure_s + row * row_time_s).inverse_transform_point(&centre));
+        let row_at =
+            |row: f64| opencv(&lens, pose_at(0.5 * exposure_s + row * row_time_s).inverse_transform_point(&centre));
         let (mut low, mut high) = (0.0, 479.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
@@ -244,7 +246,8 @@ fn a_retro_reflector_is_as_bright_as_its_coefficient_says() {
     let image = draw(&scene, quiet_view(lens, vec![looking_up(2.0, 1.5, 0.6, Vector3::zeros())], 1.0));
     // R_A·E⊥ with 200 cd/lx/m² and 3 cd at 1.999 m.
     let expected = 200.0 * 3.0 / (2.6_f64 - 0.001 - 0.6).powi(2);
-    let mean = (30..34).flat_map(|u| (30..34).map(move |v| (u, v))).map(|(u, v)| level(&image, u, v)).sum::<f64>() / 16.0;
+    let mean =
+        (30..34).flat_map(|u| (30..34).map(move |v| (u, v))).map(|(u, v)| level(&image, u, v)).sum::<f64>() / 16.0;
     assert!((mean / expected - 1.0).abs() < 0.01, "{mean}, expected {expected}");
 }
 
@@ -253,8 +256,7 @@ fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
     let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
     let mut renderer = renderer();
     let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0), &[]).unwrap();
-    let person =
-        UprightBody { middle_m: [3.0, 1.5], heading_rad: PI, height_m: 1.75, radius_m: 0.23, stride: 0.0 };
+    let person = UprightBody { middle_m: [3.0, 1.5], heading_rad: PI, height_m: 1.75, radius_m: 0.23, stride: 0.0 };
     world.place_bodies(&[person]);
     // Looking along world x from (0.5, 1.5, 0.9), image right along −y.
     let columns = nalgebra::Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);

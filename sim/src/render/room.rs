@@ -110,7 +110,7 @@ impl RoomPass {
             pass.draw_indexed(range.clone(), 0, 0..1);
         }
         pass.set_pipeline(self.pipelines.lamps(how));
-        pass.draw(0..6, 0..world.lamp_count);
+        pass.draw(0..6, 0..world.first_bulb);
         if body_corners > 0 {
             pass.set_pipeline(self.pipelines.bodies(how));
             pass.set_vertex_buffer(0, slot.bodies.slice(..));

@@ -9,7 +9,7 @@ use super::pipelines::Kind;
 use crate::{
     building::Building,
     light::{Lighting, Patch, Shape},
-    scene::{Pattern, Tiles},
+    scene::Pattern,
 };
 
 /// Faces are cut into cells no longer than this, within which a row of a rolling shutter is interpolated linearly.
@@ -41,8 +41,9 @@ pub(super) struct NodeOnDevice {
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct LampOnDevice {
     centre: [f32; 4],
-    half_u: [f32; 4],
-    half_v: [f32; 4],
+    side_u: [f32; 4],
+    side_v: [f32; 4],
+    normal: [f32; 4],
 }
 
 /// `Disc` of disc.wgsl.
@@ -68,8 +69,7 @@ pub(super) struct GridOnDevice {
     count: [i32; 2],
     pattern_contrast: f32,
     mean_albedo: f32,
-    albedo_ratio: f32,
-    pattern: u32,
+    padding: [u32; 2],
 }
 
 /// Panels with the albedo of one band.
@@ -114,7 +114,7 @@ pub(super) fn cells(building: &Building) -> (Vec<NodeOnDevice>, Vec<u32>, Vec<(K
     (nodes, indices, ranges)
 }
 
-/// Lamps with their luminance in one band.
+/// Lamps with their luminance in one band, rectangles first.
 pub(super) fn lamps(lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
     let lamp = |source: &crate::light::Source| {
@@ -122,17 +122,21 @@ pub(super) fn lamps(lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
         match source.shape {
             Shape::Rectangle { centre, half_u, half_v } => LampOnDevice {
                 centre: with(centre.coords, luminance),
-                half_u: with(half_u, 0.0),
-                half_v: with(half_v, 0.0),
+                side_u: with(half_u.normalize(), half_u.norm()),
+                side_v: with(half_v.normalize(), half_v.norm()),
+                normal: with(half_u.cross(&half_v).normalize(), 0.0),
             },
             Shape::Point { at, radius_m } => LampOnDevice {
                 centre: with(at.coords, luminance),
-                half_u: with(Vector3::zeros(), radius_m),
-                half_v: [0.0; 4],
+                side_u: [0.0; 4],
+                side_v: [0.0; 4],
+                normal: with(Vector3::zeros(), radius_m),
             },
         }
     };
-    lighting.sources.iter().map(lamp).collect()
+    let rectangles_first =
+        |bulbs: bool| lighting.sources.iter().filter(move |source| source.shape.normal().is_none() == bulbs);
+    rectangles_first(false).chain(rectangles_first(true)).map(lamp).collect()
 }
 
 /// Retro-reflective dots, lit as their place is, and bulbs.
@@ -175,14 +179,9 @@ pub(super) fn grid(building: &Building) -> (GridOnDevice, Vec<f32>) {
         first: laid.first,
         count: laid.count.map(|count| count as i32),
         pattern_contrast: if plain { 0.0 } else { tiles.pattern_contrast as f32 },
-        mean_albedo: tiles.tile_albedo as f32,
-        albedo_ratio: relative_to(tiles),
-        pattern: tiles.pattern as u32,
+        // Textures are factors on their surface's mean albedo; black tiles stay black by that.
+        mean_albedo: tiles.tile_albedo.max(1e-3) as f32,
+        padding: [0; 2],
     };
     (grid, laid.tile_albedo.clone())
-}
-
-/// One over the tiles' mean albedo, which their surface's own then multiplies.
-fn relative_to(tiles: &Tiles) -> f32 {
-    (1.0 / tiles.tile_albedo.max(1e-3)) as f32
 }

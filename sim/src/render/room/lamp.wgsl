@@ -12,8 +12,8 @@ fn lamp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) lamp_
     let corner = array<vec2<f32>, 6>(
         vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0),
     )[index];
-    let world = lamp.centre.xyz + lamp.half_u.xyz * corner.x + lamp.half_v.xyz * corner.y;
-    // A bulb has no sides: its corners fall together.
+    let world = lamp.centre.xyz + lamp.side_u.xyz * (lamp.side_u.w * corner.x)
+        + lamp.side_v.xyz * (lamp.side_v.w * corner.y);
     return Glow(clip_of(in_camera(world)), lamp.centre.w * view.lamp_factor);
 }
 

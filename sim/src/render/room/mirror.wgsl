@@ -1,36 +1,38 @@
 // What is seen in a mirror: lamps through a blur, or whatever stands there.
 
-// Distribution function of a normal variable, nearly: the logistic one of the same spread.
+// Distribution function of a smooth bump of standard deviation 1, whose density is a parabola: 6t(1 − t) over a width of √20.
 fn below(deviations: f32) -> f32 {
-    return 1.0 / (1.0 + exp(clamp(-1.702 * deviations, -60.0, 60.0)));
+    let t = clamp(0.5 + deviations / 4.4721360, 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
 }
 
-// Luminance of lamps along a ray whose direction is spread normally by `roughness` about both axes: each lamp's share of
+// Luminance of lamps along a ray whose direction is spread by `roughness` (standard deviation, rad) about both axes: each lamp's share of
 // the spread, so that over all directions no light is lost or won.
 fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32) -> f32 {
     var sum = 0.0;
-    for (var index = 0u; index < view.lamp_count; index++) {
+    for (var index = 0u; index < view.first_bulb; index++) {
         let lamp = lamps[index];
         let way = lamp.centre.xyz - from_place;
-        if (lamp.half_u.w > 0.0) {
-            let along = dot(way, direction);
-            let aside = way - direction * along;
-            let spread = max(roughness * along, 0.5 * lamp.half_u.w);
-            let area = lamp.half_u.w * lamp.half_u.w;
-            let share = area / (2.0 * spread * spread) * exp(-0.5 * dot(aside, aside) / (spread * spread));
-            sum += select(0.0, lamp.centre.w * min(share, 1.0), along > 0.0);
-            continue;
-        }
-        let normal = normalize(cross(lamp.half_u.xyz, lamp.half_v.xyz));
-        let towards = dot(direction, normal);
-        let distance = dot(way, normal) / min(towards, -1e-4);
+        let height = -dot(way, lamp.normal.xyz);
+        let towards = min(dot(direction, lamp.normal.xyz), -1e-4);
+        let distance = -height / towards;
         let beside = direction * distance - way;
-        let half = vec2(length(lamp.half_u.xyz), length(lamp.half_v.xyz));
-        let at = vec2(dot(beside, lamp.half_u.xyz), dot(beside, lamp.half_v.xyz)) / half;
-        let spread = max(roughness, 0.002) * distance;
-        let share = (below((at.x + half.x) / spread) - below((at.x - half.x) / spread))
-            * (below((at.y + half.y) / spread) - below((at.y - half.y) / spread));
-        sum += select(0.0, lamp.centre.w * share, towards < 0.0 && dot(way, normal) < 0.0);
+        let at = vec2(dot(beside, lamp.side_u.xyz), dot(beside, lamp.side_v.xyz));
+        let half = vec2(lamp.side_u.w, lamp.side_v.w);
+        let per_spread = 1.0 / max(max(roughness, 0.002) * distance, 1e-4);
+        let share = (below((at.x + half.x) * per_spread) - below((at.x - half.x) * per_spread))
+            * (below((at.y + half.y) * per_spread) - below((at.y - half.y) * per_spread));
+        sum += select(0.0, lamp.centre.w * share, height > 0.0 && towards < -1e-4);
+    }
+    for (var index = view.first_bulb; index < view.lamp_count; index++) {
+        let lamp = lamps[index];
+        let way = lamp.centre.xyz - from_place;
+        let along = dot(way, direction);
+        let aside = way - direction * along;
+        let spread = max(roughness * along, 0.5 * lamp.normal.w);
+        let share = lamp.normal.w * lamp.normal.w / (2.0 * spread * spread)
+            * exp(-0.5 * dot(aside, aside) / (spread * spread));
+        sum += select(0.0, lamp.centre.w * min(share, 1.0), along > 0.0);
     }
     return sum * view.lamp_factor;
 }

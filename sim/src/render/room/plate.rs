@@ -59,9 +59,10 @@ pub(super) struct ViewOnDevice {
     luminance_per_lux: f32,
     lamp_factor: f32,
     ring_candela: f32,
+    first_bulb: u32,
     lamp_count: u32,
     surface_count: u32,
-    padding: [u32; 3],
+    padding: [u32; 2],
 }
 
 /// `Sheet` of lens.wgsl.
@@ -115,9 +116,10 @@ impl ViewOnDevice {
             luminance_per_lux: (lamp_factor / std::f64::consts::PI) as f32,
             lamp_factor: lamp_factor as f32,
             ring_candela: lens.ring_candela as f32,
+            first_bulb: world.first_bulb,
             lamp_count: world.lamp_count,
             surface_count: world.surface_count,
-            padding: [0; 3],
+            padding: [0; 2],
         }
     }
 }

@@ -8,67 +8,97 @@ struct Node {
     @location(1) share: vec2<f32>,
 }
 
+// What is the same all over a face travels with its corners: a software driver gathers from memory lane by lane.
 struct Face {
     @builtin(position) @invariant position: vec4<f32>,
     @location(0) world: vec3<f32>,
-    @location(1) share: vec2<f32>,
-    @location(2) @interpolate(flat) surface: u32,
+    // In metres along both sides.
+    @location(1) place: vec2<f32>,
+    // In the light map.
+    @location(2) node: vec2<f32>,
+    // Albedo, mirrored share, roughness, seed.
+    @location(3) @interpolate(flat) material: vec4<f32>,
+    @location(4) @interpolate(flat) normal: vec3<f32>,
+    @location(5) @interpolate(flat) size: vec2<f32>,
 }
 
 @vertex
 fn surface_node(node: Node) -> Face {
     let surface = surfaces[node.surface];
     let world = surface.corner.xyz + surface.along.xyz * node.share.x + surface.up.xyz * node.share.y;
-    return Face(clip_of(in_camera(world)), world, node.share, node.surface);
+    return Face(
+        clip_of(in_camera(world)),
+        world,
+        node.share * surface.size.xy,
+        surface.nodes.xy + surface.nodes.zw * node.share,
+        vec4(surface.corner.w, surface.along.w, surface.up.w, surface.size.z),
+        normalize(cross(surface.along.xyz, surface.up.xyz)),
+        surface.size.xy,
+    );
+}
+
+// What is on the face at this place, as a factor on its albedo.
+fn texture_at(face: Face) -> f32 {
+    let seed = u32(face.material.w);
+    // Floors go on from face to face.
+    let on_floor = TEXTURE == 2u || TEXTURE == 3u || TEXTURE == 4u || TEXTURE == 7u;
+    let place = select(face.place, face.world.xy, on_floor);
+    let extent = fwidth(place);
+    let pixel_m = 0.5 * (extent.x + extent.y);
+    if (TEXTURE == 1u) {
+        return plaster(place, pixel_m, seed);
+    }
+    if (TEXTURE == 2u) {
+        return tiles(place, extent, pixel_m);
+    }
+    if (TEXTURE == 3u) {
+        return concrete(place, pixel_m, seed);
+    }
+    if (TEXTURE == 4u) {
+        return wood(place, extent, pixel_m);
+    }
+    if (TEXTURE == 5u) {
+        return carpet(face.world.xy, place, face.size, pixel_m);
+    }
+    if (TEXTURE == 6u) {
+        return picture(place, face.size, pixel_m, seed);
+    }
+    if (TEXTURE == 7u && grid.edge_m.x > 0.0) {
+        return tiles(place, extent, pixel_m);
+    }
+    return 1.0;
 }
 
 @fragment
 fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
-    let surface = surfaces[face.surface];
-    let place = face.share * surface.size.xy;
-    let extent = fwidth(place);
-    let pixel_m = 0.5 * (extent.x + extent.y);
-    var albedo = surface.corner.w;
-    let seed = u32(surface.size.z);
-    if (TEXTURE == 1u) {
-        albedo *= plaster(place, pixel_m, seed);
-    } else if (TEXTURE == 2u || TEXTURE == 7u) {
-        let wide = fwidth(face.world.xy);
-        if (grid.edge_m.x > 0.0) {
-            // In infrared as much brighter as the surface's own mean is.
-            albedo *= tiles(face.world.xy, wide, pixel_m) * grid.albedo_ratio;
-        }
-    } else if (TEXTURE == 3u) {
-        albedo *= concrete(face.world.xy, pixel_m, seed);
-    } else if (TEXTURE == 4u) {
-        albedo *= wood(face.world.xy, fwidth(face.world.xy), pixel_m);
-    } else if (TEXTURE == 5u) {
-        albedo *= carpet(face.world.xy, place, surface.size.xy, pixel_m);
-    } else if (TEXTURE == 6u) {
-        albedo *= picture(place, surface.size.xy, pixel_m, seed);
+    var albedo = face.material.x;
+    if (TEXTURE != 0u) {
+        albedo *= texture_at(face);
     }
-    let matt = mapped_lux(surface.nodes.xy + surface.nodes.zw * face.share) * view.luminance_per_lux;
+    let matt = mapped_lux(face.node) * view.luminance_per_lux;
     var lit = matt;
-    let way = normalize(face.world - view.eye.xyz);
-    if (RING || GLOSS) {
-        let normal = normalize(cross(surface.along.xyz, surface.up.xyz));
-        let cosine = clamp(-dot(way, normal), 0.0, 1.0);
-        if (RING) {
-            lit += ring_lux(face.world) * cosine / PI;
-        }
-        if (GLOSS) {
-            // Schlick 1994: what a smooth face mirrors grows to all of it at grazing incidence.
-            let mirrored = surface.along.w + (1.0 - surface.along.w) * pow(1.0 - cosine, 5.0);
-            let out = way + 2.0 * cosine * normal;
-            var seen = lamps_along(face.world, out, surface.up.w);
-            if (TEXTURE == 7u) {
-                seen = nearest_along(face.world + normal * 0.002, out);
-            } else {
-                // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
-                seen += 0.5 * matt;
-            }
-            return vec4((1.0 - mirrored) * albedo * lit + mirrored * seen, 0.0, 0.0, 1.0);
-        }
+    if (!RING && !GLOSS) {
+        return vec4(albedo * lit, 0.0, 0.0, 1.0);
     }
-    return vec4(albedo * lit, 0.0, 0.0, 1.0);
+    let way = normalize(face.world - view.eye.xyz);
+    let cosine = clamp(-dot(way, face.normal), 0.0, 1.0);
+    if (RING) {
+        lit += ring_lux(face.world) * cosine / PI;
+    }
+    if (!GLOSS) {
+        return vec4(albedo * lit, 0.0, 0.0, 1.0);
+    }
+    // Schlick 1994: what a smooth face mirrors grows to all of it at grazing incidence, as the fifth power.
+    let grazing = 1.0 - cosine;
+    let square = grazing * grazing;
+    let mirrored = face.material.y + (1.0 - face.material.y) * square * square * grazing;
+    let out = way + 2.0 * cosine * face.normal;
+    var seen = 0.0;
+    if (TEXTURE == 7u) {
+        seen = nearest_along(face.world + face.normal * 0.002, out);
+    } else {
+        // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
+        seen = lamps_along(face.world, out, face.material.z) + 0.5 * matt;
+    }
+    return vec4((1.0 - mirrored) * albedo * lit + mirrored * seen, 0.0, 0.0, 1.0);
 }

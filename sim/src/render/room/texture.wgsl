@@ -43,7 +43,7 @@ fn plaster(place: vec2<f32>, pixel_m: f32, seed: u32) -> f32 {
     return 1.0 + 0.015 * noise(place * 2.3, seed) + 0.02 * noise(place / 0.012, seed) * resolved(pixel_m, 0.012);
 }
 
-// Albedo itself, as tiles have their own.
+// In infrared as much brighter as the surface's own mean is.
 fn tiles(world: vec2<f32>, extent: vec2<f32>, pixel_m: f32) -> f32 {
     let turned = vec2(grid.turn.x * world.x + grid.turn.y * world.y, grid.turn.x * world.y - grid.turn.y * world.x);
     let place = turned - grid.phase_m;
@@ -62,7 +62,7 @@ fn tiles(world: vec2<f32>, extent: vec2<f32>, pixel_m: f32) -> f32 {
         let broad = noise(place / 0.05, seed + 7u) * resolved(pixel_m, 0.05);
         albedo *= 1.0 + grid.pattern_contrast * (0.6 * fine + 0.4 * broad);
     }
-    return mix(albedo, grid.joint_albedo, joint);
+    return mix(albedo, grid.joint_albedo, joint) / grid.mean_albedo;
 }
 
 fn concrete(place: vec2<f32>, pixel_m: f32, seed: u32) -> f32 {

@@ -29,11 +29,12 @@ struct View {
     lamp_factor: f32,
     // Equivalent candela of the ring along the axis.
     ring_candela: f32,
+    // Rectangles come first.
+    first_bulb: u32,
     lamp_count: u32,
     surface_count: u32,
     padding_a: u32,
     padding_b: u32,
-    padding_c: u32,
 }
 
 override ROLLING: bool = false;

@@ -25,6 +25,8 @@ pub(in crate::render) struct RoomWorld {
     pub(super) nodes: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
     pub(super) ranges: Vec<(Kind, Range<u32>)>,
+    /// Rectangles come before bulbs.
+    pub(super) first_bulb: u32,
     pub(super) lamp_count: u32,
     pub(super) surface_count: u32,
     pub(super) disc_count: u32,
@@ -50,6 +52,7 @@ impl RoomWorld {
             nodes: buffer(graphics, "nodes", wgpu::BufferUsages::VERTEX, &nodes),
             indices: buffer(graphics, "indices", wgpu::BufferUsages::INDEX, &indices),
             ranges,
+            first_bulb: lighting.sources.iter().filter(|source| source.shape.normal().is_some()).count() as u32,
             lamp_count: lighting.sources.len() as u32,
             surface_count: building.panels.len() as u32,
             disc_count: discs[0].len() as u32,

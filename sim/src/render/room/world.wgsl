@@ -16,9 +16,11 @@ struct Surface {
 struct Lamp {
     // Middle, and luminance.
     centre: vec4<f32>,
-    // Half of each side, and 0 for a rectangle or the radius of a bulb.
-    half_u: vec4<f32>,
-    half_v: vec4<f32>,
+    // Unit vectors along both sides, each with half of its side's length; of a bulb 0.
+    side_u: vec4<f32>,
+    side_v: vec4<f32>,
+    // Where a rectangle shines to, and 0; or the radius of a bulb.
+    normal: vec4<f32>,
 }
 
 struct Grid {
@@ -33,8 +35,8 @@ struct Grid {
     count: vec2<i32>,
     pattern_contrast: f32,
     mean_albedo: f32,
-    albedo_ratio: f32,
-    pattern: u32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 @group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
