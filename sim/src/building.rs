@@ -8,6 +8,7 @@ mod wall_things;
 mod walls;
 
 pub use body::{UprightBody, body_mesh};
+pub(crate) use coverings::covering_albedo;
 pub use panel::{Material, Panel, Part, Texture};
 pub use upright_box::UprightBox;
 pub use walls::Enclosure;
@@ -29,6 +30,8 @@ pub struct Building {
     pub rooms: Vec<Enclosure>,
     /// All faces that can be seen, boxes included.
     pub panels: Vec<Panel>,
+    /// The first ones, without frames and bars, which nobody misses in a puddle.
+    pub n_large_panels: usize,
     /// Furniture, which casts shadows.
     pub boxes: Vec<UprightBox>,
     /// The tiles as they were laid.
@@ -54,6 +57,7 @@ impl Building {
         let mut building = Building {
             rooms: walls::enclosures(scene),
             panels: Vec::new(),
+            n_large_panels: 0,
             boxes: furniture.to_vec(),
             tiles: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
             dots: dots(scene),
@@ -61,12 +65,13 @@ impl Building {
         let mut panels = walls::wall_panels(scene, &building.rooms);
         panels.extend(coverings::floor_panels(scene, &building));
         panels.extend(walls::ceiling_panels(scene, &building.rooms));
-        for trim in wall_things::trim(scene, &building) {
-            panels.extend(trim.panels(building.room_at(trim.middle())));
-        }
-        panels.extend(wall_things::pictures(scene, &building));
         for piece in furniture {
             panels.extend(piece.panels(building.room_at(piece.middle())));
+        }
+        panels.extend(wall_things::pictures(scene, &building));
+        building.n_large_panels = panels.len();
+        for trim in wall_things::trim(scene, &building) {
+            panels.extend(trim.panels(building.room_at(trim.middle())));
         }
         building.panels = panels;
         building
@@ -103,6 +108,11 @@ fn dots(scene: &Scene) -> Vec<RetroDot> {
             retroreflection_cd_per_lux_m2: dot.retroreflection_cd_per_lux_m2,
         })
         .collect()
+}
+
+/// Furniture of a scene.
+pub fn furniture(_scene: &Scene) -> Vec<UprightBox> {
+    Vec::new()
 }
 
 /// A place on the floor, raised.

@@ -6,12 +6,14 @@
 //! lumen, lux or candela of 555 nm has, so that one conversion to electrons serves all spectra and both bands.
 
 mod bounce;
+mod floor_field;
 mod lightmap;
 mod occlusion;
 mod source;
 mod spectrum;
 
 pub use bounce::{Bounce, opposite_rectangles_view_factor};
+pub use floor_field::FloorField;
 pub use lightmap::{LightMap, Patch, bake};
 pub use occlusion::Occluders;
 pub use source::{Shape, Source, polygon_irradiance};
@@ -88,9 +90,9 @@ impl Lighting {
         sum.times(self.dimming)
     }
 
-    /// All light at a point of a surface in a room.
-    pub fn at(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize) -> Illuminance {
-        let direct = self.direct_at(at, normal, 4);
+    /// All light at a point of a surface in a room; `samples` as in [`Lighting::direct_at`].
+    pub fn at(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize, samples: usize) -> Illuminance {
+        let direct = self.direct_at(at, normal, samples);
         self.bounces.get(room).map_or(direct, |bounce| direct.plus(self.dimming, bounce.onto(normal)))
     }
 }

@@ -13,8 +13,9 @@ use nalgebra::Isometry3;
 use thiserror::Error;
 
 use crate::{
-    building::{UprightBody, UprightBox},
+    building::{Building, UprightBody, UprightBox, furniture},
     drawn::Drawn,
+    light::{FloorField, bake},
     scene::Scene,
     sensors::{
         camera::{Intrinsics, Photosites},
@@ -76,14 +77,15 @@ pub struct NoiseKey {
 pub struct RenderedWorld {
     floor: Floor,
     room: Option<RoomWorld>,
+    lamps_at_floor_lux: Option<f64>,
     bodies: Vec<UprightBody>,
 }
 
 impl RenderedWorld {
-    /// Mean illuminance at the floor of the robot's room as the scene's lamps give it; `None` for a world of which only the
-    /// floor was uploaded.
+    /// Mean illuminance at the floor of the robot's room as the scene's lamps give it; `None` where it has none and only
+    /// the floor was uploaded.
     pub fn illuminance_at_floor_lux(&self) -> Option<f64> {
-        self.room.as_ref().map(RoomWorld::mean_at_floor_lux)
+        self.lamps_at_floor_lux
     }
 
     /// Puts people where the next pictures show them.
@@ -174,10 +176,18 @@ impl Renderer {
     /// If the driver reported an error since.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check()?;
-        Ok(RenderedWorld { floor: Floor::new(scene, drawn), room: None, bodies: Vec::new() })
+        let (mut lamplight, mut lamps_at_floor_lux) = (None, None);
+        if !scene.lamps.is_empty() {
+            let building = Building::new(scene, drawn, &furniture(scene));
+            let (lighting, map) = bake(scene, &building);
+            lamps_at_floor_lux = Some(map.mean_at_floor.lux * lighting.dimming);
+            lamplight = FloorField::new(&building, &map);
+        }
+        let floor = Floor::new(scene, drawn, lamplight);
+        Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, bodies: Vec::new() })
     }
 
-    /// Prepares a world for all views; its light is worked out here, which takes a second or two.
+    /// Prepares a world for all views, with this furniture; its light is worked out here, which takes up to a second.
     ///
     /// # Errors
     /// If the driver reported an error since.
@@ -187,8 +197,15 @@ impl Renderer {
         drawn: &Drawn,
         furniture: &[UprightBox],
     ) -> Result<RenderedWorld, RenderError> {
-        let world = self.upload(scene, drawn)?;
-        Ok(RenderedWorld { room: Some(self.room_pass.upload(&self.graphics, scene, drawn, furniture)), ..world })
+        self.graphics.check()?;
+        let room = self.room_pass.upload(&self.graphics, scene, drawn, furniture);
+        let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
+        Ok(RenderedWorld {
+            floor: Floor::new(scene, drawn, lamplight),
+            lamps_at_floor_lux: Some(room.mean_at_floor_lux()),
+            room: Some(room),
+            bodies: Vec::new(),
+        })
     }
 
     /// Takes all pictures of a tick, in the order of `views`.

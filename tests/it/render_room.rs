@@ -252,6 +252,52 @@ fn a_retro_reflector_is_as_bright_as_its_coefficient_says() {
 }
 
 #[test]
+fn the_same_room_gives_the_same_bytes_and_no_camera_disturbs_another() {
+    let scene = black_room(
+        "[floor]\ncovering = \"wood\"\n[[lamp]]\nkind = \"window\"\nx_m = 2.0\ny_m = 0.0\nheading_deg = 90\n\
+         [[floor.region]]\nname = \"wet\"\nx_m = [1.5, 2.5]\ny_m = [1.0, 2.0]\nfriction = 0.4\ncovering = \"wet\"\n",
+    );
+    let view = |distortion: [f64; 5]| {
+        let lens = Lens { distortion, ..Lens::ideal([160, 120], 100.0) };
+        let mut view = quiet_view(lens, vec![looking_down(2.0, 1.5, 1.2)], 2.0);
+        view.photosites.full_well_electrons = 1e4;
+        view
+    };
+    let one = draw(&scene, view([0.0; 5]));
+    let mut renderer = renderer();
+    let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0), &[]).unwrap();
+    let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
+    let views = [view([-0.1, 0.0, 0.0, 0.0, 0.0]), view([0.0; 5])].map(|view| View { illuminance_at_floor_lux, ..view });
+    let both = renderer.draw(&world, &views).unwrap();
+    assert!(both[1] == one, "beside another view, and from another upload");
+    assert!(both[0] != one, "distortion shows");
+}
+
+#[test]
+fn a_floor_camera_under_lamps_sees_the_light_that_falls_there() {
+    // The bulb at x = 1: under it 25 lx, 2 m aside 8.84 lx. Screed has no texture: the image's mean is the light.
+    let scene = black_room(
+        "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\n\
+         spectrum = \"monochrome\"\n",
+    );
+    let mut renderer = renderer();
+    let world = renderer.upload(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    let mut mean = |x: f64| {
+        let view = View {
+            illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(),
+            lens: None,
+            ..quiet_view(Lens::ideal([64, 64], 400.0), vec![looking_down(x, 1.5, 0.25)], 50.0)
+        };
+        let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+        image.as_raw().iter().map(|level| f64::from(*level)).sum::<f64>() / 4096.0
+    };
+    for (x, lux) in [(1.0, 25.0), (3.0, 8.839)] {
+        let (seen, expected) = (mean(x), 50.0 * 0.4 * lux / PI);
+        assert!((seen / expected - 1.0).abs() < 0.01, "{seen}, expected {expected}");
+    }
+}
+
+#[test]
 fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
     let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
     let mut renderer = renderer();

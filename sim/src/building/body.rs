@@ -63,7 +63,7 @@ pub fn body_mesh(body: &UprightBody) -> Vec<BodyVertex> {
     };
     for side in [-1.0, 1.0] {
         part(leg, 0.36 * side, 0.35 * swing * side, 0.5, TROUSERS);
-        part(arm, 1.0 * side, -0.25 * swing * side, 0.82, SHIRT);
+        part(arm, 0.9 * side, -0.25 * swing * side, 0.82, SHIRT);
     }
     part(trunk, 0.0, 0.0, 0.5, SHIRT);
     part(neck, 0.0, 0.0, 0.5, SKIN);

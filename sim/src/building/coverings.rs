@@ -29,7 +29,7 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
             corner: Point3::new(x0, y0, LAYER_M * (index + 1) as f64),
             along: vector![x1 - x0, 0.0, 0.0],
             up: vector![0.0, y1 - y0, 0.0],
-            // Water shows what is below it, darkened.
+            // Water shows what is below it.
             material: if covering == Covering::Wet { wet(base) } else { material(covering, index as u32) },
             part: Part::Floor,
             room: building.room_at(Point3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0)),
@@ -38,9 +38,14 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
     panels
 }
 
+/// Mean visible albedo of a covering.
+pub(crate) fn covering_albedo(covering: Covering) -> f64 {
+    material(covering, 0).albedo[0]
+}
+
 fn wet(below: Material) -> Material {
     // Reflected at the water's face at right incidence: ((1.33 − 1)/(1.33 + 1))² = 0.02.
-    Material { texture: Texture::Wet, albedo: below.albedo.map(|albedo| 0.7 * albedo), mirrored: 0.02, ..below }
+    Material { texture: Texture::Wet, mirrored: 0.02, roughness_rad: 0.0, seed: below.texture as u32, ..below }
 }
 
 fn material(covering: Covering, seed: u32) -> Material {

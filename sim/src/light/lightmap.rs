@@ -14,8 +14,9 @@ const NODE_DISTANCE_M: [f64; 2] = [0.05, 0.08];
 const MAX_NODES: f64 = 90_000.0;
 /// Width of the map; a row of nodes is never longer.
 const WIDTH: usize = 1024;
-/// Shadows are averaged over so many places along each side of a node's cell, each seeing another place of the lamp.
-const SUB_PLACES: usize = 4;
+/// Shadows are averaged over so many places along each side of a node's cell, each seeing another place of the lamp. No
+/// multiple of 3, or places of the lamp would be left out.
+const SUB_PLACES: usize = 7;
 /// Furniture dims what bounces into its corners from this distance on.
 const CORNER_REACH_M: f64 = 1.0;
 
@@ -97,7 +98,7 @@ fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, mean_at_floo
             camera.height_m,
         );
         let facing = crate::building::level(start.heading_rad + camera.yaw_deg.to_radians());
-        return ratio(wanted_lux, lighting.at(at, facing, building.room_at(at)).lux);
+        return ratio(wanted_lux, lighting.at(at, facing, building.room_at(at), 8).lux);
     }
     let stated = !scene.lamps.is_empty()
         && scene.lamps.iter().all(|lamp| lamp.lumens.is_some() || lamp.illuminance_at_floor_lux.is_some());

@@ -65,10 +65,10 @@ impl RoomPass {
         let turned_up = view.illuminance_at_floor_lux / world.mean_at_floor_lux().max(1e-12);
         let corners = slot.fill_bodies(graphics, world, bodies, lens.band);
         for (index, frame) in frames.iter().enumerate() {
-            let on_device = ViewOnDevice::new(lens, slot, frame, world, turned_up);
+            let on_device = ViewOnDevice::new(lens, slot, frame, world, bodies, turned_up);
             slot.write_view(graphics, index, &on_device, 1.0 / frames.len() as f32);
         }
-        let how = Use::of(lens);
+        let how = Use::of(lens, !bodies.is_empty());
         self.pipelines.prepare(&graphics.device, &how, world.kinds());
         for index in 0..frames.len() {
             self.draw_plate(encoder, world, slot, &how, index, corners);

@@ -1,5 +1,7 @@
 //! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
 
+mod building;
+
 use super::{Event, Scene, conform::nearest, parse::Contradiction};
 
 /// Everything in which `scene` contradicts itself.
@@ -9,6 +11,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     robot_places(scene, &mut found);
     floor_places(scene, &mut found);
     events(scene, &mut found);
+    building::contradictions(scene, &mut found);
     if let Some(expected) = sampling(scene.robot.encoders.period_s) {
         found.push(Contradiction { key: "robot.encoders.period_s".to_owned(), expected });
     }

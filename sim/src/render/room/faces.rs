@@ -144,7 +144,7 @@ pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Ve
     let single = |at: Point3<f64>| [at.x as f32, at.y as f32, at.z as f32];
     let dots = building.dots.iter().map(|dot| {
         let room = building.room_at(dot.centre);
-        let light = lighting.at(dot.centre, -Vector3::z(), room).by_band[band];
+        let light = lighting.at(dot.centre, -Vector3::z(), room, 4).by_band[band];
         DiscOnDevice {
             centre: single(dot.centre),
             radius_m: dot.radius_m as f32,

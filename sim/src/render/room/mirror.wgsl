@@ -41,7 +41,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32) -> f
 fn nearest_along(from_place: vec3<f32>, direction: vec3<f32>) -> f32 {
     var nearest = 1e9;
     var seen = 0.0;
-    for (var index = 0u; index < view.surface_count; index++) {
+    for (var index = 0u; index < view.mirrored_count; index++) {
         let surface = surfaces[index];
         let normal = cross(surface.along.xyz, surface.up.xyz);
         let towards = dot(direction, normal);

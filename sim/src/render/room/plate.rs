@@ -16,7 +16,11 @@ use crate::{
 };
 
 /// Bytes from one sub-frame's values to the next's; every adapter takes offsets of this.
-const VIEW_STRIDE: u64 = 256;
+const VIEW_STRIDE: u64 = 512;
+/// Places along each side of a lamp that a corner of a person sees or does not: a few hundred corners are lit each tick.
+const LAMP_SAMPLES: usize = 2;
+/// People beyond these cast no shadow, as in view.wgsl.
+const MAX_SHADOWS: usize = 16;
 
 /// Where sub-frame `index` has its values.
 pub(super) fn view_offset(index: usize) -> u32 {
@@ -61,8 +65,10 @@ pub(super) struct ViewOnDevice {
     ring_candela: f32,
     first_bulb: u32,
     lamp_count: u32,
-    surface_count: u32,
-    padding: [u32; 2],
+    mirrored_count: u32,
+    body_count: u32,
+    padding: u32,
+    bodies: [[f32; 4]; MAX_SHADOWS],
 }
 
 /// `Sheet` of lens.wgsl.
@@ -89,7 +95,19 @@ struct CornerOnDevice {
 
 impl ViewOnDevice {
     /// The values of a sub-frame; `turned_up` is a factor on all lamps of the world.
-    pub(super) fn new(lens: &Lens, slot: &RoomSlot, frame: &SubFrame, world: &RoomWorld, turned_up: f64) -> Self {
+    pub(super) fn new(
+        lens: &Lens,
+        slot: &RoomSlot,
+        frame: &SubFrame,
+        world: &RoomWorld,
+        bodies: &[UprightBody],
+        turned_up: f64,
+    ) -> Self {
+        let mut shadows = [[0.0; 4]; MAX_SHADOWS];
+        for (shadow, body) in shadows.iter_mut().zip(bodies) {
+            let [x, y] = body.middle_m;
+            *shadow = [x, y, body.height_m, body.radius_m].map(|value| value as f32);
+        }
         let (camera_from_world, turn, drift) = super::twist_rows(frame);
         let [k1, k2, p1, p2, k3] = lens.distortion.map(|coefficient| coefficient as f32);
         let (eye, axis) =
@@ -118,8 +136,10 @@ impl ViewOnDevice {
             ring_candela: lens.ring_candela as f32,
             first_bulb: world.first_bulb,
             lamp_count: world.lamp_count,
-            surface_count: world.surface_count,
-            padding: [0; 2],
+            mirrored_count: world.mirrored_count,
+            body_count: bodies.len().min(MAX_SHADOWS) as u32,
+            padding: 0,
+            bodies: shadows,
         }
     }
 }
@@ -211,7 +231,7 @@ impl RoomSlot {
             .flat_map(body_mesh)
             .map(|vertex| {
                 let room = world.building.room_at(vertex.at);
-                let light = world.lighting.at(vertex.at, vertex.normal, room).by_band[band];
+                let light = world.lighting.at(vertex.at, vertex.normal, room, LAMP_SAMPLES).by_band[band];
                 let albedo = vertex.albedo[band];
                 CornerOnDevice {
                     world: [vertex.at.x as f32, vertex.at.y as f32, vertex.at.z as f32],

@@ -1,6 +1,7 @@
 // Faces of the building: mapped light on a texture, the ring's light, and what mirrors.
 
 override GLOSS: bool = false;
+override PEOPLED: bool = false;
 
 struct Node {
     @location(0) surface: u32,
@@ -63,8 +64,9 @@ fn texture_at(face: Face) -> f32 {
     if (TEXTURE == 6u) {
         return picture(place, face.size, pixel_m, seed);
     }
-    if (TEXTURE == 7u && grid.edge_m.x > 0.0) {
-        return tiles(place, extent, pixel_m);
+    if (TEXTURE == 7u) {
+        // Of what is below the water, tiles and concrete have a texture.
+        return select(concrete(place, pixel_m, 0u), tiles(place, extent, pixel_m), seed == 2u);
     }
     return 1.0;
 }
@@ -75,7 +77,11 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     if (TEXTURE != 0u) {
         albedo *= texture_at(face);
     }
-    let matt = mapped_lux(face.node) * view.luminance_per_lux;
+    var lux = mapped_lux(face.node);
+    if (PEOPLED) {
+        lux *= left_by_people(face.world, face.normal, lux);
+    }
+    let matt = lux * view.luminance_per_lux;
     var lit = matt;
     if (!RING && !GLOSS) {
         return vec4(albedo * lit, 0.0, 0.0, 1.0);
@@ -95,7 +101,11 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     let out = way + 2.0 * cosine * face.normal;
     var seen = 0.0;
     if (TEXTURE == 7u) {
+        // Water darkens what it soaks. Its edge is a puddle's.
+        let deep = puddle(face.place, face.size);
         seen = nearest_along(face.world + face.normal * 0.002, out);
+        let share = mirrored * deep;
+        return vec4((1.0 - share) * albedo * (1.0 - 0.35 * deep) * lit + share * seen, 0.0, 0.0, 1.0);
     } else {
         // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
         seen = lamps_along(face.world, out, face.material.z) + 0.5 * matt;

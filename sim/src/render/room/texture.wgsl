@@ -62,7 +62,7 @@ fn tiles(world: vec2<f32>, extent: vec2<f32>, pixel_m: f32) -> f32 {
         let broad = noise(place / 0.05, seed + 7u) * resolved(pixel_m, 0.05);
         albedo *= 1.0 + grid.pattern_contrast * (0.6 * fine + 0.4 * broad);
     }
-    return mix(albedo, grid.joint_albedo, joint) / grid.mean_albedo;
+    return mix(albedo, grid.joint_albedo, joint) / max(grid.mean_albedo, 1e-3);
 }
 
 fn concrete(place: vec2<f32>, pixel_m: f32, seed: u32) -> f32 {
@@ -112,4 +112,11 @@ fn picture(place: vec2<f32>, size: vec2<f32>, pixel_m: f32, seed: u32) -> f32 {
         paint = mix(paint, max(tone, 0.1), below);
     }
     return mix(0.2, mix(1.8, paint, in_paint), in_mount);
+}
+
+// 1 within a puddle that fills most of its rectangle, 0 outside.
+fn puddle(place: vec2<f32>, size: vec2<f32>) -> f32 {
+    let from_middle = length((place / size - 0.5) * 2.0);
+    let ragged = 0.82 + 0.16 * noise(place / 0.35, 21u) + 0.05 * noise(place / 0.09, 22u);
+    return smoothstep(0.02, -0.02, from_middle - ragged);
 }

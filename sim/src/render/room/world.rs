@@ -11,7 +11,7 @@ use super::{
 use crate::{
     building::{Building, UprightBox},
     drawn::Drawn,
-    light::{LightMap, Lighting, bake},
+    light::{FloorField, LightMap, Lighting, bake},
     render::device::Graphics,
     scene::Scene,
 };
@@ -28,7 +28,7 @@ pub(in crate::render) struct RoomWorld {
     /// Rectangles come before bulbs.
     pub(super) first_bulb: u32,
     pub(super) lamp_count: u32,
-    pub(super) surface_count: u32,
+    pub(super) mirrored_count: u32,
     pub(super) disc_count: u32,
     /// Visible and infrared.
     bindings: [wgpu::BindGroup; 2],
@@ -54,7 +54,7 @@ impl RoomWorld {
             ranges,
             first_bulb: lighting.sources.iter().filter(|source| source.shape.normal().is_some()).count() as u32,
             lamp_count: lighting.sources.len() as u32,
-            surface_count: building.panels.len() as u32,
+            mirrored_count: building.n_large_panels as u32,
             disc_count: discs[0].len() as u32,
             bindings,
             discs: discs.map(|discs| buffer(graphics, "discs", wgpu::BufferUsages::VERTEX, &discs)),
@@ -74,6 +74,11 @@ impl RoomWorld {
 
     pub(super) fn discs(&self, band: usize) -> &wgpu::Buffer {
         &self.discs[band]
+    }
+
+    /// Light over the floor of the robot's room.
+    pub(in crate::render) fn floor_field(&self) -> Option<FloorField> {
+        FloorField::new(&self.building, &self.map)
     }
 
     /// As the scene's lamps give it.
