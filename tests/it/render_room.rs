@@ -259,15 +259,14 @@ fn the_same_room_gives_the_same_bytes_and_no_camera_disturbs_another() {
     );
     let view = |distortion: [f64; 5]| {
         let lens = Lens { distortion, ..Lens::ideal([160, 120], 100.0) };
-        let mut view = quiet_view(lens, vec![looking_down(2.0, 1.5, 1.2)], 2.0);
-        view.photosites.full_well_electrons = 1e4;
-        view
+        quiet_view(lens, vec![looking_down(2.0, 1.5, 1.2)], 2.0)
     };
     let one = draw(&scene, view([0.0; 5]));
     let mut renderer = renderer();
     let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0), &[]).unwrap();
     let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
-    let views = [view([-0.1, 0.0, 0.0, 0.0, 0.0]), view([0.0; 5])].map(|view| View { illuminance_at_floor_lux, ..view });
+    let views =
+        [view([-0.1, 0.0, 0.0, 0.0, 0.0]), view([0.0; 5])].map(|view| View { illuminance_at_floor_lux, ..view });
     let both = renderer.draw(&world, &views).unwrap();
     assert!(both[1] == one, "beside another view, and from another upload");
     assert!(both[0] != one, "distortion shows");

@@ -272,7 +272,7 @@ fn lamps_doors_and_lenses_that_cannot_be_are_refused() {
             "[robot.forward_camera]\nlens.distortion = [-1.5, 0.0, 0.0, 0.0, 0.0]\n".to_owned(),
             "folds the image over within its edges",
         ),
-        ("[robot.ceiling_camera]\nfocal_px = [700.0]\n".to_owned(), "a list of 2"),
+        ("[robot.ceiling_camera]\nfocal_px = [700.0]\n".to_owned(), "a list of 1"),
     ];
     for (index, (keys, part)) in cases.into_iter().enumerate() {
         assert_refused(&format!("building_{index}"), blind_scene(10.0, &keys), &[part]);

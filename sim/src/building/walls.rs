@@ -33,7 +33,8 @@ pub(super) struct Side {
 impl Enclosure {
     /// Whether a place is within the room's walls, at any height.
     pub fn contains(&self, at: Point3<f64>) -> bool {
-        self.sides().all(|side| side.inward.dot(&(at - side.from)) >= 0.0)
+        // What is on a wall is inside, however its coordinates are rounded.
+        self.sides().all(|side| side.inward.dot(&(at - side.from)) >= -1e-9)
     }
 
     pub(super) fn axes(&self) -> [Vector3<f64>; 2] {

@@ -158,10 +158,8 @@ fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illumin
 /// What may stand between a lamp and a panel.
 fn in_the_way(lighting: &Lighting, source: &Source, panel: &Panel) -> super::Occluders {
     let ends = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[s, t]| source.shape.place(s, t));
-    let all = || ends.iter().copied().chain(panel.corners());
-    let low = all().fold(Point3::from([f64::INFINITY; 3]), |low, at| low.inf(&at));
-    let high = all().fold(Point3::from([f64::NEG_INFINITY; 3]), |high, at| high.sup(&at));
-    lighting.occluders.between(low, high)
+    let places: Vec<Point3<f64>> = ends.into_iter().chain(panel.corners()).collect();
+    lighting.occluders.among(&places)
 }
 
 /// Share of a lamp that a node's cell sees, weighted by what each place of the lamp contributes.

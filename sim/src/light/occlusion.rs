@@ -3,33 +3,40 @@
 use nalgebra::{Point3, Vector3};
 
 use super::source::{Shape, Source};
-use crate::building::{Building, Panel, UprightBox};
+use crate::building::{Building, Enclosure, Panel, UprightBox};
 
 /// Everything that casts shadows and stands still.
 #[derive(Clone, Debug)]
 pub struct Occluders {
     boxes: Vec<UprightBox>,
     walls: Vec<Panel>,
+    rooms: Vec<Enclosure>,
 }
 
 impl Occluders {
     /// Boxes of a building; its walls too where light could pass from one room to another.
     pub fn new(building: &Building) -> Occluders {
         let walls = if building.rooms.len() > 1 { building.walls().cloned().collect() } else { Vec::new() };
-        Occluders { boxes: building.boxes.clone(), walls }
+        Occluders { boxes: building.boxes.clone(), walls, rooms: building.rooms.clone() }
     }
 
-    /// Those that may stand between two axis-aligned ranges of places.
-    pub fn between(&self, low: Point3<f64>, high: Point3<f64>) -> Occluders {
+    /// Those that may stand between any two of these places.
+    pub fn among(&self, places: &[Point3<f64>]) -> Occluders {
+        let low = places.iter().fold(Point3::from([f64::INFINITY; 3]), |low, at| low.inf(at));
+        let high = places.iter().fold(Point3::from([f64::NEG_INFINITY; 3]), |high, at| high.sup(at));
         let reaches = |corners: &[Point3<f64>]| {
             (0..3).all(|axis| {
                 corners.iter().any(|corner| corner[axis] >= low[axis])
                     && corners.iter().any(|corner| corner[axis] <= high[axis])
             })
         };
+        // A room is convex: its own walls hide nothing of it.
+        let in_one_room = self.rooms.iter().any(|room| places.iter().all(|at| room.contains(*at)));
+        let walls = self.walls.iter().filter(|wall| !in_one_room && reaches(&wall.corners()));
         Occluders {
             boxes: self.boxes.iter().filter(|one| reaches(&one.corners())).cloned().collect(),
-            walls: self.walls.iter().filter(|wall| reaches(&wall.corners())).cloned().collect(),
+            walls: walls.cloned().collect(),
+            rooms: Vec::new(),
         }
     }
 

@@ -52,12 +52,12 @@ fn lamp_problem(scene: &Scene, lamp: &Lamp) -> Option<(&'static str, String)> {
         return Some(("size_m", format!("the window reaches beyond its wall, which ends at 0 and {ceiling_m} m")));
     }
     let room_m = [scene.room.width_m, scene.room.depth_m];
-    let margin_m = if scene.building.rooms.is_empty() { 0.0 } else { SITE_M };
+    let least_m = if scene.building.rooms.is_empty() { 0.0 } else { -SITE_M };
     for (key, at_m, extent_m) in [("x_m", lamp.x_m, room_m[0]), ("y_m", lamp.y_m, room_m[1])] {
-        if at_m < -margin_m || at_m > extent_m + margin_m {
+        if at_m < least_m || at_m > extent_m - least_m {
             return Some((
                 key,
-                format!("outside the building, expected a number from {} to {}", -margin_m, extent_m + margin_m),
+                format!("outside the building, expected a number from {} to {}", least_m, extent_m - least_m),
             ));
         }
     }
