@@ -6,7 +6,7 @@ DEMO_SCENE = scenes/papers/floor_vision_odometry.toml
 # Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench experiments driver build
+.PHONY: help demo test lint bench experiments falsify driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -14,6 +14,7 @@ help:
 	@echo "make lint          formatting, clippy and documentation, warnings refused"
 	@echo "make bench         measure speed"
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
+	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine: 45 minutes"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 
 demo: driver build
@@ -29,10 +30,15 @@ lint:
 	RUSTDOCFLAGS=-Dwarnings cargo doc --workspace --no-deps
 
 bench: driver
+	cargo bench --profile dev -p wherein-localizer --bench interval
 	cargo bench --profile dev -p wherein-tests --bench speed
 
 experiments: driver build
 	scripts/experiments $(ISSUE)
+
+falsify:
+	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
+		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
 
 driver:
 	@scripts/driver
