@@ -281,19 +281,48 @@ fn a_floor_camera_under_lamps_sees_the_light_that_falls_there() {
     );
     let mut renderer = renderer();
     let world = renderer.upload(&scene, &Drawn::draw(&scene, 0)).unwrap();
-    let mut mean = |x: f64| {
+    let mut look = |x: f64| {
         let view = View {
             illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(),
             lens: None,
-            ..quiet_view(Lens::ideal([64, 64], 400.0), vec![looking_down(x, 1.5, 0.25)], 50.0)
+            ..quiet_view(Lens::ideal([64, 64], 64.0), vec![looking_down(x, 1.5, 0.25)], 50.0)
         };
-        let image = renderer.draw(&world, &[view]).unwrap().remove(0);
-        image.as_raw().iter().map(|level| f64::from(*level)).sum::<f64>() / 4096.0
+        renderer.draw(&world, &[view]).unwrap().remove(0)
+    };
+    let mean = |image: &GrayImage, columns: std::ops::Range<u32>| {
+        let places = columns.clone().flat_map(|u| (0..64).map(move |v| (u, v)));
+        places.map(|(u, v)| level(image, u, v)).sum::<f64>() / (64.0 * f64::from(columns.end - columns.start))
     };
     for (x, lux) in [(1.0, 25.0), (3.0, 8.839)] {
-        let (seen, expected) = (mean(x), 50.0 * 0.4 * lux / PI);
+        let (seen, expected) = (mean(&look(x), 0..64), 50.0 * 0.4 * lux / PI);
         assert!((seen / expected - 1.0).abs() < 0.01, "{seen}, expected {expected}");
     }
+    // d ln E/dx = −3·2/(4 + 2²) at x = 3; the middles of both halves are 0.125 m apart.
+    let image = look(3.0);
+    let slope = (mean(&image, 32..64) / mean(&image, 0..32)).ln() / 0.125;
+    assert!((slope / -0.75 - 1.0).abs() < 0.05, "{slope} per metre, expected -0.75");
+}
+
+#[test]
+fn a_floor_camera_sees_the_edge_of_a_carpet() {
+    let carpet = "[light]\nunevenness_ratio = 1.0\n[[floor.region]]\nname = \"carpet\"\nx_m = [1.0, 2.0]\n\
+                  y_m = [1.0, 2.0]\nfriction = 0.7\ncovering = \"carpet\"\n";
+    let scene = black_room(carpet);
+    let mut renderer = renderer();
+    let world = renderer.upload(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    // 0.2 m wide and high, the carpet's edge at x = 2 in the middle.
+    let lens = Lens::ideal([64, 64], 80.0);
+    let view = View {
+        illuminance_at_floor_lux: 100.0,
+        lens: None,
+        ..quiet_view(lens, vec![looking_down(2.0, 1.5, 0.25)], 15.0)
+    };
+    let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+    let row: Vec<f64> = (0..64).map(|u| level(&image, u, 32)).collect();
+    // Screed has albedo 0.4, the carpet 0.22.
+    assert!((row[10] / row[53] - 0.22 / 0.4).abs() < 0.02, "{} to {}", row[10], row[53]);
+    let edge = row.iter().position(|level| *level > (row[10] + row[53]) / 2.0).unwrap();
+    assert!((31..=33).contains(&edge), "{edge}");
 }
 
 #[test]

@@ -30,14 +30,23 @@ pub struct BodyVertex {
     pub albedo: [f64; 2],
 }
 
+/// The surface of a body.
+#[derive(Clone, Debug, Default)]
+pub struct BodyMesh {
+    /// Its corners.
+    pub corners: Vec<BodyVertex>,
+    /// Corners of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[usize; 3]>,
+}
+
 /// Rings of a limb or trunk: height, half width across and half depth along the heading, all as shares; offset across.
 type Rings<'a> = &'a [[f64; 3]];
 
 /// Corners of a body's side around each ring.
 const AROUND: usize = 12;
 
-/// The surface of a body, three corners to a triangle, counter-clockwise seen from outside.
-pub fn body_mesh(body: &UprightBody) -> Vec<BodyVertex> {
+/// The surface of a body.
+pub fn body_mesh(body: &UprightBody) -> BodyMesh {
     const TROUSERS: [f64; 2] = [0.12, 0.35];
     const SHIRT: [f64; 2] = [0.35, 0.55];
     const SKIN: [f64; 2] = [0.35, 0.5];
@@ -57,7 +66,7 @@ pub fn body_mesh(body: &UprightBody) -> Vec<BodyVertex> {
     let neck: Rings = &[[0.84, 0.22, 0.24], [0.88, 0.22, 0.24]];
     let head: Rings = &[[0.87, 0.2, 0.25], [0.9, 0.3, 0.38], [0.94, 0.34, 0.44]];
     let hair: Rings = &[[0.94, 0.35, 0.45], [0.97, 0.32, 0.42], [0.99, 0.2, 0.28], [1.0, 0.02, 0.02]];
-    let mut mesh = Vec::new();
+    let mut mesh = BodyMesh::default();
     let mut part = |rings: Rings, across: f64, lean: f64, pivot: f64, albedo: [f64; 2]| {
         limb(&mut mesh, body, rings, across, lean, pivot, albedo);
     };
@@ -73,15 +82,7 @@ pub fn body_mesh(body: &UprightBody) -> Vec<BodyVertex> {
 }
 
 /// A stack of elliptic rings, moved aside by `across` and leaning forward about the height `pivot`.
-fn limb(
-    mesh: &mut Vec<BodyVertex>,
-    body: &UprightBody,
-    rings: Rings,
-    across: f64,
-    lean: f64,
-    pivot: f64,
-    albedo: [f64; 2],
-) {
+fn limb(mesh: &mut BodyMesh, body: &UprightBody, rings: Rings, across: f64, lean: f64, pivot: f64, albedo: [f64; 2]) {
     let ahead = level(body.heading_rad);
     let left = vector![-ahead.y, ahead.x, 0.0];
     let corner = |ring: &[f64; 3], index: usize| {
@@ -93,11 +94,17 @@ fn limb(
         let normal = (ahead * (cos / ring[2]) + left * (sin / ring[1])).normalize();
         BodyVertex { at, normal, albedo }
     };
-    for pair in rings.windows(2) {
-        for index in 0..AROUND {
-            let (a, b) = (corner(&pair[0], index), corner(&pair[0], index + 1));
-            let (c, d) = (corner(&pair[1], index + 1), corner(&pair[1], index));
-            mesh.extend([a, b, c, a, c, d]);
-        }
+    let first = mesh.corners.len();
+    mesh.corners.extend(
+        rings
+            .iter()
+            .flat_map(|ring| (0..AROUND).map(move |index| (ring, index)))
+            .map(|(ring, index)| corner(ring, index)),
+    );
+    for (ring, index) in (1..rings.len()).flat_map(|ring| (0..AROUND).map(move |index| (ring, index))) {
+        let at = |ring: usize, index: usize| first + ring * AROUND + index % AROUND;
+        let (a, b) = (at(ring - 1, index), at(ring - 1, index + 1));
+        let (c, d) = (at(ring, index + 1), at(ring, index));
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
     }
 }

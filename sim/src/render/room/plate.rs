@@ -9,7 +9,7 @@ use super::{
     world::{RoomWorld, buffer},
 };
 use crate::{
-    building::{UprightBody, body_mesh},
+    building::{BodyVertex, UprightBody, body_mesh},
     render::{RenderError, device::Graphics, target::LUMINANCE_FORMAT},
     scene::Band,
     sensors::lens::Lens,
@@ -226,21 +226,23 @@ impl RoomSlot {
         band: Band,
     ) -> u32 {
         let band = usize::from(band == Band::Infrared);
-        let corners: Vec<CornerOnDevice> = bodies
-            .iter()
-            .flat_map(body_mesh)
-            .map(|vertex| {
-                let room = world.building.room_at(vertex.at);
-                let light = world.lighting.at(vertex.at, vertex.normal, room, LAMP_SAMPLES).by_band[band];
-                let albedo = vertex.albedo[band];
-                CornerOnDevice {
-                    world: [vertex.at.x as f32, vertex.at.y as f32, vertex.at.z as f32],
-                    normal: [vertex.normal.x as f32, vertex.normal.y as f32, vertex.normal.z as f32],
-                    lit: (albedo * light / world.lighting.dimming.max(1e-30)) as f32,
-                    albedo: albedo as f32,
-                }
-            })
-            .collect();
+        let lit = |vertex: &BodyVertex| {
+            let room = world.building.room_at(vertex.at);
+            let light = world.lighting.at(vertex.at, vertex.normal, room, LAMP_SAMPLES).by_band[band];
+            let albedo = vertex.albedo[band];
+            CornerOnDevice {
+                world: [vertex.at.x as f32, vertex.at.y as f32, vertex.at.z as f32],
+                normal: [vertex.normal.x as f32, vertex.normal.y as f32, vertex.normal.z as f32],
+                lit: (albedo * light / world.lighting.dimming.max(1e-30)) as f32,
+                albedo: albedo as f32,
+            }
+        };
+        let mut corners: Vec<CornerOnDevice> = Vec::new();
+        for body in bodies {
+            let mesh = body_mesh(body);
+            let once: Vec<CornerOnDevice> = mesh.corners.iter().map(lit).collect();
+            corners.extend(mesh.triangles.iter().flatten().map(|corner| once[*corner]));
+        }
         let bytes: &[u8] = bytemuck::cast_slice(&corners);
         if bytes.len() as u64 > self.bodies.size() {
             self.bodies = graphics.device.create_buffer(&wgpu::BufferDescriptor {
