@@ -227,10 +227,8 @@ impl Renderer {
                 (Some(lens), Some(seen)) => self.room_pass.draw(
                     &self.graphics,
                     &mut encoder,
-                    seen,
-                    &world.bodies,
-                    view,
-                    lens,
+                    (seen, &world.bodies),
+                    (view, lens),
                     room,
                     luminance,
                 )?,

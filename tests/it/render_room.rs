@@ -209,13 +209,14 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
 fn blur_is_as_long_as_the_way_on_the_image() {
     let scene = dots(&[[2.0, 1.5]], 0.01);
     let lens = ring(Lens::ideal([256, 192], 560.0));
-    let depth_m = DOT_HEIGHT_M - 0.3;
+    // At the depth for which sub-frames are counted, so that 4 px are three of them.
+    let depth_m = DOT_HEIGHT_M - 1.6;
     let variance = |blur_px: f64| {
         let way_m = blur_px / 560.0 * depth_m;
         let poses = (0..=4)
-            .map(|index| looking_up(2.0 + (f64::from(index) / 4.0 - 0.5) * way_m, 1.5, 0.3, Vector3::zeros()))
+            .map(|index| looking_up(2.0 + (f64::from(index) / 4.0 - 0.5) * way_m, 1.5, 1.6, Vector3::zeros()))
             .collect();
-        let image = draw(&scene, quiet_view(lens.clone(), poses, 0.4));
+        let image = draw(&scene, quiet_view(lens.clone(), poses, 0.07));
         spot(&image, [127.5, 95.5], 24).1
     };
     let still = variance(0.0);

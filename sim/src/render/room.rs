@@ -9,6 +9,7 @@ use super::{RenderError, View, device::Graphics};
 use crate::{building::UprightBody, sensors::lens::Lens};
 
 mod faces;
+mod layouts;
 mod map;
 mod motion;
 mod pipelines;
@@ -44,15 +45,12 @@ impl RoomPass {
     }
 
     /// Draws one view into a luminance target.
-    #[allow(clippy::too_many_arguments)]
     pub(super) fn draw(
         &mut self,
         graphics: &Graphics,
         encoder: &mut wgpu::CommandEncoder,
-        world: &RoomWorld,
-        bodies: &[UprightBody],
-        view: &View,
-        lens: &Lens,
+        (world, bodies): (&RoomWorld, &[UprightBody]),
+        (view, lens): (&View, &Lens),
         slot: &mut Option<RoomSlot>,
         luminance: &wgpu::TextureView,
     ) -> Result<(), RenderError> {

@@ -88,8 +88,18 @@ pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> V
     building.panels.iter().zip(patches).map(surface).collect()
 }
 
-/// Corners of all cells, and the triangles of each kind of surface.
-pub(super) fn cells(building: &Building) -> (Vec<NodeOnDevice>, Vec<u32>, Vec<(Kind, Range<u32>)>) {
+/// All panels cut into cells.
+pub(super) struct Cells {
+    /// Corners.
+    pub(super) nodes: Vec<NodeOnDevice>,
+    /// Three nodes to a triangle.
+    pub(super) indices: Vec<u32>,
+    /// Which of the indices belong to each kind of surface.
+    pub(super) ranges: Vec<(Kind, Range<u32>)>,
+}
+
+/// Cuts the panels of a building into cells.
+pub(super) fn cells(building: &Building) -> Cells {
     let (mut nodes, mut indices, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
     let kind_of = |index: usize| Kind::of(&building.panels[index].material);
     let mut order: Vec<usize> = (0..building.panels.len()).collect();
@@ -111,7 +121,7 @@ pub(super) fn cells(building: &Building) -> (Vec<NodeOnDevice>, Vec<u32>, Vec<(K
         }
         ranges.push((kind_of(group[0]), start..indices.len() as u32));
     }
-    (nodes, indices, ranges)
+    Cells { nodes, indices, ranges }
 }
 
 /// Lamps with their luminance in one band, rectangles first.

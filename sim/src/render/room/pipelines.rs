@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, VertexFormat};
 
+use super::layouts::{Vertices, stored, texture, vertices};
 use crate::{
     building::{Material, Texture},
     render::target::LUMINANCE_FORMAT,
@@ -314,53 +315,6 @@ const fn both(dst_factor: BlendFactor) -> BlendState {
     BlendState { color: component, alpha: component }
 }
 
-struct Vertices {
-    stride: u64,
-    step_mode: wgpu::VertexStepMode,
-    attributes: Vec<wgpu::VertexAttribute>,
-}
-
-/// Attributes one after another, without gaps.
-fn vertices(stride: u64, step_mode: wgpu::VertexStepMode, formats: &[VertexFormat]) -> Vertices {
-    let mut offset = 0;
-    let attributes = formats
-        .iter()
-        .zip(0..)
-        .map(|(format, shader_location)| {
-            let attribute = wgpu::VertexAttribute { format: *format, offset, shader_location };
-            offset += format.size();
-            attribute
-        })
-        .collect();
-    Vertices { stride, step_mode, attributes }
-}
-
 fn key(drawn: Drawn, how: &Use) -> (Drawn, Use) {
     (drawn, if drawn == Drawn::Lens { how.after_plate() } else { how.before_plate() })
-}
-
-fn stored(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset,
-            min_binding_size: None,
-        },
-        count: None,
-    }
-}
-
-fn texture(binding: u32, multisampled: bool) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled,
-        },
-        count: None,
-    }
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use bytemuck::Pod;
 
 use super::{
-    faces,
+    faces::{self, Cells},
     pipelines::{Kind, Pipelines},
 };
 use crate::{
@@ -45,7 +45,7 @@ impl RoomWorld {
     ) -> RoomWorld {
         let building = Building::new(scene, drawn, furniture);
         let (lighting, map) = bake(scene, &building);
-        let (nodes, indices, ranges) = faces::cells(&building);
+        let Cells { nodes, indices, ranges } = faces::cells(&building);
         let discs = [0, 1].map(|band| faces::discs(&building, &lighting, band));
         let bindings = [0, 1].map(|band| bind(graphics, pipelines, &building, &lighting, &map, band));
         RoomWorld {
