@@ -207,7 +207,7 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
 
 #[test]
 fn blur_is_as_long_as_the_way_on_the_image() {
-    let scene = dots(&[[2.0, 1.5]], 0.01);
+    let scene = dots(&[[2.0, 1.5]], 0.005);
     let lens = ring(Lens::ideal([256, 192], 560.0));
     // At the depth for which sub-frames are counted, so that 4 px are three of them.
     let depth_m = DOT_HEIGHT_M - 1.6;
