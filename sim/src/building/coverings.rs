@@ -43,9 +43,10 @@ pub(crate) fn covering_albedo(covering: Covering) -> f64 {
     material(covering, 0).albedo[0]
 }
 
+/// Water over another covering, which shows through and around it. What is mirrored at right incidence is that of most varnishes
+/// too: ((1.33 − 1)/(1.33 + 1))² = 0.02.
 fn wet(below: Material) -> Material {
-    // Reflected at the water's face at right incidence: ((1.33 − 1)/(1.33 + 1))² = 0.02.
-    Material { texture: Texture::Wet, mirrored: 0.02, roughness_rad: 0.0, seed: below.texture as u32, ..below }
+    Material { texture: Texture::Wet, mirrored: below.mirrored.max(0.02), seed: below.texture as u32, ..below }
 }
 
 fn material(covering: Covering, seed: u32) -> Material {

@@ -14,6 +14,8 @@ use crate::{
 
 /// Faces are cut into cells no longer than this, within which a row of a rolling shutter is interpolated linearly.
 const CELL_M: f64 = 0.5;
+/// Albedo of a lamp's diffuser, as in lamp.wgsl.
+const DIFFUSER_ALBEDO: f64 = 0.7;
 /// Albedo of a retro-reflective dot in light that does not come from the camera.
 const DOT_ALBEDO: f32 = 0.3;
 
@@ -124,11 +126,17 @@ pub(super) fn cells(building: &Building) -> Cells {
     Cells { nodes, indices, ranges }
 }
 
-/// Lamps with their luminance in one band, rectangles first.
-pub(super) fn lamps(lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
+/// Lamps with their luminance in one band, rectangles first; to their own light comes what the room throws on them.
+pub(super) fn lamps(building: &Building, lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
     let lamp = |source: &crate::light::Source| {
-        let luminance = source.luminance() * [source.photons.visible, source.photons.infrared][band];
+        let own = source.luminance() * [source.photons.visible, source.photons.infrared][band];
+        let thrown = source.shape.normal().map_or(0.0, |normal| {
+            let at = source.shape.place(0.0, 0.0) + normal * 0.01;
+            let light = lighting.at(at, normal, building.room_at(at), 4).by_band[band];
+            DIFFUSER_ALBEDO * light / lighting.dimming.max(1e-30) / std::f64::consts::PI
+        });
+        let luminance = own + thrown;
         match source.shape {
             Shape::Rectangle { centre, half_u, half_v } => LampOnDevice {
                 centre: with(centre.coords, luminance),

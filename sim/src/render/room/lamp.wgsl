@@ -2,8 +2,13 @@
 
 struct Glow {
     @builtin(position) @invariant position: vec4<f32>,
-    @location(0) @interpolate(flat) luminance: f32,
+    @location(0) world: vec3<f32>,
+    @location(1) @interpolate(flat) luminance: f32,
+    @location(2) @interpolate(flat) normal: vec3<f32>,
 }
+
+// Of a diffuser that is off.
+const DIFFUSER_ALBEDO: f32 = 0.7;
 
 // Two triangles for each rectangle.
 @vertex
@@ -14,10 +19,15 @@ fn lamp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) lamp_
     )[index];
     let world = lamp.centre.xyz + lamp.side_u.xyz * (lamp.side_u.w * corner.x)
         + lamp.side_v.xyz * (lamp.side_v.w * corner.y);
-    return Glow(clip_of(in_camera(world)), lamp.centre.w * view.lamp_factor);
+    return Glow(clip_of(in_camera(world)), world, lamp.centre.w * view.lamp_factor, lamp.normal.xyz);
 }
 
 @fragment
 fn lamp_luminance(glow: Glow) -> @location(0) vec4<f32> {
-    return vec4(glow.luminance, 0.0, 0.0, 1.0);
+    var luminance = glow.luminance;
+    if (RING) {
+        let way = normalize(glow.world - view.eye.xyz);
+        luminance += DIFFUSER_ALBEDO * ring_lux(glow.world) * max(-dot(way, glow.normal), 0.0) / PI;
+    }
+    return vec4(luminance, 0.0, 0.0, 1.0);
 }

@@ -199,7 +199,7 @@ impl Pipelines {
             }
             Drawn::Lamps => {
                 let stage = Stage { entry_points: ["lamp_corner", "lamp_luminance"], cull: true, ..PLATE };
-                self.pipeline(device, &self.things, &stage, None, &used(&["ROLLING"]))
+                self.pipeline(device, &self.things, &stage, None, &used(&["ROLLING", "RING"]))
             }
             Drawn::Bodies => {
                 let formats =

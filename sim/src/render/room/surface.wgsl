@@ -15,8 +15,8 @@ struct Face {
     @location(0) world: vec3<f32>,
     // In metres along both sides.
     @location(1) place: vec2<f32>,
-    // In the light map.
-    @location(2) node: vec2<f32>,
+    // In the light map, at a place that the face covers: beyond its edge are another face's nodes.
+    @location(2) @interpolate(perspective, centroid) node: vec2<f32>,
     // Albedo, mirrored share, roughness, seed.
     @location(3) @interpolate(flat) material: vec4<f32>,
     @location(4) @interpolate(flat) normal: vec3<f32>,
@@ -99,16 +99,13 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     let square = grazing * grazing;
     let mirrored = face.material.y + (1.0 - face.material.y) * square * square * grazing;
     let out = way + 2.0 * cosine * face.normal;
-    var seen = 0.0;
+    // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
+    var seen = lamps_along(face.world, out, face.material.z) + 0.5 * matt;
     if (TEXTURE == 7u) {
-        // Water darkens what it soaks. Its edge is a puddle's.
+        // Water mirrors what stands there and darkens what it soaks, within the edge of a puddle.
         let deep = puddle(face.place, face.size);
-        seen = nearest_along(face.world + face.normal * 0.002, out);
-        let share = mirrored * deep;
-        return vec4((1.0 - share) * albedo * (1.0 - 0.35 * deep) * lit + share * seen, 0.0, 0.0, 1.0);
-    } else {
-        // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
-        seen = lamps_along(face.world, out, face.material.z) + 0.5 * matt;
+        seen = mix(seen, nearest_along(face.world + face.normal * 0.002, out), deep);
+        albedo *= 1.0 - 0.35 * deep;
     }
     return vec4((1.0 - mirrored) * albedo * lit + mirrored * seen, 0.0, 0.0, 1.0);
 }

@@ -97,7 +97,7 @@ fn bind(
 ) -> wgpu::BindGroup {
     let storage = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::STORAGE, bytes);
     let surfaces = storage("surfaces", bytemuck::cast_slice(&faces::surfaces(building, &map.patches, band)));
-    let lamps = storage("lamps", bytemuck::cast_slice(&faces::lamps(lighting, band)));
+    let lamps = storage("lamps", bytemuck::cast_slice(&faces::lamps(building, lighting, band)));
     let (grid, albedo) = faces::grid(building);
     let grid = storage("grid", bytemuck::bytes_of(&grid));
     let albedo = storage("tiles", bytemuck::cast_slice(&albedo));
