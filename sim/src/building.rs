@@ -52,20 +52,25 @@ pub struct RetroDot {
 }
 
 impl Building {
-    /// The building of a scene with this furniture in it.
-    pub fn new(scene: &Scene, drawn: &Drawn, furniture: &[UprightBox]) -> Building {
+    /// The building of a scene.
+    pub fn new(scene: &Scene, drawn: &Drawn) -> Building {
+        Building::furnished(scene, drawn, scene.furniture.iter().map(UprightBox::from).collect())
+    }
+
+    /// The building of a scene with these boxes instead of the scene's furniture.
+    pub fn furnished(scene: &Scene, drawn: &Drawn, boxes: Vec<UprightBox>) -> Building {
         let mut building = Building {
             rooms: walls::enclosures(scene),
             panels: Vec::new(),
             n_large_panels: 0,
-            boxes: furniture.to_vec(),
+            boxes,
             tiles: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
             dots: dots(scene),
         };
         let mut panels = walls::wall_panels(scene, &building.rooms);
         panels.extend(coverings::floor_panels(scene, &building));
         panels.extend(walls::ceiling_panels(scene, &building.rooms));
-        for piece in furniture {
+        for piece in &building.boxes {
             panels.extend(piece.panels(building.room_at(piece.middle())));
         }
         panels.extend(wall_things::pictures(scene, &building));
@@ -108,11 +113,6 @@ fn dots(scene: &Scene) -> Vec<RetroDot> {
             retroreflection_cd_per_lux_m2: dot.retroreflection_cd_per_lux_m2,
         })
         .collect()
-}
-
-/// Furniture of a scene.
-pub fn furniture(_scene: &Scene) -> Vec<UprightBox> {
-    Vec::new()
 }
 
 /// A place on the floor, raised.

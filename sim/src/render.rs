@@ -13,7 +13,7 @@ use nalgebra::Isometry3;
 use thiserror::Error;
 
 use crate::{
-    building::{Building, UprightBody, UprightBox, furniture},
+    building::{Building, UprightBody},
     drawn::Drawn,
     light::{FloorField, bake},
     scene::Scene,
@@ -178,7 +178,7 @@ impl Renderer {
         self.graphics.check()?;
         let (mut lamplight, mut lamps_at_floor_lux) = (None, None);
         if !scene.lamps.is_empty() {
-            let building = Building::new(scene, drawn, &furniture(scene));
+            let building = Building::new(scene, drawn);
             let (lighting, map) = bake(scene, &building);
             lamps_at_floor_lux = Some(map.mean_at_floor.lux * lighting.dimming);
             lamplight = FloorField::new(&building, &map);
@@ -187,24 +187,19 @@ impl Renderer {
         Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, bodies: Vec::new() })
     }
 
-    /// Prepares a world for all views, with this furniture; its light is worked out here, which takes up to a second.
+    /// Prepares a world for all views, its people at the start; its light is worked out here, which takes up to a second.
     ///
     /// # Errors
     /// If the driver reported an error since.
-    pub fn upload_room(
-        &mut self,
-        scene: &Scene,
-        drawn: &Drawn,
-        furniture: &[UprightBox],
-    ) -> Result<RenderedWorld, RenderError> {
+    pub fn upload_room(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check()?;
-        let room = self.room_pass.upload(&self.graphics, scene, drawn, furniture);
+        let room = self.room_pass.upload(&self.graphics, scene, drawn);
         let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
         Ok(RenderedWorld {
             floor: Floor::new(scene, drawn, lamplight),
             lamps_at_floor_lux: Some(room.mean_at_floor_lux()),
             room: Some(room),
-            bodies: Vec::new(),
+            bodies: scene.people.iter().filter_map(UprightBody::at_start).collect(),
         })
     }
 

@@ -93,7 +93,7 @@ fn views() {
     let drawn = Drawn::draw(&scene, 0);
     let mut renderer = Renderer::new().unwrap();
     let began = Instant::now();
-    let world = renderer.upload_room(&scene, &drawn, &[]).unwrap();
+    let world = renderer.upload_room(&scene, &drawn).unwrap();
     line("light maps of a living room", began.elapsed().as_secs_f64(), "s", "");
     let pose = Pose { x_m: 0.8, y_m: 0.9, heading_rad: 0.5 };
     let lux = world.illuminance_at_floor_lux().unwrap();

@@ -23,8 +23,8 @@ fn at_floor(map: &LightMap, building: &Building, x_m: f64, y_m: f64) -> f64 {
     map.at(floor, x_m / 4.0, y_m / 3.0, 0)
 }
 
-fn baked(scene: &Scene, furniture: &[UprightBox]) -> (Building, Lighting, LightMap) {
-    let building = Building::new(scene, &Drawn::draw(scene, 0), furniture);
+fn baked(scene: &Scene, boxes: &[UprightBox]) -> (Building, Lighting, LightMap) {
+    let building = Building::furnished(scene, &Drawn::draw(scene, 0), boxes.to_vec());
     let (lighting, map) = bake(scene, &building);
     (building, lighting, map)
 }
@@ -163,7 +163,7 @@ fn half_a_panel_behind_a_board_gives_half_its_light_below_the_edge() {
         between_m: [1.0, 1.001],
         material: Material::matt(0.5),
     };
-    let building = Building::new(&scene, &Drawn::draw(&scene, 0), &[board]);
+    let building = Building::furnished(&scene, &Drawn::draw(&scene, 0), vec![board]);
     let lighting = Lighting { sources: vec![panel], ..Lighting::direct(&scene, &building) };
     let shadowed = lighting.direct_at(Point3::origin(), Vector3::z(), 8).lux;
     let open = lighting.sources[0].illuminance(Point3::origin(), Vector3::z());

@@ -37,7 +37,7 @@ fn quiet_view(lens: Lens, poses: Vec<Isometry3<f64>>, levels: f64) -> View {
 /// Draws a view in the light that the scene states.
 fn draw(scene: &Scene, view: View) -> GrayImage {
     let mut renderer = renderer();
-    let world = renderer.upload_room(scene, &Drawn::draw(scene, 0), &[]).unwrap();
+    let world = renderer.upload_room(scene, &Drawn::draw(scene, 0)).unwrap();
     let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
     renderer.draw(&world, &[View { illuminance_at_floor_lux, ..view }]).unwrap().remove(0)
 }
@@ -264,7 +264,7 @@ fn the_same_room_gives_the_same_bytes_and_no_camera_disturbs_another() {
     };
     let one = draw(&scene, view([0.0; 5]));
     let mut renderer = renderer();
-    let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0), &[]).unwrap();
+    let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
     let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
     let views =
         [view([-0.1, 0.0, 0.0, 0.0, 0.0]), view([0.0; 5])].map(|view| View { illuminance_at_floor_lux, ..view });
@@ -330,7 +330,7 @@ fn a_floor_camera_sees_the_edge_of_a_carpet() {
 fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
     let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
     let mut renderer = renderer();
-    let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0), &[]).unwrap();
+    let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
     let person = UprightBody { middle_m: [3.0, 1.5], heading_rad: PI, height_m: 1.75, radius_m: 0.23, stride: 0.0 };
     world.place_bodies(&[person]);
     // Looking along world x from (0.5, 1.5, 0.9), image right along −y.

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3, vector};
 
 use super::level;
+use crate::scene::Person;
 
 /// A person who stands or walks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,21 @@ pub struct UprightBody {
     pub radius_m: f64,
     /// Where in a pair of steps the legs are, from 0 to 1; 0 with both legs side by side.
     pub stride: f64,
+}
+
+impl UprightBody {
+    /// A person at the start of the walk, who faces the next place to walk to.
+    pub fn at_start(person: &Person) -> Option<UprightBody> {
+        let [x_m, y_m] = *person.waypoints_m.first()?;
+        let next_m = person.waypoints_m.get(1).copied().unwrap_or([x_m + 1.0, y_m]);
+        Some(UprightBody {
+            middle_m: [x_m, y_m],
+            heading_rad: (next_m[1] - y_m).atan2(next_m[0] - x_m),
+            height_m: person.height_m,
+            radius_m: person.radius_m,
+            stride: 0.0,
+        })
+    }
 }
 
 /// One corner of a body's surface.

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3, vector};
 
 use super::{Material, Panel, Part, level, raised};
+use crate::scene::Furniture;
 
 /// A box with vertical sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,18 @@ pub struct UprightBox {
     pub between_m: [f64; 2],
     /// What it is made of.
     pub material: Material,
+}
+
+impl From<&Furniture> for UprightBox {
+    fn from(piece: &Furniture) -> UprightBox {
+        UprightBox {
+            middle_m: [piece.x_m, piece.y_m],
+            heading_rad: piece.rotation_deg.to_radians(),
+            size_m: piece.size_m,
+            between_m: [0.0, piece.height_m],
+            material: Material::matt(piece.albedo),
+        }
+    }
 }
 
 impl UprightBox {

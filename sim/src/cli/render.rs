@@ -6,7 +6,6 @@ use localizer::Pose;
 
 use super::{CommandError, RenderArguments, print};
 use crate::{
-    building::furniture,
     drawn::Drawn,
     frames::{Column, contact_sheet, tone_mapped},
     render::{RenderedWorld, Renderer},
@@ -75,7 +74,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CommandError> {
     let pose = pose(arguments.at, &file)?;
     let drawn = Drawn::draw(&file.scene, arguments.seed);
     let mut renderer = Renderer::new()?;
-    let world = renderer.upload_room(&file.scene, &drawn, &furniture(&file.scene))?;
+    let world = renderer.upload_room(&file.scene, &drawn)?;
     let folder = arguments.out.join(&file.name);
     fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;
     let mut take_in = |lux: Option<f64>| -> Result<Column, CommandError> {

@@ -39,9 +39,8 @@ impl RoomPass {
         graphics: &Graphics,
         scene: &crate::scene::Scene,
         drawn: &crate::drawn::Drawn,
-        furniture: &[crate::building::UprightBox],
     ) -> RoomWorld {
-        RoomWorld::new(graphics, &self.pipelines, scene, drawn, furniture)
+        RoomWorld::new(graphics, &self.pipelines, scene, drawn)
     }
 
     /// Draws one view into a luminance target.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::cameras::{CeilingCamera, ForwardCamera};
+use super::{CeilingCamera, ForwardCamera, Gyro, RangeCamera};
 
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -52,6 +52,14 @@ pub struct Robot {
     #[serde(deserialize_with = "Fitted::into_option")]
     #[schemars(with = "Fitted<CeilingCamera>")]
     pub ceiling_camera: Option<CeilingCamera>,
+    /// Range camera for coded landmarks: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<RangeCamera>")]
+    pub range_camera: Option<RangeCamera>,
+    /// Gyroscope about the vertical: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<Gyro>")]
+    pub gyro: Option<Gyro>,
 }
 
 /// Distribution of drawn errors, always inside the tolerance.
@@ -193,6 +201,8 @@ impl Default for Robot {
             floor_camera: Some(FloorCamera::default()),
             forward_camera: None,
             ceiling_camera: None,
+            range_camera: None,
+            gyro: None,
         }
     }
 }

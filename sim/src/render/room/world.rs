@@ -9,7 +9,7 @@ use super::{
     pipelines::{Kind, Pipelines},
 };
 use crate::{
-    building::{Building, UprightBox},
+    building::Building,
     drawn::Drawn,
     light::{FloorField, LightMap, Lighting, bake},
     render::device::Graphics,
@@ -36,14 +36,8 @@ pub(in crate::render) struct RoomWorld {
 }
 
 impl RoomWorld {
-    pub(super) fn new(
-        graphics: &Graphics,
-        pipelines: &Pipelines,
-        scene: &Scene,
-        drawn: &Drawn,
-        furniture: &[UprightBox],
-    ) -> RoomWorld {
-        let building = Building::new(scene, drawn, furniture);
+    pub(super) fn new(graphics: &Graphics, pipelines: &Pipelines, scene: &Scene, drawn: &Drawn) -> RoomWorld {
+        let building = Building::new(scene, drawn);
         let (lighting, map) = bake(scene, &building);
         let Cells { nodes, indices, ranges } = faces::cells(&building);
         let discs = [0, 1].map(|band| faces::discs(&building, &lighting, band));
