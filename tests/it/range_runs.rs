@@ -84,6 +84,26 @@ fn a_push_is_noticed_and_what_was_learnt_from_it_is_unlearnt() {
 }
 
 #[test]
+fn a_landmark_that_grows_or_leaves_its_box_is_counted() {
+    let scene = scene("loop", 12.0);
+    let (mut record, honest) = judged(&scene, 47);
+    assert_clean(&honest);
+    let n = record.images.len();
+    // What was known at the start comes back at the end: wider boxes for each landmark that has shrunk since.
+    let early = record.images[10].landmarks.clone();
+    let late: std::collections::BTreeMap<_, _> = record.images[n - 2].landmarks.iter().copied().collect();
+    let shrunk = early.iter().filter(|(code, place)| late[code] != *place).count();
+    record.images[n - 1].landmarks = early;
+    assert!(shrunk > 0);
+    assert_eq!(check(&scene, &record).metrics["landmarks_grown"], shrunk as f64);
+    for (_, place) in &mut record.images[n - 1].landmarks {
+        place[0] = place[0] + 1.0;
+    }
+    let metrics = check(&scene, &record).metrics;
+    assert_eq!(metrics["landmarks_outside"], record.images[n - 1].landmarks.len() as f64);
+}
+
+#[test]
 fn lines_and_translations_are_contained_at_every_station() {
     for name in ["line", "translation", "full"] {
         let (_, verdict) = judged(&scene(name, 12.0), 44);
