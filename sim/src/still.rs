@@ -7,9 +7,9 @@ use crate::{
     drawn::Drawn,
     randomness,
     render::{NoiseKey, RenderError, RenderedWorld, Renderer, View},
-    scene::{FloorCamera, Scene},
+    scene::Scene,
     sensors::{
-        camera::{AutoExposure, Exposure, Photosites, floor_camera_intrinsics, world_from_floor_camera},
+        camera::{AutoExposure, Exposure, floor_camera_intrinsics, world_from_floor_camera},
         lens::{Lens, world_from_camera},
     },
     truth::Truth,
@@ -142,30 +142,32 @@ fn station(
     seed: u64,
 ) -> Option<Station> {
     let robot = &scene.robot;
-    let (lens, electronics, pose) = match name {
-        CameraName::Floor => {
-            (None, robot.floor_camera.clone()?, world_from_floor_camera(truth, drawn.floor_camera.as_ref()?))
-        }
+    let (lens, sensor, pose) = match name {
+        CameraName::Floor => (
+            None,
+            robot.floor_camera.as_ref()?.sensor_model(),
+            world_from_floor_camera(truth, drawn.floor_camera.as_ref()?),
+        ),
         CameraName::Forward => {
             let (camera, mount) = (robot.forward_camera.as_ref()?, drawn.forward_camera.as_ref()?);
             let lens = Lens::forward(camera, mount);
-            (Some(lens), electronics(camera.exposure_s), world_from_camera(truth, mount))
+            (Some(lens), camera.sensor_model(), world_from_camera(truth, mount))
         }
         CameraName::Ceiling => {
             let (camera, mount) = (robot.ceiling_camera.as_ref()?, drawn.ceiling_camera.as_ref()?);
             let lens = Lens::ceiling(camera, mount);
-            (Some(lens), electronics(camera.exposure_s), world_from_camera(truth, mount))
+            (Some(lens), camera.sensor_model(), world_from_camera(truth, mount))
         }
     };
     let intrinsics = match (&lens, drawn.floor_camera.as_ref()) {
         (Some(lens), _) => lens.intrinsics(),
-        (None, mount) => floor_camera_intrinsics(&electronics, mount?),
+        (None, mount) => floor_camera_intrinsics(robot.floor_camera.as_ref()?, mount?),
     };
-    let control = AutoExposure::new(&electronics);
+    let control = AutoExposure::new(&sensor);
     let exposure = control.exposure();
     let view = View {
         intrinsics,
-        photosites: Photosites::from(&electronics),
+        sensor,
         world_from_camera: vec![pose],
         exposure_s: exposure.exposure_s,
         gain_levels_per_electron: exposure.gain_levels_per_electron,
@@ -174,11 +176,6 @@ fn station(
         lens,
     };
     Some(Station { view, control })
-}
-
-/// What turns light into grey levels behind the lenses of the forward and the ceiling camera: pixels of 3 µm at f/2.
-fn electronics(exposure_s: f64) -> FloorCamera {
-    FloorCamera { exposure_s, pixel_pitch_m: 3e-6, read_noise_electrons: 3.0, ..FloorCamera::default() }
 }
 
 /// The floor camera keeps the run's own seed; each other one has noise of its own.
