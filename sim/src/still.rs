@@ -6,8 +6,8 @@ use localizer::Pose;
 use crate::{
     drawn::Drawn,
     randomness,
-    render::{NoiseKey, RenderError, RenderedWorld, Renderer, View},
-    scene::Scene,
+    render::{DeepImage, NoiseKey, RenderError, RenderedWorld, Renderer, View},
+    scene::{BitDepth, Scene, SensorModel},
     sensors::{
         camera::{AutoExposure, Exposure, floor_camera_intrinsics, world_from_floor_camera},
         lens::{Lens, world_from_camera},
@@ -31,8 +31,12 @@ pub enum CameraName {
 pub struct Still {
     /// The camera that took it.
     pub camera: CameraName,
-    /// Grey levels as the sensor gave them.
+    /// The eight most significant bits of what the sensor gave, which is what the localizer gets.
     pub image: GrayImage,
+    /// Grey levels as the sensor gave them.
+    pub levels: DeepImage,
+    /// The sensor.
+    pub sensor: SensorModel,
     /// How it was exposed.
     pub exposure: Exposure,
 }
@@ -105,20 +109,30 @@ pub fn take(
         .collect();
     for image in 0..SETTLING {
         let views: Vec<View> = stations.iter().map(|(_, station)| station.exposed(image)).collect();
-        let images = renderer.draw(world, &views)?;
         if image + 1 == SETTLING {
-            let still = |((camera, station), image): ((CameraName, Station), GrayImage)| Still {
+            let still = |((camera, station), levels): ((CameraName, Station), DeepImage)| Still {
                 camera,
-                image,
+                image: most_significant(&levels, station.view.sensor.bits),
+                levels,
+                sensor: station.view.sensor,
                 exposure: station.control.exposure(),
             };
-            return Ok(stations.into_iter().zip(images).map(still).collect());
+            return Ok(stations.into_iter().zip(renderer.draw_deep(world, &views)?).map(still).collect());
         }
+        let images = renderer.draw(world, &views)?;
         for ((_, station), image) in stations.iter_mut().zip(&images) {
             station.control.meter(image);
         }
     }
     Ok(Vec::new())
+}
+
+/// The eight most significant bits of each level.
+fn most_significant(levels: &DeepImage, bits: BitDepth) -> GrayImage {
+    let shift = bits.bits() - 8;
+    GrayImage::from_fn(levels.width(), levels.height(), |u, v| {
+        image::Luma([(levels.get_pixel(u, v).0[0] >> shift) as u8])
+    })
 }
 
 impl Station {
