@@ -1,6 +1,7 @@
 //! The closed loop: the one screen where everything meets.
 
 mod history;
+mod witness;
 
 use std::time::Instant;
 
@@ -23,6 +24,7 @@ use crate::{
 };
 
 pub use history::{ImageRecord, RunRecord, Timing};
+pub use witness::Witness;
 
 /// Time between two estimates, two commands and two checks.
 const STEP_S: f64 = 0.01;
@@ -42,16 +44,29 @@ pub struct RunOptions {
 pub fn run(
     scene: &Scene,
     seed: u64,
+    renderer: Option<&mut Renderer>,
+    options: &RunOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<RunRecord, RenderError> {
+    run_before(scene, seed, renderer, options, &mut (), progress)
+}
+
+/// Runs like [`run`] while `witness` looks on.
+pub fn run_before(
+    scene: &Scene,
+    seed: u64,
     mut renderer: Option<&mut Renderer>,
     options: &RunOptions,
+    witness: &mut dyn Witness,
     progress: &mut dyn FnMut(f64),
 ) -> Result<RunRecord, RenderError> {
     let began = Instant::now();
     let drawn = Drawn::draw(scene, seed);
     let adapter = renderer.as_deref().map(Renderer::adapter);
-    let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options);
-    let mut localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options, witness);
+    let mut localizer = localizer(scene);
     if scene.stations.is_empty() {
+        record.witness.start(0.0, None);
         drive(scene, seed, &drawn, renderer.as_deref_mut(), &mut localizer, &mut record, progress)?;
     }
     for (index, station) in scene.stations.iter().enumerate() {
@@ -73,7 +88,7 @@ fn drive(
     drawn: &Drawn,
     mut renderer: Option<&mut Renderer>,
     localizer: &mut Localizer,
-    record: &mut Recorder,
+    record: &mut Recorder<'_>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(), RenderError> {
     let mut world = World::new(scene, drawn);
@@ -102,7 +117,7 @@ fn look(
     sensors: &mut Sensors,
     renderer: Option<&mut Renderer>,
     localizer: &mut Localizer,
-    record: &mut Recorder,
+    record: &mut Recorder<'_>,
 ) -> Result<(), RenderError> {
     let arrived = record.timed(|timing| &mut timing.render_s, || sensors.observe(truth, renderer))?;
     for observation in arrived {
@@ -117,6 +132,11 @@ fn look(
         record.images(observation, accounts);
     }
     Ok(())
+}
+
+/// The localizer that the scene asks for, told what the scene tells it.
+pub(crate) fn localizer(scene: &Scene) -> Localizer {
+    Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
 }
 
 /// The methods that the scene asks for; a new method is one line here.
@@ -137,7 +157,7 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
 }
 
 /// Writes the run's history down while it happens.
-struct Recorder {
+struct Recorder<'a> {
     history: RunRecord,
     odometry: PointOdometry,
     wheels: localizer::robot::WheelModel,
@@ -145,10 +165,18 @@ struct Recorder {
     keep_images: FramesPolicy,
     /// Time at which the present drive began.
     offset_s: f64,
+    witness: &'a mut dyn Witness,
 }
 
-impl Recorder {
-    fn new(scene: &Scene, seed: u64, drawn: Drawn, adapter: Option<String>, options: &RunOptions) -> Self {
+impl<'a> Recorder<'a> {
+    fn new(
+        scene: &Scene,
+        seed: u64,
+        drawn: Drawn,
+        adapter: Option<String>,
+        options: &RunOptions,
+        witness: &'a mut dyn Witness,
+    ) -> Self {
         // Odometry alone knows no better start than the middle of the box that the localizer is given.
         let odometry = PointOdometry::new(scene.nominal_start());
         Recorder {
@@ -158,6 +186,7 @@ impl Recorder {
             readings: Sha256::new(),
             keep_images: options.keep_images,
             offset_s: 0.0,
+            witness,
         }
     }
 
@@ -166,6 +195,7 @@ impl Recorder {
         self.offset_s = index as f64 * (lasts_s + STEP_S);
         self.odometry = PointOdometry::new(here.nominal_start());
         self.history.restarts.push(self.history.truths.len());
+        self.witness.start(self.offset_s, Some(index));
     }
 
     /// Runs `work` and adds its wall-clock time to a stage.
@@ -178,6 +208,7 @@ impl Recorder {
 
     /// Notes a reading on its way into the localizer.
     fn sense(&mut self, reading: &Reading) {
+        self.witness.sense(reading);
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
         match reading {
@@ -203,6 +234,7 @@ impl Recorder {
     /// Notes what the methods made of a reading.
     fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
         let Observation { reading, mut truth } = observation;
+        self.witness.account(&reading, &accounts);
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         for account in accounts {
@@ -230,7 +262,9 @@ impl Recorder {
     fn step(&mut self, truth: &Truth, localizer: &Localizer) {
         let mut estimate = localizer.estimate();
         estimate.time_s += self.offset_s;
-        self.history.truths.push(Truth { time_s: truth.time_s + self.offset_s, ..*truth });
+        let truth = Truth { time_s: truth.time_s + self.offset_s, ..*truth };
+        self.witness.step(&truth, &estimate, self.odometry.pose());
+        self.history.truths.push(truth);
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
     }
