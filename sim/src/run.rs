@@ -261,7 +261,7 @@ impl<'a> Recorder<'a> {
 
     /// Notes what the methods made of a reading.
     fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
-        let Observation { reading, mut truth, .. } = observation;
+        let Observation { reading, mut truth, codes, .. } = observation;
         self.witness.account(&reading, &accounts);
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
@@ -288,6 +288,7 @@ impl<'a> Recorder<'a> {
                 emptied: account.emptied,
                 posterior: account.posterior,
                 landmarks: account.landmarks,
+                codes: codes.clone(),
                 reading: kept,
             });
         }

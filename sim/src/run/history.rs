@@ -60,6 +60,8 @@ pub struct ImageRecord {
     pub posterior: PoseUnion,
     /// Landmarks as the method knew them then: code, and box of world x and y.
     pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
+    /// Codes that the sensor gave, and whether each is its landmark's own.
+    pub codes: Vec<(LandmarkId, bool)>,
     /// The reading itself, kept when frames are asked for.
     pub reading: Option<Reading>,
 }

@@ -1,6 +1,8 @@
 //! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
 
-use super::{Event, Scene, conform::nearest, parse::Contradiction};
+mod building;
+
+use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
 /// Everything in which `scene` contradicts itself.
 pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
@@ -10,6 +12,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     floor_places(scene, &mut found);
     things(scene, &mut found);
     events(scene, &mut found);
+    building::contradictions(scene, &mut found);
     let gyro_s = scene.robot.gyro.as_ref().map(|gyro| ("robot.gyro.period_s", gyro.period_s));
     for (key, period_s) in [("robot.encoders.period_s", scene.robot.encoders.period_s)].into_iter().chain(gyro_s) {
         if let Some(expected) = sampling(period_s) {
@@ -101,6 +104,10 @@ fn things(scene: &Scene, found: &mut Vec<Contradiction>) {
                 found.push(Contradiction { key: format!("person[{index}].waypoints_m"), expected });
             }
         }
+    }
+    if scene.localizer.methods.contains(&MethodName::RangeLandmarks) && scene.robot.range_camera.is_none() {
+        let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
+        found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
     }
     let ranges = scene.robot.range_camera.as_ref().map(|camera| [camera.least_range_m, camera.greatest_range_m]);
     if let Some([least_m, greatest_m]) = ranges
