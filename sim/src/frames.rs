@@ -8,7 +8,7 @@ use localizer::Reading;
 use crate::{
     record::{RecordError, naming},
     run::{ImageRecord, RunRecord},
-    scene::SceneFile,
+    scene::{RangeCamera, SceneFile},
 };
 
 mod camera_view;
@@ -17,6 +17,7 @@ mod contact_sheet;
 mod figure;
 mod map_view;
 mod palette;
+mod range_view;
 
 pub use contact_sheet::{Column, contact_sheet, tone_mapped};
 
@@ -63,27 +64,39 @@ impl FromStr for FramesPolicy {
 
 /// Draws what the localizer saw in an image beside where that put the robot; none when the record did not keep the image.
 pub fn figure(file: &SceneFile, record: &RunRecord, image: &ImageRecord) -> Option<RgbImage> {
-    let (pixels, exposure_s) = camera_image(image)?;
-    Some(figure::draw(file, record, image, pixels, exposure_s))
+    Some(figure::draw(file, record, image, &Seen::of(file, image)?))
 }
 
-/// Writes `image_*.png` as the sensor gave it and `figure_*.png` for every image that `record` kept.
+/// Writes `image_*.png` as a camera gave it and `figure_*.png` for every reading that `record` kept.
 pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
     for image in &record.images {
-        let Some((pixels, exposure_s)) = camera_image(image) else { continue };
+        let Some(seen) = Seen::of(file, image) else { continue };
         let number = image.number;
-        let raw = folder.join(format!("image_{number:05}.png"));
-        naming("write", &raw, pixels.save(&raw).map_err(std::io::Error::other))?;
+        if let Seen::Image { pixels, .. } = seen {
+            let raw = folder.join(format!("image_{number:05}.png"));
+            naming("write", &raw, pixels.save(&raw).map_err(std::io::Error::other))?;
+        }
         let drawn = folder.join(format!("figure_{number:05}.png"));
-        let figure = figure::draw(file, record, image, pixels, exposure_s);
+        let figure = figure::draw(file, record, image, &seen);
         naming("write", &drawn, figure.save(&drawn).map_err(std::io::Error::other))?;
     }
     Ok(())
 }
 
-fn camera_image(image: &ImageRecord) -> Option<(&GrayImage, f64)> {
-    match image.reading.as_ref()? {
-        Reading::Camera { image, exposure_s, .. } => Some((image, *exposure_s)),
-        _ => None,
+/// What a figure shows at its left.
+enum Seen<'a> {
+    /// Grey levels, and how long they were exposed.
+    Image { pixels: &'a GrayImage, exposure_s: f64 },
+    /// Codes that a range camera measured.
+    Codes { camera: &'a RangeCamera },
+}
+
+impl<'a> Seen<'a> {
+    fn of(file: &'a SceneFile, image: &'a ImageRecord) -> Option<Self> {
+        match image.reading.as_ref()? {
+            Reading::Camera { image, exposure_s, .. } => Some(Seen::Image { pixels: image, exposure_s: *exposure_s }),
+            Reading::Range { .. } => Some(Seen::Codes { camera: file.scene.robot.range_camera.as_ref()? }),
+            Reading::Wheels { .. } | Reading::Gyro { .. } => None,
+        }
     }
 }
