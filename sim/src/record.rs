@@ -6,7 +6,7 @@
 //! | `timing.json` | how long it took, apart because it differs from run to run |
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every branch of every estimate |
-//! | `recording.mcap` | all that the localizer was told and answered, when asked for |
+//! | `recording.mcap` or `rosbag2/` | all that the localizer was told and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
 use std::{
@@ -16,16 +16,11 @@ use std::{
     time::{Duration, SystemTime},
 };
 
+use localizer::Estimate;
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::{
-    check::Verdict,
-    frames,
-    recording::{self, Recording},
-    run::RunRecord,
-    scene::SceneFile,
-};
+use crate::{check::Verdict, frames, recording::Recording, run::RunRecord, scene::SceneFile};
 
 mod digest;
 mod poses;
@@ -93,6 +88,21 @@ pub fn write_with(
     written.map(|()| target)
 }
 
+/// Writes `estimate.tum` and `boxes.csv` of estimates into `folder`, in the place of older ones.
+pub fn write_estimates(folder: &Path, estimates: &[Estimate]) -> Result<(), RecordError> {
+    naming("create the folder", folder, fs::create_dir_all(folder))?;
+    for (name, text) in [("estimate.tum", poses::estimate_tum(estimates)), ("boxes.csv", poses::boxes_csv(estimates))] {
+        let (path, partial) = (folder.join(name), folder.join(format!(".{name}-{}{PARTIAL}", process::id())));
+        let written = naming("write", &partial, fs::write(&partial, text))
+            .and_then(|()| naming("create", &path, fs::rename(&partial, &path)));
+        if written.is_err() {
+            let _ = fs::remove_file(&partial);
+            return written;
+        }
+    }
+    Ok(())
+}
+
 /// The summary and the timing that a run left in `folder`; none when it left no summary.
 pub fn read(folder: &Path) -> Result<Option<(Value, Value)>, RecordError> {
     let summary = folder.join("summary.json");
@@ -132,7 +142,7 @@ fn fill(
     write("timing.json", format!("{:#}\n", Timing::of(record).to_json()))?;
     let summary = Summary::of(file, record, verdict);
     if let Some(recording) = recording {
-        recording.finish(&summary, &partial.join(recording::FILE_NAME))?;
+        recording.finish(&summary, partial)?;
     }
     write("summary.json", summary.to_text())
 }

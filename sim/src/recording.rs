@@ -1,4 +1,4 @@
-//! `recording.mcap`: all that the localizer was told during a run, what it answered, and what viewers draw of it.
+//! `recording.mcap` or `rosbag2/`: all that the localizer was told during a run, what it answered, and what viewers draw of it.
 //!
 //! An MCAP file (<https://mcap.dev/spec>) of the profile `ros2`: messages in CDR, their definitions along with them. Its
 //! order is the order of events, its times are simulated times, so that equal runs give equal bytes.
@@ -13,7 +13,7 @@
 //! | `/boxes` | the union of boxes, 20 times a second |
 //! | `/log` | doubt while it lasts, contradictions, broken bounds, and who is to blame |
 //!
-//! The scene's text is the attachment `scene.toml`; the metadata `wherein` names seed, version, adapter and digests.
+//! The metadata `wherein_format` stands first. The scene's text is the attachment `scene.toml`; the metadata `wherein` at the end names seed, version, adapter and digests.
 
 use std::{
     collections::BTreeMap,
@@ -34,21 +34,26 @@ use crate::{
     truth::Truth,
 };
 
+mod bag;
 mod boxes;
 pub(crate) mod cdr;
 mod definitions;
 pub(crate) mod exact;
 mod messages;
+pub(crate) mod reader;
 
 use exact::{RecordedEstimate, Start};
 use messages::{FLOOR_CAMERA, Level, ROBOT, TRUE_ROBOT};
+pub use reader::RecordingError;
 
-/// Name of the file in a run's folder.
-pub const FILE_NAME: &str = "recording.mcap";
 /// Name of the attachment that holds the scene's text.
 pub(crate) const SCENE_ATTACHMENT: &str = "scene.toml";
 /// Name of the metadata that holds seed, version, adapter and digests.
 pub(crate) const METADATA: &str = "wherein";
+/// Name of the metadata that holds [`FORMAT`]; it stands before all else.
+pub(crate) const FORMAT_METADATA: &str = "wherein_format";
+/// Changes whenever a message or the order of messages under `/wherein/` does.
+pub(crate) const FORMAT: &str = "1";
 /// Boxes are drawn at each fifth step of 10 ms: a viewer shows no more.
 const STEPS_PER_DRAWING: usize = 5;
 
@@ -59,6 +64,16 @@ pub enum Form {
     Foxglove,
     /// `visualization_msgs/MarkerArray`, for a plain ROS 2.
     Ros2,
+}
+
+impl Form {
+    /// Where the recording lies in the run's folder.
+    pub fn path(self) -> &'static str {
+        match self {
+            Form::Foxglove => "recording.mcap",
+            Form::Ros2 => "rosbag2/rosbag2_0.mcap",
+        }
+    }
 }
 
 /// A recording in the making, in a file beside the run's folder until [`Recording::finish`].
@@ -73,10 +88,13 @@ pub struct Recording {
     offset_s: f64,
     n_steps: usize,
     status: Status,
+    last_ns: u64,
 }
 
 struct Channel {
     id: u16,
+    /// `package/msg/Type`.
+    kind: String,
     n_messages: u32,
 }
 
@@ -104,7 +122,11 @@ impl Recording {
             offset_s: 0.0,
             n_steps: 0,
             status: Status::Sound,
+            last_ns: 0,
         };
+        let format = BTreeMap::from([("format".to_owned(), FORMAT.to_owned())]);
+        let metadata = Metadata { name: FORMAT_METADATA.to_owned(), metadata: format };
+        recording.attempt(|writer| writer.write_metadata(&metadata));
         recording.attempt(|writer| {
             writer.attach(&Attachment {
                 log_time: 0,
@@ -120,8 +142,8 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Adds what the check found, closes the file and moves it to `target`.
-    pub fn finish(mut self, summary: &Summary<'_>, target: &Path) -> Result<(), RecordError> {
+    /// Adds what the check found, closes the file and moves it into the run's folder `run`.
+    pub fn finish(mut self, summary: &Summary<'_>, run: &Path) -> Result<(), RecordError> {
         self.judge(summary.verdict);
         let entries = [
             ("scene", summary.scene.to_owned()),
@@ -139,9 +161,27 @@ impl Recording {
             return naming("write", &self.path, Err(io::Error::other(error)));
         }
         // Whatever the buffer still holds goes out here, where an error is told.
-        let flushed = self.writer.take().map_or(Ok(()), |writer| writer.into_inner().into_inner().map(|_| ()).map_err(io::Error::from));
+        let flushed = self
+            .writer
+            .take()
+            .map_or(Ok(()), |writer| writer.into_inner().into_inner().map(|_| ()).map_err(io::Error::from));
         naming("write", &self.path, flushed)?;
-        naming("create", target, fs::rename(&self.path, target))
+        let target = run.join(self.form.path());
+        if let (Form::Ros2, Some(folder)) = (self.form, target.parent()) {
+            naming("create the folder", folder, fs::create_dir_all(folder))?;
+            let description = folder.join("metadata.yaml");
+            naming("write", &description, fs::write(&description, self.metadata_yaml()))?;
+        }
+        naming("create", &target, fs::rename(&self.path, &target))
+    }
+
+    fn metadata_yaml(&self) -> String {
+        let channels = self.channels.iter();
+        let topics: Vec<bag::Topic<'_>> = channels
+            .map(|(name, channel)| bag::Topic { name, kind: &channel.kind, n_messages: channel.n_messages })
+            .collect();
+        let file_name = self.form.path().rsplit('/').next().unwrap_or_default();
+        bag::metadata_yaml(file_name, &topics, self.last_ns)
     }
 
     /// The verdict as log messages. They stand at the end of the file, each with the time that it speaks of.
@@ -177,12 +217,13 @@ impl Recording {
                 id = writer.add_channel(schema, topic, "cdr", &BTreeMap::new())?;
                 Ok(())
             });
-            self.channels.insert(topic, Channel { id, n_messages: 0 });
+            self.channels.insert(topic, Channel { id, kind: name, n_messages: 0 });
         }
         let Some(channel) = self.channels.get_mut(topic) else { return };
         channel.n_messages += 1;
         // No simulated time is negative.
         let time_ns = u64::try_from(cdr::nanoseconds(time_s)).unwrap_or(0);
+        self.last_ns = self.last_ns.max(time_ns);
         let header = MessageHeader {
             channel_id: channel.id,
             sequence: channel.n_messages,

@@ -53,11 +53,11 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn FnMut(f64),
 ) -> Result<RunRecord, RenderError> {
-    run_before(scene, seed, renderer, options, &mut (), progress)
+    run_witnessed(scene, seed, renderer, options, &mut (), progress)
 }
 
 /// Runs like [`run`] while `witness` looks on.
-pub fn run_before(
+pub fn run_witnessed(
     scene: &Scene,
     seed: u64,
     mut renderer: Option<&mut Renderer>,

@@ -31,7 +31,10 @@ pub(super) fn scene_update(time_s: f64, estimate: &Estimate) -> Vec<u8> {
         .length(0)
         .length(boxes.len());
     for pose in boxes {
-        message = message.with(|message| planar_pose(message, centre(pose), HEIGHT_M / 2.0)).f64s(&size_m(pose)).f64s(&colour);
+        message = message
+            .with(|message| planar_pose(message, centre(pose), HEIGHT_M / 2.0))
+            .f64s(&size_m(pose))
+            .f64s(&colour);
     }
     // Spheres and cylinders, then one list of lines.
     message = message.length(0).length(0).length(1).u8(2).with(|message| planar_pose(message, ORIGIN, 0.0));
@@ -73,9 +76,11 @@ fn heading_lines(message: Message, boxes: &[PoseBox]) -> Message {
         let [x_m, y_m, _] = pose.midpoint();
         [pose[2].lo(), pose[2].hi()].into_iter().fold(message, |message, heading_rad| {
             let (sin, cos) = heading_rad.sin_cos();
-            message
-                .f64s(&[x_m, y_m, HEIGHT_M])
-                .f64s(&[x_m + HEADING_LINE_M * cos, y_m + HEADING_LINE_M * sin, HEIGHT_M])
+            message.f64s(&[x_m, y_m, HEIGHT_M]).f64s(&[
+                x_m + HEADING_LINE_M * cos,
+                y_m + HEADING_LINE_M * sin,
+                HEIGHT_M,
+            ])
         })
     })
 }

@@ -64,17 +64,13 @@ impl RecordedEstimate {
         }
     }
 
-    pub(super) fn encode(&self) -> Vec<u8> {
+    pub(crate) fn encode(&self) -> Vec<u8> {
         Message::new().f64s(&[self.time_s]).bool(self.sound).f64_sequence(&self.bounds).finish()
     }
 
     pub(crate) fn decode(message: &[u8]) -> Option<RecordedEstimate> {
         let mut fields = Fields::of(message)?;
-        Some(RecordedEstimate {
-            time_s: fields.f64()?,
-            sound: fields.bool()?,
-            bounds: fields.sequence(Fields::f64)?,
-        })
+        Some(RecordedEstimate { time_s: fields.f64()?, sound: fields.bool()?, bounds: fields.sequence(Fields::f64)? })
     }
 }
 
