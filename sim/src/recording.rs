@@ -198,7 +198,7 @@ impl Recording {
             self.log(first.time_s, Level::Error, "blame", &text);
         }
         for failed in &verdict.verdict.failed {
-            self.log(self.n_steps as f64 * 0.01, Level::Error, "verdict", failed);
+            self.log(self.last_ns as f64 * 1e-9, Level::Error, "verdict", failed);
         }
     }
 

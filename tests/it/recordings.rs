@@ -9,12 +9,12 @@ use serde_json::Value;
 
 use crate::command::{blind_scene, folder, outcome, root, wherein};
 
-/// The run folder of a scene of the repository with `from` replaced by `to`, recorded with `flag`.
-fn recorded(place: &Path, scene: &str, from: &str, to: &str, flag: &str) -> PathBuf {
+/// The run folder of a scene of the repository with `from` replaced by `to`, run with `flags`.
+fn recorded(place: &Path, scene: &str, [from, to]: [&str; 2], flags: &[&str]) -> PathBuf {
     let text = fs::read_to_string(root().join("scenes").join(scene)).unwrap();
     assert!(text.contains(from), "{scene} has no {from}");
     fs::write(place.join("scene.toml"), text.replace(from, to)).unwrap();
-    let arguments = ["run", "scene.toml", "--seed", "3", flag, "--frames", "all", "--out", "out"];
+    let arguments = [&["run", "scene.toml", "--seed", "3", "--out", "out"], flags].concat();
     let (code, _, errors) = outcome(&mut wherein(place, &arguments));
     assert!(code < 2, "{errors}");
     place.join("out/scene/3")
@@ -104,7 +104,12 @@ fn assert_same_estimates(place: &Path, run: &Path, recording: &str) {
 #[test]
 fn a_recording_holds_what_the_camera_gave_where_the_robot_was_and_every_box() {
     let place = folder("recording_holds");
-    let run = recorded(&place, "tiles.toml", "duration_s = 20.0", "duration_s = 1.0", "--record");
+    let run = recorded(
+        &place,
+        "tiles.toml",
+        ["duration_s = 20.0", "duration_s = 0.5"],
+        &["--record", "--frames", "every=100"],
+    );
     let topics = messages(&run.join("recording.mcap"));
 
     // An image's grey levels are the last field of its message, behind their count.
@@ -135,21 +140,22 @@ fn a_recording_holds_what_the_camera_gave_where_the_robot_was_and_every_box() {
 #[test]
 fn a_replay_of_images_gives_the_same_estimates() {
     let place = folder("replay_floor");
-    let run = recorded(&place, "tiles.toml", "duration_s = 20.0", "duration_s = 2.0", "--record");
+    let run = recorded(&place, "tiles.toml", ["duration_s = 20.0", "duration_s = 1.0"], &["--record"]);
     assert_same_estimates(&place, &run, "recording.mcap");
 }
 
 #[test]
 fn a_replay_of_stations_gives_the_same_estimates() {
     let place = folder("replay_stations");
-    let run = recorded(&place, "stations.toml", "description", "description", "--record");
+    let run = recorded(&place, "stations.toml", ["description", "description"], &["--record"]);
     assert_same_estimates(&place, &run, "recording.mcap");
 }
 
 #[test]
 fn a_replay_of_range_camera_and_gyroscope_learns_the_same_landmarks() {
     let place = folder("replay_range");
-    let run = recorded(&place, "papers/rigid_transform_loop.toml", "duration_s = 195.0", "duration_s = 40.0", "--ros2");
+    let run =
+        recorded(&place, "papers/rigid_transform_loop.toml", ["duration_s = 195.0", "duration_s = 20.0"], &["--ros2"]);
     let topics = messages(&run.join("rosbag2/rosbag2_0.mcap"));
     assert!(topics["/wherein/range"].len() > 10 && topics["/wherein/gyro"].len() > 100);
     assert_same_estimates(&place, &run, "rosbag2/rosbag2_0.mcap");
