@@ -128,8 +128,8 @@ impl ImageStamp {
     /// The camera reading with the image that follows the stamp, a `sensor_msgs/Image`.
     pub(crate) fn with_image(self, message: &[u8]) -> Option<Reading> {
         let mut fields = Fields::of(message)?;
-        // Seconds, nanoseconds and frame of the header.
-        (fields.u32()?, fields.u32()?, fields.text()?);
+        // Seconds, nanoseconds and frame.
+        let _header = (fields.u32()?, fields.u32()?, fields.text()?);
         let (height, width) = (fields.u32()?, fields.u32()?);
         if (fields.text()?, fields.u8()?, fields.u32()?) != ("mono8", 0, width) {
             return None;
