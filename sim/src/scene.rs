@@ -24,6 +24,7 @@ mod range_camera;
 mod robot;
 mod route;
 mod schema;
+mod sensor;
 mod things;
 
 pub use bounds::Bounds;
@@ -39,6 +40,7 @@ pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
 pub use schema::schema_text;
+pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use things::{Furniture, Landmark, Person};
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
