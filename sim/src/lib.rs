@@ -25,5 +25,7 @@ pub mod check;
 pub mod figures;
 pub mod frames;
 pub mod record;
+pub mod recording;
+pub mod replay;
 pub mod table;
 pub mod cli;

@@ -78,3 +78,5 @@ mod render_studio;
 mod blame;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
+/// Recordings as the `mcap` crate reads them, and the localizer on them.
+mod recordings;

@@ -16,6 +16,8 @@ pub struct SceneFile {
     pub name: String,
     /// The file.
     pub path: PathBuf,
+    /// Its text as it was read.
+    pub text: String,
     /// What it states.
     pub scene: Scene,
 }
@@ -23,12 +25,7 @@ pub struct SceneFile {
 impl Scene {
     /// Reads a scene file.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
-        let unreadable = |source: io::Error| SceneError::Unreadable { path: path.to_owned(), source };
-        let bytes = fs::read(path).map_err(unreadable)?;
-        let file = path.display().to_string();
-        let text = String::from_utf8(bytes)
-            .map_err(|error| SceneError::NotText { file: file.clone(), offset: error.utf8_error().valid_up_to() })?;
-        Scene::parse(&text, &file)
+        Scene::parse(&read(path)?, &path.display().to_string())
     }
 }
 
@@ -55,11 +52,24 @@ impl SceneFile {
                 // The same file named twice runs once.
                 Some(first) if first == path => continue,
                 Some(first) => return Err(SceneError::SameName { name, first, second: path }),
-                None => scenes.push(SceneFile { name, scene: Scene::load(&path)?, path }),
+                None => {
+                    let text = read(&path)?;
+                    let scene = Scene::parse(&text, &path.display().to_string())?;
+                    scenes.push(SceneFile { name, path, text, scene });
+                }
             }
         }
         Ok(scenes)
     }
+}
+
+/// The text of a scene file.
+fn read(path: &Path) -> Result<String, SceneError> {
+    let bytes = fs::read(path).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+    String::from_utf8(bytes).map_err(|error| SceneError::NotText {
+        file: path.display().to_string(),
+        offset: error.utf8_error().valid_up_to(),
+    })
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {
