@@ -2,6 +2,7 @@
 
 use std::{
     io::{self, IsTerminal, Write},
+    num::NonZeroUsize,
     path::PathBuf,
     process::ExitCode,
 };
@@ -9,13 +10,18 @@ use std::{
 use clap::{Args, Parser, Subcommand};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
-use crate::{frames::FramesPolicy, record::RecordError, render::RenderError, scene::SceneError};
+use crate::{
+    frames::FramesPolicy,
+    record::RecordError,
+    render::RenderError,
+    scene::{SceneError, Setting},
+    sweep::{Seeds, Shard, SweepError, Variable},
+};
 
+mod conclude;
 mod run;
-mod seeds;
+mod sweep;
 mod table;
-
-pub use seeds::Seeds;
 
 /// Simulates an indoor robot and its cameras, localizes it by interval boxes, and checks every box against the truth.
 #[derive(Debug, Parser)]
@@ -30,6 +36,8 @@ Examples:
   wherein run scenes/papers/floor_vision_odometry.toml            one run with seed 0
   wherein run scenes --seeds 0..10 --out results                  every scene, ten seeds each
   wherein run scenes/x.toml --seed 7 --frames failures            pictures of what went wrong with seed 7
+  wherein sweep scenes/x.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..20
+                                                                  every value with twenty seeds, and a report
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -38,6 +46,10 @@ Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not
 enum Command {
     /// Runs scenes and records what they leave behind.
     Run(RunArguments),
+    /// Runs one scene with every combination of the values of some keys, and reports on all of them.
+    Sweep(SweepArguments),
+    /// Brings the parts of a sweep together that several machines ran with --shard.
+    Merge(MergeArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
     Table(TableArguments),
     /// Prints the JSON schema of scene files.
@@ -59,6 +71,9 @@ struct RunArguments {
     /// Several seeds, A included and B not.
     #[arg(long, value_name = "A..B")]
     seeds: Option<Seeds>,
+    /// Set a key of the scenes, such as floor.friction=0.3; may be given several times.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Setting>,
     /// Where results go.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
@@ -81,6 +96,59 @@ In the table, a check is one step of 10 ms. `contained`: the truth is in a box. 
 `bound broken`: a declared bound was really exceeded; `perception`: the vision saw what is not there; `unsound`: neither.
 Errors are root mean squares of the worst third of a run, widths are full widths of the box.";
 
+/// What `wherein sweep` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = SWEEP_AFTER_HELP)]
+struct SweepArguments {
+    /// A scene file, or a sweep file with `scene`, `seeds` and a table `[vary]`.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// A key and its values: KEY=A,B,C or KEY=LOW..HIGH/N for N values evenly spaced; may be given several times.
+    #[arg(long, value_name = "KEY=VALUES")]
+    vary: Vec<Variable>,
+    /// Seeds that each combination runs with, A included and B not.
+    #[arg(long, value_name = "A..B")]
+    seeds: Option<Seeds>,
+    /// Runs at the same time; as many as there are cores unless stated.
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// Where results go; sweeps/<scene> unless stated.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Images of which to leave debug frames: none, failures, every=N or all.
+    #[arg(long, value_name = "WHICH", default_value = "none")]
+    frames: FramesPolicy,
+    /// Run only the I-th of N parts, for N machines; `wherein merge` brings the parts together.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+}
+
+/// What `wherein merge` is asked.
+#[derive(Debug, Args)]
+struct MergeArguments {
+    /// Folders that `wherein sweep --shard` wrote.
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Where the whole goes.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+const SWEEP_AFTER_HELP: &str = "\
+Examples:
+  wherein sweep scenes/tiles.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..10
+  wherein sweep scenes/broken/slip.toml --vary floor.region.puddle.friction=0.1..0.8/8 --vary duration_s=10
+  wherein sweep grid.toml --shard 3/16 --out part3        with grid.toml:   scene = \"scenes/tiles.toml\"
+                                                                            seeds = \"0..20\"
+                                                                            [vary]
+                                                                            floor.friction = [0.2, 0.4, 0.8]
+
+Any key of the scene can vary; an item of a list is picked by its name or its index: route.waypoint[2].speed_m_per_s.
+DIR holds sweep.json (what was asked), cases/<id>/ (what each run left) and results.csv (one row a case).
+A sweep that was interrupted goes on where it stopped when the same command is given again.
+
+Exit code: 0 every case met the scene's expectations, 1 some did not, 2 some could not run.";
+
 /// What `wherein table` is asked.
 #[derive(Debug, Args)]
 struct TableArguments {
@@ -101,6 +169,8 @@ enum CommandError {
     Render(#[from] RenderError),
     #[error(transparent)]
     Record(#[from] RecordError),
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
     #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
     NoResults(PathBuf),
     #[error("put the table into {}: expected a line `{}` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
@@ -113,6 +183,8 @@ enum CommandError {
 pub fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Run(arguments) => run::run_scenes(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
+        Command::Merge(arguments) => sweep::merge_folders(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
         Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),
@@ -139,7 +211,11 @@ fn print(text: &str) -> Result<(), CommandError> {
 
 fn report(error: &CommandError) {
     eprintln!("wherein: failed to {error}");
-    let CommandError::Scene(scene @ SceneError::Invalid { .. }) = error else { return };
+    let (CommandError::Scene(scene @ SceneError::Invalid { .. })
+    | CommandError::Sweep(SweepError::Scene(scene @ SceneError::Invalid { .. }))) = error
+    else {
+        return;
+    };
     let theme = if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
     let mut snippet = String::new();

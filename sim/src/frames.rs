@@ -1,6 +1,6 @@
 //! Debug frames: what a camera gave, and what the localizer made of it.
 
-use std::{path::Path, str::FromStr};
+use std::{fmt, path::Path, str::FromStr};
 
 use image::{GrayImage, RgbImage};
 use localizer::Reading;
@@ -54,6 +54,17 @@ impl FromStr for FramesPolicy {
             ("all", _) => Ok(FramesPolicy::All),
             (_, Some(n)) => Ok(FramesPolicy::Every(n)),
             _ => Err("expected none, failures, every=N with N at least 1, or all".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for FramesPolicy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FramesPolicy::None => f.write_str("none"),
+            FramesPolicy::Failures => f.write_str("failures"),
+            FramesPolicy::Every(n) => write!(f, "every={n}"),
+            FramesPolicy::All => f.write_str("all"),
         }
     }
 }

@@ -6,6 +6,7 @@
 //! | `timing.json` | how long it took, apart because it differs from run to run |
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every branch of every estimate |
+//! | `steps.csv` | error, width and judgement at every step |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
 use std::{
@@ -62,16 +63,27 @@ pub fn prepare(out: &Path) -> Result<(), RecordError> {
 /// A folder that the run left before is replaced. An error leaves it as it was.
 pub fn write(out: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<PathBuf, RecordError> {
     let target = folder(out, &file.name, record.seed);
-    let beside = target.parent().unwrap_or(out);
+    clear_stale(target.parent().unwrap_or(out));
+    replace_whole(&target, |partial| fill(partial, file, record, verdict))?;
+    Ok(target)
+}
+
+/// Puts a new folder, filled by `fill`, in the place of `target`: whole or, when `fill` errs, not at all.
+pub(crate) fn replace_whole(
+    target: &Path,
+    fill: impl FnOnce(&Path) -> Result<(), RecordError>,
+) -> Result<(), RecordError> {
+    let beside = target.parent().unwrap_or(target);
     naming("create the folder", beside, fs::create_dir_all(beside))?;
-    clear_stale(beside);
-    let partial = beside.join(format!(".{}-{}{PARTIAL}", record.seed, process::id()));
-    let written = fill(&partial, file, record, verdict).and_then(|()| replace(&target, &partial));
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let partial = beside.join(format!(".{name}-{}{PARTIAL}", process::id()));
+    let created = naming("create the folder", &partial, fs::create_dir_all(&partial));
+    let written = created.and_then(|()| fill(&partial)).and_then(|()| replace(target, &partial));
     if written.is_err() {
         // The error at hand says what is wrong; what cannot be deleted now is cleared by a later run.
         let _ = fs::remove_dir_all(&partial);
     }
-    written.map(|()| target)
+    written
 }
 
 /// The summary and the timing that a run left in `folder`; none when it left no summary.
@@ -94,8 +106,8 @@ const PARTIAL: &str = ".partial";
 /// Ending of a folder that has made way for a newer one.
 const REPLACED: &str = ".replaced";
 
-fn fill(partial: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<(), RecordError> {
-    naming("create the folder", partial, fs::create_dir_all(partial))?;
+/// Writes all files of a run into an empty folder.
+pub(crate) fn fill(partial: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<(), RecordError> {
     let write = |name: &str, content: String| {
         let path = partial.join(name);
         naming("write", &path, fs::write(&path, content))
@@ -103,8 +115,9 @@ fn fill(partial: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict)
     write("truth.tum", poses::truth_tum(record))?;
     write("estimate.tum", poses::estimate_tum(record))?;
     write("boxes.csv", poses::boxes_csv(record))?;
+    write("steps.csv", poses::steps_csv(record, verdict))?;
     frames::write(partial, file, record)?;
-    write("timing.json", format!("{:#}\n", Timing::of(record).to_json()))?;
+    write("timing.json", format!("{:#}\n", Timing::of(file, record).to_json()))?;
     write("summary.json", Summary::of(file, record, verdict).to_text())
 }
 

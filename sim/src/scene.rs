@@ -20,6 +20,7 @@ mod places;
 mod robot;
 mod route;
 mod schema;
+mod setting;
 
 pub use bounds::Bounds;
 pub use error::SceneError;
@@ -30,6 +31,7 @@ pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
 pub use schema::schema_text;
+pub use setting::{SceneTemplate, Setting, shown, value_of};
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -73,6 +75,13 @@ pub struct Scene {
     /// What the verdict asks of each run.
     #[serde(default)]
     pub expect: Expect,
+}
+
+impl Scene {
+    /// Whether a run of it needs a renderer.
+    pub fn has_camera(&self) -> bool {
+        self.robot.floor_camera.is_some()
+    }
 }
 
 /// An axis-aligned rectangular room, `0 ≤ x ≤ width_m`, `0 ≤ y ≤ depth_m` between the inner faces of its walls.

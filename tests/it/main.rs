@@ -56,3 +56,7 @@ mod render_studio;
 mod blame;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
+/// Sweeps: every case once, the same bytes for any number of jobs, after kills, and merged from parts.
+mod sweep_cases;
+/// Sweeps that must be refused, and what the refusal says.
+mod sweep_refusals;

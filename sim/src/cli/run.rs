@@ -9,8 +9,9 @@ use crate::{
     check::check,
     record::{self, program_digest, scene_digest},
     render::Renderer,
+    results::quoted,
     run::{RunOptions, run},
-    scene::SceneFile,
+    scene::{SceneFile, SceneTemplate},
     table::{Outcome, as_text, lines},
 };
 
@@ -26,11 +27,11 @@ struct Recorded {
 
 /// Runs everything asked for and prints the results. The exit code says whether all expectations were met.
 pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandError> {
-    let files = SceneFile::load_all(&arguments.paths)?;
+    let files = load(arguments)?;
     record::prepare(&arguments.out)?;
     // Opening an adapter takes a moment, and a scene without a camera needs none.
     let mut renderer = None;
-    if files.iter().any(|file| file.scene.robot.floor_camera.is_some()) {
+    if files.iter().any(|file| file.scene.has_camera()) {
         renderer = Some(Renderer::new()?);
     }
     let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
@@ -55,6 +56,15 @@ pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandEr
     Ok(ExitCode::from(u8::from(!all_passed)))
 }
 
+/// The scenes with what is set in them.
+fn load(arguments: &RunArguments) -> Result<Vec<SceneFile>, CommandError> {
+    let files = SceneFile::load_all(&arguments.paths)?;
+    if arguments.set.is_empty() {
+        return Ok(files);
+    }
+    Ok(files.iter().map(|file| SceneTemplate::load(&file.path)?.with(&arguments.set)).collect::<Result<_, _>>()?)
+}
+
 fn run_one(
     arguments: &RunArguments,
     file: &SceneFile,
@@ -63,7 +73,7 @@ fn run_one(
     bar: &ProgressBar,
 ) -> Result<Recorded, CommandError> {
     let start = bar.position();
-    let renderer = renderer.filter(|_| file.scene.robot.floor_camera.is_some());
+    let renderer = renderer.filter(|_| file.scene.has_camera());
     let options = RunOptions { keep_images: arguments.frames };
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let run_record = run(&file.scene, seed, renderer, &options, &mut progress)?;
@@ -129,23 +139,14 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
     let program = env::args().next().unwrap_or_else(|| "wherein".to_owned());
     text += &format!("  recorded in {}\n", one.folder.display());
     text += &format!(
-        "  replay: {} run {} --seed {} --frames failures --out {}\n",
+        "  replay: {} run {}{} --seed {} --frames failures --out {}\n",
         quoted(&program),
         quoted(&one.scene_path.display().to_string()),
+        arguments.set.iter().map(|set| format!(" --set {}", quoted(&set.to_string()))).collect::<String>(),
         one.outcome.seed,
         quoted(&arguments.out.display().to_string()),
     );
     text
-}
-
-/// `text` as a POSIX shell reads it as one word.
-fn quoted(text: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@,".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
-    }
 }
 
 /// A bar over the simulated time of all runs, in milliseconds. It stays hidden when standard error is no terminal.

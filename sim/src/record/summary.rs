@@ -1,12 +1,15 @@
 //! `summary.json` and `timing.json`.
 
+use std::path::PathBuf;
+
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::{
     check::Verdict,
+    machine::machine,
     run::{self, RunRecord},
-    scene::SceneFile,
+    scene::{SceneFile, Setting},
 };
 
 use super::digest::{estimates_digest, program_digest, scene_digest, truth_digest};
@@ -76,15 +79,24 @@ pub struct Timing {
     duration_s: f64,
     images: usize,
     spent: run::Timing,
+    scene_path: PathBuf,
+    settings: Vec<Setting>,
 }
 
 impl Timing {
     /// The timing of a run.
-    pub fn of(record: &RunRecord) -> Timing {
-        Timing { duration_s: duration_s(record), images: record.images.len(), spent: record.timing }
+    pub fn of(file: &SceneFile, record: &RunRecord) -> Timing {
+        Timing {
+            duration_s: duration_s(record),
+            images: record.images.len(),
+            spent: record.timing,
+            scene_path: file.path.clone(),
+            settings: file.settings.clone(),
+        }
     }
 
-    /// The file's content. `program` is the digest of the executable, by which `--resume` knows its own results.
+    /// The file's content. `program` is the digest of the executable, by which `--resume` knows its own results;
+    /// `scene_path` and `set` are what a command that replays the run has to name.
     pub(super) fn to_json(&self) -> Value {
         let spent = &self.spent;
         let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);
@@ -102,6 +114,9 @@ impl Timing {
                 "vision": per_image_ms(spent.vision_s),
             },
             "program": program_digest(),
+            "machine": machine(),
+            "scene_path": self.scene_path,
+            "set": self.settings.iter().map(Setting::to_string).collect::<Vec<_>>(),
         })
     }
 }

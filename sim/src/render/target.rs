@@ -4,7 +4,9 @@ use std::sync::mpsc::{Receiver, channel};
 
 use image::GrayImage;
 
-use super::{RenderError, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot};
+use super::{
+    RenderError, device::PATIENCE, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot,
+};
 
 /// Luminance in cd/m², averaged over the exposure.
 pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
@@ -73,10 +75,14 @@ impl Target {
         mapping
     }
 
-    /// The picture, once the device has been waited for.
+    /// The picture, once the device has been waited for. Where threads share the device, the answer may be on its way in
+    /// another thread's poll, so that it is waited for as well.
     pub(super) fn read(&self, mapping: &Mapping) -> Result<GrayImage, RenderError> {
         let failed = |reason: String| RenderError::Device(reason);
-        mapping.try_recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
+        mapping
+            .recv_timeout(PATIENCE)
+            .map_err(|error| failed(error.to_string()))?
+            .map_err(|error| failed(error.to_string()))?;
         let [width, height] = self.size_px;
         let pixels = {
             let mapped = self.staging.slice(..).get_mapped_range().map_err(|error| failed(error.to_string()))?;

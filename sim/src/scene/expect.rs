@@ -124,6 +124,7 @@ fn matches(figure: &str, name: &str) -> bool {
 fn blank_summary() -> Value {
     let verdict = Verdict {
         containment: Default::default(),
+        judgements: Vec::new(),
         violations: Vec::new(),
         error: Default::default(),
         width: Default::default(),

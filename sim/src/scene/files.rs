@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Scene, SceneError};
+use super::{Scene, SceneError, Setting};
 
 /// A scene with the file it came from and the name under which its runs are recorded.
 #[derive(Clone, Debug)]
@@ -16,7 +16,9 @@ pub struct SceneFile {
     pub name: String,
     /// The file.
     pub path: PathBuf,
-    /// What it states.
+    /// What differs from what the file states.
+    pub settings: Vec<Setting>,
+    /// What it states, with `settings`.
     pub scene: Scene,
 }
 
@@ -33,6 +35,11 @@ impl Scene {
 }
 
 impl SceneFile {
+    /// Reads one scene file.
+    pub fn load(path: &Path) -> Result<SceneFile, SceneError> {
+        Ok(SceneFile { name: name_of(path), settings: Vec::new(), scene: Scene::load(path)?, path: path.to_owned() })
+    }
+
     /// Every scene that `paths` name, a folder standing for all scenes below it, in the order of their paths.
     pub fn load_all(paths: &[PathBuf]) -> Result<Vec<SceneFile>, SceneError> {
         let mut files = Vec::new();
@@ -55,7 +62,7 @@ impl SceneFile {
                 // The same file named twice runs once.
                 Some(first) if first == path => continue,
                 Some(first) => return Err(SceneError::SameName { name, first, second: path }),
-                None => scenes.push(SceneFile { name, scene: Scene::load(&path)?, path }),
+                None => scenes.push(SceneFile::load(&path)?),
             }
         }
         Ok(scenes)
