@@ -11,6 +11,7 @@ use clap::{Args, Parser, Subcommand};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use crate::{
+    compare::{CONFIDENCE, SideError},
     frames::FramesPolicy,
     record::RecordError,
     render::RenderError,
@@ -18,7 +19,10 @@ use crate::{
     sweep::{Seeds, Shard, SweepError, Variable},
 };
 
+mod compare;
 mod conclude;
+mod github;
+mod report;
 mod run;
 mod sweep;
 mod table;
@@ -48,6 +52,10 @@ enum Command {
     Run(RunArguments),
     /// Runs one scene with every combination of the values of some keys, and reports on all of them.
     Sweep(SweepArguments),
+    /// Writes the report of a folder of results: report.html, summary.md and results.csv.
+    Report(ReportArguments),
+    /// Says in which figures results are better or worse than others, case by case.
+    Compare(CompareArguments),
     /// Brings the parts of a sweep together that several machines ran with --shard.
     Merge(MergeArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
@@ -83,6 +91,9 @@ struct RunArguments {
     /// Print the summaries as a JSON list instead of a table.
     #[arg(long)]
     json: bool,
+    /// Write the results as JUnit XML, too.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
     /// Skip runs that this build of the program has already recorded for the same scene; continues what was interrupted.
     #[arg(long)]
     resume: bool,
@@ -121,6 +132,8 @@ struct SweepArguments {
     /// Run only the I-th of N parts, for N machines; `wherein merge` brings the parts together.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
+    #[command(flatten)]
+    outputs: Outputs,
 }
 
 /// What `wherein merge` is asked.
@@ -132,6 +145,52 @@ struct MergeArguments {
     /// Where the whole goes.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// What `wherein report` is asked.
+#[derive(Debug, Args)]
+struct ReportArguments {
+    /// A folder that `wherein sweep`, `wherein merge` or `wherein run` wrote; the report goes there.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    #[command(flatten)]
+    outputs: Outputs,
+}
+
+/// What `wherein compare` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = COMPARE_AFTER_HELP)]
+struct CompareArguments {
+    /// What to compare with: a folder of results, or a results.csv kept as a baseline.
+    #[arg(value_name = "FIRST")]
+    first: PathBuf,
+    /// What to judge: a folder of results, or a results.csv.
+    #[arg(value_name = "SECOND")]
+    second: PathBuf,
+    /// How sure all intervals together are to hold the true differences.
+    #[arg(long, value_name = "P", default_value_t = CONFIDENCE, value_parser = confidence)]
+    confidence: f64,
+}
+
+/// What commands with results leave besides.
+#[derive(Debug, Args)]
+struct Outputs {
+    /// Write the results as JUnit XML, too.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+}
+
+const COMPARE_AFTER_HELP: &str = "\
+Cases are paired by scene, settings and seed. Seeds are the independent witnesses: a figure's differences are averaged over
+the cases of each seed, and a paired t interval says whether their mean is zero. All intervals together hold with the
+confidence asked for. A side that contained the truth at every step is better than one that did not, whatever the interval.
+
+Exit code: 0 nothing is worse, 1 something is, 2 could not compare.";
+
+fn confidence(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|p| (0.5..1.0).contains(p)).ok_or_else(|| "expected a number from 0.5 to 1".to_owned())
 }
 
 const SWEEP_AFTER_HELP: &str = "\
@@ -144,7 +203,8 @@ Examples:
                                                                             floor.friction = [0.2, 0.4, 0.8]
 
 Any key of the scene can vary; an item of a list is picked by its name or its index: route.waypoint[2].speed_m_per_s.
-DIR holds sweep.json (what was asked), cases/<id>/ (what each run left) and results.csv (one row a case).
+DIR holds sweep.json (what was asked), cases/<id>/ (what each run left), results.csv (one row a case), report.html (for
+people) and summary.md (for the summary of a CI job).
 A sweep that was interrupted goes on where it stopped when the same command is given again.
 
 Exit code: 0 every case met the scene's expectations, 1 some did not, 2 some could not run.";
@@ -171,6 +231,10 @@ enum CommandError {
     Record(#[from] RecordError),
     #[error(transparent)]
     Sweep(#[from] SweepError),
+    #[error(transparent)]
+    Side(#[from] SideError),
+    #[error("compare {} and {}: no case ran in both, expected the same scenes, settings and seeds", .0.display(), .1.display())]
+    NoPairs(PathBuf, PathBuf),
     #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
     NoResults(PathBuf),
     #[error("put the table into {}: expected a line `{}` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
@@ -185,12 +249,14 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run_scenes(&arguments),
         Command::Sweep(arguments) => sweep::sweep(&arguments),
         Command::Merge(arguments) => sweep::merge_folders(&arguments),
+        Command::Report(arguments) => report::report_folder(&arguments),
+        Command::Compare(arguments) => compare::compare_sides(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
         Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),
     };
     outcome.unwrap_or_else(|error| {
-        report(&error);
+        complain(&error);
         ExitCode::from(2)
     })
 }
@@ -209,7 +275,7 @@ fn print(text: &str) -> Result<(), CommandError> {
     }
 }
 
-fn report(error: &CommandError) {
+fn complain(error: &CommandError) {
     eprintln!("wherein: failed to {error}");
     let (CommandError::Scene(scene @ SceneError::Invalid { .. })
     | CommandError::Sweep(SweepError::Scene(scene @ SceneError::Invalid { .. }))) = error

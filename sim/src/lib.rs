@@ -27,4 +27,6 @@ pub mod table;
 pub mod sweep;
 pub mod results;
 pub mod report;
+pub mod junit;
+pub mod compare;
 pub mod cli;

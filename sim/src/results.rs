@@ -10,15 +10,19 @@ use serde_json::Value;
 use crate::{
     figures::{Figures, figures},
     record::{self, RecordError, naming},
-    scene::Setting,
+    scene::{Setting, shown},
     sweep::{Plan, Recorded, SweepError, case_folder, read_case, read_plan},
 };
 
 mod csv_file;
+#[cfg(feature = "parquet")]
+mod parquet_file;
 mod replay;
 mod table;
 
 pub use csv_file::{from_csv, to_csv};
+#[cfg(feature = "parquet")]
+pub use parquet_file::to_parquet;
 pub use replay::{Replay, quoted};
 pub use table::{Cell, Table};
 
@@ -163,6 +167,12 @@ impl CaseResult {
     /// What tells the case from others of its seed: `key=value key=value`, empty when nothing was set.
     pub fn label(&self) -> String {
         self.settings.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+    }
+
+    /// What `key` is set to, as text.
+    pub fn value(&self, key: &str) -> String {
+        let setting = self.settings.iter().find(|setting| setting.key == key);
+        setting.map(|setting| shown(&setting.value)).unwrap_or_default()
     }
 
     /// One line for people: settings and seed, with the scene where `with_scene`.

@@ -9,19 +9,22 @@ use crate::{
     check::check,
     record::{self, program_digest, scene_digest},
     render::Renderer,
-    results::quoted,
+    report::Overview,
+    results::{CaseResult, Results, quoted},
     run::{RunOptions, run},
     scene::{SceneFile, SceneTemplate},
+    sweep,
     table::{Outcome, as_text, lines},
 };
 
-use super::{CommandError, RunArguments, Seeds, print};
+use super::{CommandError, RunArguments, Seeds, conclude::write_junit, github::tell_github, print};
 
 /// One run as it was recorded.
 struct Recorded {
     folder: PathBuf,
-    scene_path: PathBuf,
+    file: SceneFile,
     summary: Value,
+    timing: Value,
     outcome: Outcome,
 }
 
@@ -52,6 +55,9 @@ pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandEr
     }
     bar.finish_and_clear();
     announce(arguments, &recorded)?;
+    let results = results(&recorded);
+    write_junit(&results, arguments.junit.as_ref())?;
+    tell_github(&Overview::of(&results), &results)?;
     let all_passed = recorded.iter().all(|one| one.outcome.passed);
     Ok(ExitCode::from(u8::from(!all_passed)))
 }
@@ -99,7 +105,21 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
 fn read_back(file: &SceneFile, folder: PathBuf) -> Result<Option<Recorded>, CommandError> {
     let Some((summary, timing)) = record::read(&folder)? else { return Ok(None) };
     let outcome = Outcome::of(&summary, &timing);
-    Ok(Some(Recorded { folder, scene_path: file.path.clone(), summary, outcome }))
+    Ok(Some(Recorded { folder, file: file.clone(), summary, timing, outcome }))
+}
+
+/// The runs as cases, for what tells CI systems of them.
+fn results(recorded: &[Recorded]) -> Results {
+    let case = |one: &Recorded| CaseResult {
+        id: String::new(),
+        scene: one.outcome.scene.clone(),
+        scene_path: one.file.path.clone(),
+        settings: one.file.settings.clone(),
+        seed: one.outcome.seed,
+        folder: one.folder.clone(),
+        recorded: sweep::Recorded::Done { summary: one.summary.clone(), timing: one.timing.clone() },
+    };
+    Results { title: "runs".to_owned(), plan: None, cases: recorded.iter().map(case).collect() }
 }
 
 fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), CommandError> {
@@ -141,7 +161,7 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
     text += &format!(
         "  replay: {} run {}{} --seed {} --frames failures --out {}\n",
         quoted(&program),
-        quoted(&one.scene_path.display().to_string()),
+        quoted(&one.file.path.display().to_string()),
         arguments.set.iter().map(|set| format!(" --set {}", quoted(&set.to_string()))).collect::<String>(),
         one.outcome.seed,
         quoted(&arguments.out.display().to_string()),

@@ -40,7 +40,7 @@ pub(super) fn sweep(arguments: &SweepArguments) -> Result<ExitCode, CommandError
     run_all(Work { cases: &todo, jobs, frames: arguments.frames, renderer, store: &store })?;
     say(&Ran { todo: &todo, n_meant: meant.len(), took: began.elapsed() }.to_string());
     let results = Results::of_sweep(&out, plan, &|index| shard.holds(index));
-    conclude(&results, &out)
+    conclude(&results, &out, &arguments.outputs)
 }
 
 /// Brings the parts of a sweep together and writes the results of all.
@@ -48,7 +48,7 @@ pub(super) fn merge_folders(arguments: &MergeArguments) -> Result<ExitCode, Comm
     let store = Store::open(&arguments.out)?;
     let plan = merge(&arguments.folders, &store)?;
     let results = Results::of_sweep(&arguments.out, plan, &|_| true);
-    conclude(&results, &arguments.out)
+    conclude(&results, &arguments.out, &arguments.outputs)
 }
 
 /// The sweep that a file and the command line state together.

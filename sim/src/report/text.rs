@@ -37,7 +37,7 @@ pub fn as_text(overview: &Overview, results: &Results) -> String {
 }
 
 /// What failed in a case, where its first failure is, and how to see it again.
-pub(super) fn failure(case: &CaseResult, with_scene: bool) -> String {
+fn failure(case: &CaseResult, with_scene: bool) -> String {
     let mut text = format!("FAILED {}\n", case.describe(with_scene));
     for line in case.missed_expectations() {
         text += &format!("  {line}\n");
@@ -49,7 +49,7 @@ pub(super) fn failure(case: &CaseResult, with_scene: bool) -> String {
 }
 
 /// When, along which axis, by how much and why the truth was first outside.
-pub(super) fn first_outside(case: &CaseResult) -> Option<String> {
+pub fn first_outside(case: &CaseResult) -> Option<String> {
     let first = case.first_failure();
     let (time_s, margin) = (first["time_s"].as_f64()?, first["margin"].as_f64()?);
     let (axis, outcome, blame) = (first["axis"].as_str()?, first["outcome"].as_str()?, first["blame"].as_str()?);

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use crate::scene::value_of;
+use crate::scene::{shown, value_of};
 
 /// A key of the scene and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,6 +14,13 @@ pub struct Variable {
     pub key: String,
     /// Its values, in the order in which they were stated.
     pub values: Vec<Value>,
+}
+
+impl Variable {
+    /// The values as one types them.
+    pub fn shown_values(&self) -> String {
+        self.values.iter().map(shown).collect::<Vec<_>>().join(", ")
+    }
 }
 
 impl FromStr for Variable {
