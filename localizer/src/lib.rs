@@ -23,6 +23,7 @@ pub mod motion;
 pub mod vision;
 pub mod method;
 pub mod methods;
+pub mod baselines;
 pub mod localizer;
 
 pub use boxes::IntervalBox;

@@ -22,6 +22,10 @@ pub struct Drawn {
     pub track_m: f64,
     /// True mount and lens of the floor camera.
     pub floor_camera: Option<DrawnFloorCamera>,
+    /// True mount and optics of the range camera.
+    pub range_camera: Option<DrawnRangeCamera>,
+    /// True bias and scale of the gyroscope.
+    pub gyro: Option<DrawnGyro>,
     /// The tiles as they were laid.
     pub tiles: Option<LaidTiles>,
 }
@@ -39,6 +43,30 @@ pub struct DrawnFloorCamera {
     pub yaw_rad: f64,
     /// Rotation vector of the optical axis off the body's vertical, about robot x and robot y; its norm is within the tolerance.
     pub tilt_rad: [f64; 2],
+}
+
+/// True mount and optics of the range camera.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnRangeCamera {
+    /// Optical centre of the first view in the robot frame: forward and left.
+    pub position_m: [f64; 2],
+    /// Direction of the optical axis from robot forward, counter-clockwise.
+    pub yaw_rad: f64,
+    /// Rotation vector of the sensor's vertical off the body's, about robot x and robot y; its norm is within the tolerance.
+    pub tilt_rad: [f64; 2],
+    /// Focal length.
+    pub focal_px: f64,
+    /// Distance between the optical centres.
+    pub baseline_m: f64,
+}
+
+/// True bias and scale of the gyroscope.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnGyro {
+    /// Constant over a run.
+    pub bias_rad_per_s: f64,
+    /// Constant over a run.
+    pub scale: f64,
 }
 
 /// Draws an error within ±tolerance.

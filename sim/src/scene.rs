@@ -17,10 +17,12 @@ mod floor;
 mod models;
 mod parse;
 mod places;
+mod range_camera;
 mod robot;
 mod route;
 mod schema;
 mod setting;
+mod things;
 
 pub use bounds::Bounds;
 pub use error::SceneError;
@@ -28,10 +30,12 @@ pub use events::Event;
 pub use expect::Expect;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
+pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
 pub use schema::schema_text;
 pub use setting::{SceneTemplate, Setting, shown, value_of};
+pub use things::{Furniture, Landmark, Person};
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -52,6 +56,15 @@ pub struct Scene {
     /// Lamps, as their illuminance.
     #[serde(default)]
     pub light: Light,
+    /// What stands in the room.
+    #[serde(default)]
+    pub furniture: Vec<Furniture>,
+    /// Who walks in it.
+    #[serde(default, rename = "person")]
+    pub people: Vec<Person>,
+    /// Coded landmarks for a range camera, numbered from 0 in the order of the file.
+    #[serde(default, rename = "landmark")]
+    pub landmarks: Vec<Landmark>,
     /// The robot: a Pioneer P3-DX unless stated otherwise.
     #[serde(default)]
     pub robot: Robot,
@@ -124,6 +137,10 @@ pub struct LocalizerSetup {
     pub methods: Vec<MethodName>,
     /// Vision chain of `floor_tiles`.
     pub floor_tiles_chain: FloorTilesChain,
+    /// What `range_landmarks` solves for.
+    pub range_landmarks_freedom: RangeLandmarksFreedom,
+    /// How `range_landmarks` solves it.
+    pub range_landmarks_solver: RangeLandmarksSolver,
     /// An estimate counts as available while its hull is narrower than this in x and y.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
@@ -137,6 +154,8 @@ impl Default for LocalizerSetup {
         LocalizerSetup {
             methods: vec![MethodName::FloorTiles],
             floor_tiles_chain: FloorTilesChain::Direct,
+            range_landmarks_freedom: RangeLandmarksFreedom::Full,
+            range_landmarks_solver: RangeLandmarksSolver::OneShot,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
         }
@@ -149,6 +168,36 @@ impl Default for LocalizerSetup {
 pub enum MethodName {
     /// Joints of a tiled floor under a camera that looks down (paper 1).
     FloorTiles,
+    /// Coded landmarks that no map names, seen by a range camera (paper 3).
+    RangeLandmarks,
+}
+
+/// What `range_landmarks` solves for; the rest it takes from what is known besides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RangeLandmarksFreedom {
+    /// World x (paper 3, Table II).
+    Line,
+    /// World x and y (Table III).
+    Translation,
+    /// World x, y and heading (Table IV).
+    #[default]
+    Full,
+}
+
+/// How `range_landmarks` solves the pose when all three of it are free.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RangeLandmarksSolver {
+    /// Linear elimination, no bisection.
+    #[default]
+    OneShot,
+    /// The polar contractor to its fixpoint.
+    Polar,
+    /// Paper 3's Table IV with correct branches, to its fixpoint.
+    TableIv,
+    /// Paper 3's set inversion with a resolution of 0.05 m and 0.05 rad.
+    Sivia,
 }
 
 /// How `floor_tiles` finds joints in an image.

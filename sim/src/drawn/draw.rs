@@ -5,10 +5,10 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::{
     randomness::stream,
-    scene::{Distribution, FloorCamera, Scene},
+    scene::{Distribution, FloorCamera, Gyro, RangeCamera, Scene},
 };
 
-use super::{Drawn, DrawnFloorCamera, LaidTiles, draw_within};
+use super::{Drawn, DrawnFloorCamera, DrawnGyro, DrawnRangeCamera, LaidTiles, draw_within};
 
 impl Drawn {
     /// Draws everything that a seed decides before the start.
@@ -27,6 +27,11 @@ impl Drawn {
                 .floor_camera
                 .as_ref()
                 .map(|camera| draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"))),
+            range_camera: robot
+                .range_camera
+                .as_ref()
+                .map(|camera| draw_range_camera(camera, errors, &mut stream(seed, "range_camera.mount"))),
+            gyro: robot.gyro.as_ref().map(|gyro| draw_gyro(gyro, errors, &mut stream(seed, "gyro.calibration"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
         }
     }
@@ -47,15 +52,37 @@ fn draw_floor_camera(camera: &FloorCamera, errors: Distribution, rng: &mut ChaCh
         .map(|nominal_m| nominal_m + draw_within(camera.position_tolerance_m, errors, rng));
     let nominal_px_per_m = f64::from(camera.width_px) / camera.footprint_width_m;
     let px_per_m = nominal_px_per_m * (1.0 + draw_within(camera.scale_tolerance, errors, rng));
-    // The tolerance bounds the angle of the axis in any direction, so an angle and a direction are drawn.
-    let tilt_rad = draw_within(camera.tilt_tolerance_deg.to_radians(), errors, rng);
-    let direction_rad = draw_within(std::f64::consts::FRAC_PI_2, Distribution::Uniform, rng);
-    let (sin, cos) = direction_rad.sin_cos();
+    let tilt_rad = draw_tilt(camera.tilt_tolerance_deg, errors, rng);
     DrawnFloorCamera {
         position_m,
         height_m: camera.height_m,
         focal_px: px_per_m * camera.height_m,
         yaw_rad: draw_within(camera.yaw_tolerance_deg.to_radians(), errors, rng),
-        tilt_rad: [tilt_rad * cos, tilt_rad * sin],
+        tilt_rad,
+    }
+}
+
+/// The tolerance bounds the angle in any direction, so an angle and a direction are drawn.
+fn draw_tilt(tolerance_deg: f64, errors: Distribution, rng: &mut ChaCha8Rng) -> [f64; 2] {
+    let tilt_rad = draw_within(tolerance_deg.to_radians(), errors, rng);
+    let direction_rad = draw_within(std::f64::consts::FRAC_PI_2, Distribution::Uniform, rng);
+    let (sin, cos) = direction_rad.sin_cos();
+    [tilt_rad * cos, tilt_rad * sin]
+}
+
+fn draw_range_camera(camera: &RangeCamera, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnRangeCamera {
+    let mut around = |nominal: f64, tolerance: f64| nominal + draw_within(tolerance, errors, rng);
+    let position_m = [camera.forward_m, camera.left_m].map(|nominal_m| around(nominal_m, camera.position_tolerance_m));
+    let yaw_rad = around(camera.yaw_deg.to_radians(), camera.yaw_tolerance_deg.to_radians());
+    let focal_px = around(camera.focal_px, camera.focal_px * camera.focal_tolerance);
+    let baseline_m = around(camera.baseline_m, camera.baseline_m * camera.baseline_tolerance);
+    let tilt_rad = draw_tilt(camera.tilt_tolerance_deg, errors, rng);
+    DrawnRangeCamera { position_m, yaw_rad, tilt_rad, focal_px, baseline_m }
+}
+
+fn draw_gyro(gyro: &Gyro, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnGyro {
+    DrawnGyro {
+        bias_rad_per_s: draw_within(gyro.bias_tolerance_deg_per_s.to_radians(), errors, rng),
+        scale: 1.0 + draw_within(gyro.scale_tolerance, errors, rng),
     }
 }

@@ -1,6 +1,6 @@
 //! `summary.json` and `timing.json`.
 
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -79,6 +79,8 @@ pub struct Timing {
     duration_s: f64,
     images: usize,
     spent: run::Timing,
+    /// Microseconds for a problem, by solver.
+    solve_us: BTreeMap<&'static str, f64>,
     scene_path: PathBuf,
     settings: Vec<Setting>,
 }
@@ -86,10 +88,14 @@ pub struct Timing {
 impl Timing {
     /// The timing of a run.
     pub fn of(file: &SceneFile, record: &RunRecord) -> Timing {
+        let solvers = record.range_baselines.solvers.iter();
+        let solve_us =
+            solvers.map(|(name, answers)| (*name, 1e6 * answers.spent_s / answers.problems as f64)).collect();
         Timing {
             duration_s: duration_s(record),
             images: record.images.len(),
             spent: record.timing,
+            solve_us,
             scene_path: file.path.clone(),
             settings: file.settings.clone(),
         }
@@ -113,6 +119,7 @@ impl Timing {
                 "render": per_image_ms(spent.render_s),
                 "vision": per_image_ms(spent.vision_s),
             },
+            "solve_us": self.solve_us,
             "program": program_digest(),
             "machine": machine(),
             "scene_path": self.scene_path,

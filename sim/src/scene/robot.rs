@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::{Gyro, RangeCamera};
+
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -42,6 +44,14 @@ pub struct Robot {
     #[serde(deserialize_with = "Fitted::into_option")]
     #[schemars(with = "Fitted<FloorCamera>")]
     pub floor_camera: Option<FloorCamera>,
+    /// Range camera for coded landmarks: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<RangeCamera>")]
+    pub range_camera: Option<RangeCamera>,
+    /// Gyroscope about the vertical: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<Gyro>")]
+    pub gyro: Option<Gyro>,
 }
 
 /// Distribution of drawn errors, always inside the tolerance.
@@ -181,6 +191,8 @@ impl Default for Robot {
             errors: Distribution::Uniform,
             encoders: Encoders::default(),
             floor_camera: Some(FloorCamera::default()),
+            range_camera: None,
+            gyro: None,
         }
     }
 }

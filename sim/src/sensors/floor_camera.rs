@@ -98,7 +98,7 @@ impl FloorCameraSensor {
         let arrived_s = (middle_s + late_s).max(to_s);
         let reading =
             Reading::Camera { measured_s, arrived_s, camera: Camera::Floor, exposure_s: exposure.exposure_s, image };
-        Ok(Some(Observation { reading, truth: middle }))
+        Ok(Some(Observation::new(reading, middle)))
     }
 
     /// Truth between physics steps, on the chord of the step.
