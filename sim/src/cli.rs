@@ -16,16 +16,20 @@ use crate::{
     record::RecordError,
     render::RenderError,
     scene::{SceneError, Setting},
+    still::CameraName,
     sweep::{Seeds, Shard, SweepError, Variable},
 };
 
 mod compare;
 mod conclude;
 mod github;
+mod render;
 mod report;
 mod run;
 mod sweep;
 mod table;
+
+pub use render::{At, Lights};
 
 /// Simulates an indoor robot and its cameras, localizes it by interval boxes, and checks every box against the truth.
 #[derive(Debug, Parser)]
@@ -42,6 +46,7 @@ Examples:
   wherein run scenes/x.toml --seed 7 --frames failures            pictures of what went wrong with seed 7
   wherein sweep scenes/x.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..20
                                                                   every value with twenty seeds, and a report
+  wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -58,6 +63,8 @@ enum Command {
     Compare(CompareArguments),
     /// Brings the parts of a sweep together that several machines ran with --shard.
     Merge(MergeArguments),
+    /// Takes pictures of a robot that stands still, one per camera.
+    Render(RenderArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
     Table(TableArguments),
     /// Prints the JSON schema of scene files.
@@ -209,6 +216,42 @@ A sweep that was interrupted goes on where it stopped when the same command is g
 
 Exit code: 0 every case met the scene's expectations, 1 some did not, 2 some could not run.";
 
+/// What `wherein render` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_AFTER_HELP)]
+struct RenderArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where the robot stands: x and y in metres, heading in degrees. The scene's start unless given.
+    #[arg(long, value_name = "X,Y,HEADING", allow_hyphen_values = true)]
+    at: Option<At>,
+    /// One camera only: floor, forward or ceiling.
+    #[arg(long, value_name = "NAME", value_parser = camera_name)]
+    camera: Option<CameraName>,
+    /// Mean illuminance at the floor in lux, all lamps dimmed alike. What the scene states unless given.
+    #[arg(long, value_name = "LUX", value_parser = render::illuminance, allow_hyphen_values = true, conflicts_with = "contact_sheet")]
+    lux: Option<f64>,
+    /// One sheet with all cameras in several lights, such as lux=0.1,1,10,100,1000.
+    #[arg(long, value_name = "lux=A,B,…")]
+    contact_sheet: Option<Lights>,
+    /// Seed of mounts, tiles and noise.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Where pictures go.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
+
+const RENDER_AFTER_HELP: &str = "\
+Writes DIR/<scene>/<camera>.png as the sensor gave it and <camera>_tone_mapped.png as a screen should show it,
+or DIR/<scene>/contact_sheet.png. Exposures are those on which automatic exposure settles.";
+
+fn camera_name(text: &str) -> Result<CameraName, String> {
+    let found = CameraName::ALL.into_iter().find(|name| name.as_str() == text);
+    found.ok_or_else(|| format!("expected one of {}", CameraName::ALL.map(CameraName::as_str).join(", ")))
+}
+
 /// What `wherein table` is asked.
 #[derive(Debug, Args)]
 struct TableArguments {
@@ -239,6 +282,18 @@ enum CommandError {
     NoResults(PathBuf),
     #[error("put the table into {}: expected a line `{}` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
     NoMarkers(PathBuf),
+    #[error("render {}: it stands for {count} scenes, expected one scene file", path.display())]
+    SeveralScenes { path: PathBuf, count: usize },
+    #[error(
+        "render {}: its robot has no {}camera, expected a table such as `[robot.forward_camera]`",
+        scene.display(),
+        wanted.map(|name| format!("{name} ")).unwrap_or_default()
+    )]
+    NoCamera { scene: PathBuf, wanted: Option<&'static str> },
+    #[error("render at {}, {}: outside the room, expected x from 0 to {} and y from 0 to {}", at_m[0], at_m[1], room_m[0], room_m[1])]
+    OutsideRoom { at_m: [f64; 2], room_m: [f64; 2] },
+    #[error("write {}: {}", .0.display(), .1)]
+    Picture(PathBuf, io::Error),
     #[error("print: {0}")]
     Output(#[from] io::Error),
 }
@@ -251,6 +306,7 @@ pub fn main() -> ExitCode {
         Command::Merge(arguments) => sweep::merge_folders(&arguments),
         Command::Report(arguments) => report::report_folder(&arguments),
         Command::Compare(arguments) => compare::compare_sides(&arguments),
+        Command::Render(arguments) => render::render(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
         Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),

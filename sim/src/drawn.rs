@@ -1,6 +1,7 @@
 //! The true values that a seed draws inside the declared bounds. The localizer never sees them.
 
 use localizer::Pose;
+use nalgebra::Isometry3;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution as _, StandardNormal};
 
@@ -22,6 +23,10 @@ pub struct Drawn {
     pub track_m: f64,
     /// True mount and lens of the floor camera.
     pub floor_camera: Option<DrawnFloorCamera>,
+    /// True mount and lens of the forward camera.
+    pub forward_camera: Option<DrawnCamera>,
+    /// True mount and lens of the ceiling camera.
+    pub ceiling_camera: Option<DrawnCamera>,
     /// True mount and optics of the range camera.
     pub range_camera: Option<DrawnRangeCamera>,
     /// True bias and scale of the gyroscope.
@@ -43,6 +48,17 @@ pub struct DrawnFloorCamera {
     pub yaw_rad: f64,
     /// Rotation vector of the optical axis off the body's vertical, about robot x and robot y; its norm is within the tolerance.
     pub tilt_rad: [f64; 2],
+}
+
+/// True mount and lens of a camera that looks ahead or up.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnCamera {
+    /// Pose in the robot frame.
+    pub body_from_camera: Isometry3<f64>,
+    /// Focal lengths along u and v.
+    pub focal_px: [f64; 2],
+    /// Where the optical axis meets the image.
+    pub principal_point_px: [f64; 2],
 }
 
 /// True mount and optics of the range camera.

@@ -8,12 +8,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 mod bounds;
+mod building;
+mod cameras;
 mod conform;
 mod error;
 mod events;
 mod expect;
 mod files;
 mod floor;
+mod lamps;
 mod models;
 mod parse;
 mod places;
@@ -25,11 +28,14 @@ mod setting;
 mod things;
 
 pub use bounds::Bounds;
+pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
+pub use cameras::{Band, Calibration, CeilingCamera, ForwardCamera, LensKeys};
 pub use error::SceneError;
 pub use events::Event;
 pub use expect::Expect;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
+pub use lamps::{Lamp, LampKind, Spectrum};
 pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
@@ -53,9 +59,15 @@ pub struct Scene {
     /// What the robot drives on.
     #[serde(default)]
     pub floor: Floor,
-    /// Lamps, as their illuminance.
+    /// How bright it is.
     #[serde(default)]
     pub light: Light,
+    /// What stands about and above the floor.
+    #[serde(default)]
+    pub building: Building,
+    /// Where the light comes from.
+    #[serde(default, rename = "lamp")]
+    pub lamps: Vec<Lamp>,
     /// What stands in the room.
     #[serde(default)]
     pub furniture: Vec<Furniture>,
@@ -113,10 +125,14 @@ pub struct Room {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
-    /// Mean illuminance at the floor.
+    /// Mean illuminance at the floor. Without effect when each `[[lamp]]` states its own output.
     #[schemars(range(min = 0.0, max = 100000.0))]
     pub illuminance_at_floor_lux: f64,
-    /// Brightest over darkest place of the room's floor.
+    /// Instead: illuminance on an upright plane at the forward camera's lens, facing as the camera does, with the robot at
+    /// its start. Dims all lamps alike.
+    #[schemars(range(min = 0.0, max = 100000.0))]
+    pub illuminance_at_camera_lux: Option<f64>,
+    /// Brightest over darkest place of the room's floor, when there is no `[[lamp]]`.
     #[schemars(range(min = 1.0, max = 1000.0))]
     pub unevenness_ratio: f64,
     /// Direction in which the floor grows brighter, from world x. Any angle.
@@ -125,7 +141,12 @@ pub struct Light {
 
 impl Default for Light {
     fn default() -> Self {
-        Light { illuminance_at_floor_lux: 300.0, unevenness_ratio: 1.5, unevenness_direction_deg: 30.0 }
+        Light {
+            illuminance_at_floor_lux: 300.0,
+            illuminance_at_camera_lux: None,
+            unevenness_ratio: 1.5,
+            unevenness_direction_deg: 30.0,
+        }
     }
 }
 

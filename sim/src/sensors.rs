@@ -3,6 +3,7 @@
 pub mod camera;
 pub mod encoder;
 mod floor_camera;
+pub mod lens;
 pub mod gyro;
 pub mod range_camera;
 mod sight;

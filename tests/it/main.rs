@@ -50,6 +50,12 @@ mod render_laid_tiles;
 mod render_photons;
 /// Rendered floor points, joints and blur against a projection derived by hand.
 mod render_projection;
+/// Light of lamps against closed forms; shadows against similar triangles; spectra against published figures.
+mod light_of_lamps;
+/// Rooms seen through lenses against projections of the tests' own.
+mod render_room;
+/// `wherein render`.
+mod cli_render;
 /// What the renderer's tests share.
 mod render_studio;
 /// Who is at fault when the truth is outside, on records made by hand.

@@ -252,3 +252,29 @@ fn joints_wider_than_half_a_tile_are_refused() {
     let scene = blind_scene(10.0, "[floor.tiles]\nedge_x_m = 0.06\njoint_width_m = 0.05\n");
     assert_refused("all_joint", scene, &["`floor.tiles.joint_width_m = 0.05`", "expected at most 0.03"]);
 }
+
+#[test]
+fn lamps_doors_and_lenses_that_cannot_be_are_refused() {
+    let lamp = "[[lamp]]\nkind = \"panel\"\nx_m = 1.0\ny_m = 1.0\n";
+    let window = "[[lamp]]\nkind = \"window\"\nx_m = 1.0\ny_m = 0.0\n";
+    let cases = [
+        (format!("{lamp}lumens = 100\nilluminance_at_floor_lux = 10\n"), "`lamp[0].illuminance_at_floor_lux = 10`"),
+        (format!("{lamp}height_m = 2.7\n"), "expected less than the ceiling's height, 2.6 m"),
+        (format!("{window}height_m = 2.2\n"), "the window reaches beyond its wall"),
+        (lamp.replace("x_m = 1.0", "x_m = 3.5"), "outside the building, expected a number from 0 to 3"),
+        (lamp.replace("panel", "candle"), "expected one of panel, tube, point, window"),
+        ("[light]\nilluminance_at_camera_lux = 0.1\n".to_owned(), "stands without `[robot.forward_camera]`"),
+        (
+            "[[building.door]]\nfrom_m = [1.0, 0.0]\nto_m = [1.0, 0.0]\n".to_owned(),
+            "`building.door[0].to_m = [1.0, 0.0]`",
+        ),
+        (
+            "[robot.forward_camera]\nlens.distortion = [-1.5, 0.0, 0.0, 0.0, 0.0]\n".to_owned(),
+            "folds the image over within its edges",
+        ),
+        ("[robot.ceiling_camera]\nfocal_px = [700.0]\n".to_owned(), "a list of 1"),
+    ];
+    for (index, (keys, part)) in cases.into_iter().enumerate() {
+        assert_refused(&format!("building_{index}"), blind_scene(10.0, &keys), &[part]);
+    }
+}

@@ -5,10 +5,11 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::{
     randomness::stream,
-    scene::{Distribution, FloorCamera, Gyro, RangeCamera, Scene},
+    scene::{Calibration, Distribution, FloorCamera, Gyro, RangeCamera, Scene},
+    sensors::lens,
 };
 
-use super::{Drawn, DrawnFloorCamera, DrawnGyro, DrawnRangeCamera, LaidTiles, draw_within};
+use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnRangeCamera, LaidTiles, draw_within};
 
 impl Drawn {
     /// Draws everything that a seed decides before the start.
@@ -27,6 +28,23 @@ impl Drawn {
                 .floor_camera
                 .as_ref()
                 .map(|camera| draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"))),
+            forward_camera: robot.forward_camera.as_ref().map(|camera| {
+                let size_px = [camera.width_px, camera.height_px].map(f64::from);
+                let nominal = DrawnCamera {
+                    body_from_camera: lens::body_from_forward_camera(camera),
+                    focal_px: [lens::forward_focal_px(camera); 2],
+                    principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
+                };
+                draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "forward_camera.mount"))
+            }),
+            ceiling_camera: robot.ceiling_camera.as_ref().map(|camera| {
+                let nominal = DrawnCamera {
+                    body_from_camera: lens::body_from_ceiling_camera(camera),
+                    focal_px: camera.focal_px,
+                    principal_point_px: camera.principal_point_px,
+                };
+                draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "ceiling_camera.mount"))
+            }),
             range_camera: robot
                 .range_camera
                 .as_ref()
@@ -84,5 +102,22 @@ fn draw_gyro(gyro: &Gyro, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnGy
     DrawnGyro {
         bias_rad_per_s: draw_within(gyro.bias_tolerance_deg_per_s.to_radians(), errors, rng),
         scale: 1.0 + draw_within(gyro.scale_tolerance, errors, rng),
+    }
+}
+
+fn draw_camera(
+    nominal: DrawnCamera,
+    calibration: &Calibration,
+    errors: Distribution,
+    rng: &mut ChaCha8Rng,
+) -> DrawnCamera {
+    let shift_m = [0; 3].map(|_| draw_within(calibration.position_tolerance_m, errors, rng));
+    let turn_rad = [0; 3].map(|_| draw_within(calibration.angle_tolerance_deg.to_radians(), errors, rng));
+    let scale = 1.0 + draw_within(calibration.focal_tolerance, errors, rng);
+    let tolerance_px = calibration.principal_point_tolerance_px;
+    DrawnCamera {
+        body_from_camera: lens::turned(nominal.body_from_camera, turn_rad, shift_m),
+        focal_px: nominal.focal_px.map(|focal_px| focal_px * scale),
+        principal_point_px: nominal.principal_point_px.map(|at_px| at_px + draw_within(tolerance_px, errors, rng)),
     }
 }

@@ -6,6 +6,7 @@ use image::GrayImage;
 
 use super::{
     RenderError, device::PATIENCE, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot,
+    room::RoomSlot,
 };
 
 /// Luminance in cd/m², averaged over the exposure.
@@ -16,6 +17,8 @@ pub(super) struct Target {
     pub(super) size_px: [u32; 2],
     pub(super) luminance: wgpu::TextureView,
     pub(super) floor: FloorSlot,
+    /// Made when first a room is drawn.
+    pub(super) room: Option<RoomSlot>,
     pub(super) photons: PhotonSlot,
     grey: wgpu::Buffer,
     staging: wgpu::Buffer,
@@ -57,7 +60,7 @@ impl Target {
         let staging = buffer("grey levels staged", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
         let floor = floor_pass.slot(device);
         let photons = photon_pass.slot(device, &luminance, &grey);
-        Target { size_px, luminance, floor, photons, grey, staging }
+        Target { size_px, luminance, floor, room: None, photons, grey, staging }
     }
 
     /// Copies the grey levels to where the processor can read them.

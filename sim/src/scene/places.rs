@@ -1,5 +1,7 @@
 //! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
 
+mod building;
+
 use super::{Event, Scene, conform::nearest, parse::Contradiction};
 
 /// Everything in which `scene` contradicts itself.
@@ -10,6 +12,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     floor_places(scene, &mut found);
     things(scene, &mut found);
     events(scene, &mut found);
+    building::contradictions(scene, &mut found);
     let gyro_s = scene.robot.gyro.as_ref().map(|gyro| ("robot.gyro.period_s", gyro.period_s));
     for (key, period_s) in [("robot.encoders.period_s", scene.robot.encoders.period_s)].into_iter().chain(gyro_s) {
         if let Some(expected) = sampling(period_s) {

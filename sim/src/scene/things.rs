@@ -24,6 +24,10 @@ pub struct Furniture {
     /// Direction of its length from world x, counter-clockwise. Any angle.
     #[serde(default)]
     pub rotation_deg: f64,
+    /// Share of the light that it throws back, as a matt surface.
+    #[serde(default = "default_furniture_albedo")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub albedo: f64,
 }
 
 /// Somebody who walks to and fro along a polyline and stands still while the robot is in the way.
@@ -73,6 +77,10 @@ impl Furniture {
 
 fn default_furniture_height_m() -> f64 {
     0.75
+}
+
+fn default_furniture_albedo() -> f64 {
+    0.4
 }
 
 fn default_walking_speed() -> f64 {
