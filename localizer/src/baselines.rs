@@ -5,9 +5,9 @@ mod least_squares;
 mod printed_table_iv;
 
 use crate::{
-    PoseBox,
-    contractor::{Landmark, RigidPlanar},
-    methods::range_landmarks::Solver,
+    Contractor, PoseBox,
+    contractor::Landmark,
+    methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver},
 };
 
 pub use icp::closest_points;
@@ -24,5 +24,5 @@ pub const SOLVERS: [(&str, Solver); 4] = [
 
 /// Boxes of all poses in `prior` that carry each landmark's second box into its first, by one solver.
 pub fn solve(solver: Solver, landmarks: &[Landmark], prior: &PoseBox) -> Vec<PoseBox> {
-    crate::methods::range_landmarks::solve(&RigidPlanar::new(landmarks), landmarks, solver, prior)
+    PoseFromLandmarks::new(landmarks.to_vec(), 0, Freedom::Full, solver).branches(prior)
 }

@@ -18,6 +18,12 @@ mod interval_precision;
 mod interval_text;
 /// The wheels' enclosure against motion integrated much finer.
 mod motion_enclosure;
+/// A range camera and landmarks of the tests' own, seen in three dimensions.
+mod range_landmarks_setup;
+/// Every way to solve for the pose from landmarks, some of them matched wrongly.
+mod range_landmarks_solvers;
+/// Drives past landmarks that nobody has mapped.
+mod range_landmarks_drive;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
 mod floor_tiles_geometry;
 /// Scenes and drives that the tests of the world share.

@@ -14,20 +14,19 @@
 
 mod atlas;
 mod keyframes;
-mod pose_contractor;
-mod sighting;
+mod sight;
+mod solver;
 
 use crate::{
     Interval, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
     reading::LandmarkId,
-    robot::RangeCameraModel,
 };
 
 use atlas::Atlas;
 use keyframes::KeyFrames;
-use pose_contractor::LandmarkPose;
-pub(crate) use pose_contractor::solve;
+pub use sight::{Seen, Sensor};
+pub use solver::{Freedom, PoseFromLandmarks, Solver};
 
 /// The declared bounds that a reading of landmarks stands on.
 const RELIES_ON: [Assumption; 12] = [
@@ -45,42 +44,10 @@ const RELIES_ON: [Assumption; 12] = [
     "range_landmarks.wrong_spacing",
 ];
 
-/// A landmark in a robot-frame box: forward, left.
-pub(super) type Seen = (LandmarkId, [Interval; 2]);
-
-/// How the pose is free to move between two readings, as far as this method knows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Freedom {
-    /// Along world x only: Table II. What is known of y and heading comes from elsewhere.
-    Line,
-    /// In x and y: Table III. What is known of the heading comes from elsewhere.
-    Translation,
-    /// In x, y and heading: Table IV.
-    #[default]
-    Full,
-}
-
-/// How the pose is solved from the landmarks.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Solver {
-    /// Linear elimination with slices of heading: no bisection.
-    #[default]
-    OneShot,
-    /// The polar contractor on each landmark, to its fixpoint.
-    Polar,
-    /// The paper's forward-backward contractor with the branches of its inverse functions put right, to its fixpoint.
-    TableIv,
-    /// The paper's set inversion: bisection of x, y and heading down to a resolution in metres and radians, contracting each box.
-    Sivia {
-        /// Width at which a box is left whole.
-        resolution: f64,
-    },
-}
-
 /// Localization by coded landmarks that no map names.
 pub struct RangeLandmarks {
-    robot: RobotModel,
-    camera: RangeCameraModel,
+    sensor: Sensor,
+    q_items: usize,
     freedom: Freedom,
     solver: Solver,
     atlas: Atlas,
@@ -96,11 +63,11 @@ const SWEEP_EVERY: usize = 10;
 impl RangeLandmarks {
     /// The method for this robot; `None` if it has no range camera.
     pub fn new(robot: &RobotModel, freedom: Freedom, solver: Solver) -> Option<Self> {
-        let camera = robot.range_camera.clone()?;
+        let camera = robot.range_camera.as_ref()?;
         Some(RangeLandmarks {
+            sensor: Sensor::new(robot)?,
+            q_items: camera.q_items,
             atlas: Atlas::new(camera.q_items, camera.wrong_spacing),
-            robot: robot.clone(),
-            camera,
             freedom,
             solver,
             keyframes: KeyFrames::default(),
@@ -111,7 +78,7 @@ impl RangeLandmarks {
 
     /// Landmark boxes in the world beside those in the robot frame, for each sighting of a known landmark.
     fn pairs(&self, seen: &[Seen]) -> Vec<([Interval; 2], [Interval; 2])> {
-        seen.iter().filter_map(|(landmark, in_robot)| Some((self.atlas.place(*landmark)?, *in_robot))).collect()
+        seen.iter().filter_map(|seen| Some((self.atlas.place(seen.landmark)?, seen.in_robot_m))).collect()
     }
 }
 
@@ -126,24 +93,22 @@ impl Method for RangeLandmarks {
 
     fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
         let Reading::Range { measured_s, sightings, .. } = reading else { return None };
-        let seen: Vec<Seen> = sightings
-            .iter()
-            .filter_map(|one| Some((one.landmark, sighting::in_robot(one, &self.camera, &self.robot)?)))
-            .collect();
+        let seen: Vec<Seen> = sightings.iter().map(|one| self.sensor.seen(one)).filter(Seen::is_bounded).collect();
         if seen.is_empty() {
             return None;
         }
         let pairs = self.pairs(&seen);
-        let decides = pairs.len() >= 2 + self.camera.q_items;
-        let claims = seen.iter().map(|&(landmark, in_robot_m)| Claim::Landmark { landmark, in_robot_m }).collect();
+        let decides = pairs.len() >= 2 + self.q_items;
+        let claim = |seen: &Seen| Claim::Landmark { landmark: seen.landmark, in_robot_m: seen.in_robot_m };
+        let claims = seen.iter().map(claim).collect();
         self.latest = Some((*measured_s, seen));
         Some(Constraint {
             method: self.name(),
             stamp_s: *measured_s,
-            on_pose: Box::new(LandmarkPose::new(&pairs, self.freedom, self.solver, self.camera.q_items)),
+            on_pose: Box::new(PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver)),
             relies_on: RELIES_ON.to_vec(),
             claims,
-            q_items: self.camera.q_items,
+            q_items: self.q_items,
             rejected_px: Vec::new(),
             decides,
         })
@@ -154,12 +119,12 @@ impl Method for RangeLandmarks {
         if posterior.is_empty() {
             return;
         }
-        for (landmark, in_robot) in &seen {
-            self.atlas.learn(stamp_s, *landmark, in_world(posterior, in_robot));
+        for seen in &seen {
+            self.atlas.learn(stamp_s, seen.landmark, in_world(posterior, seen));
         }
         self.n_learnt += 1;
         // A single wrong match may be among the raw sightings of any key frame, so that sweeps are for right ones only.
-        if self.camera.q_items > 0 {
+        if self.q_items > 0 {
             return;
         }
         self.keyframes.keep(stamp_s, posterior.hull(), seen, motion);
@@ -183,16 +148,10 @@ impl Method for RangeLandmarks {
     }
 }
 
-/// t + R(θ)·b over all branches.
-fn in_world(poses: &PoseUnion, in_robot: &[Interval; 2]) -> [Interval; 2] {
+/// Where a landmark is, seen from any branch.
+fn in_world(poses: &PoseUnion, seen: &Seen) -> [Interval; 2] {
     poses.branches.iter().fold([Interval::EMPTY; 2], |hull, pose| {
-        let place = carried(pose, in_robot);
+        let place = seen.in_world(pose);
         [hull[0].hull(place[0]), hull[1].hull(place[1])]
     })
-}
-
-/// t + R(θ)·b.
-fn carried(pose: &crate::PoseBox, [forward, left]: &[Interval; 2]) -> [Interval; 2] {
-    let (cos, sin) = (pose[2].cos(), pose[2].sin());
-    [pose[0] + *forward * cos - *left * sin, pose[1] + *forward * sin + *left * cos]
 }

@@ -6,7 +6,7 @@ use crate::{
     motion::{Motion, moved},
 };
 
-use super::{Freedom, Seen, Solver, atlas::Atlas, carried, pose_contractor::LandmarkPose};
+use super::{Freedom, PoseFromLandmarks, Seen, Solver, atlas::Atlas};
 
 /// A reading is kept when the robot has since moved or turned by this much: nearer ones see the same.
 const APART_M: f64 = 0.15;
@@ -133,12 +133,13 @@ impl KeyFrame {
 
     /// The pose by the landmarks, and the landmarks by the pose.
     fn look(&mut self, now_s: f64, atlas: &mut Atlas, freedom: Freedom) {
-        let pairs: Vec<_> = self.seen.iter().filter_map(|(landmark, b)| Some((atlas.place(*landmark)?, *b))).collect();
+        let pairs: Vec<_> =
+            self.seen.iter().filter_map(|seen| Some((atlas.place(seen.landmark)?, seen.in_robot_m))).collect();
         let mut pose = self.pose;
-        LandmarkPose::new(&pairs, freedom, Solver::OneShot, 0).contract(&mut pose);
+        PoseFromLandmarks::new(pairs, 0, freedom, Solver::OneShot).contract(&mut pose);
         self.narrow(&pose);
-        for (landmark, b) in &self.seen {
-            atlas.narrow(now_s, *landmark, carried(&self.pose, b));
+        for seen in &self.seen {
+            atlas.narrow(now_s, seen.landmark, seen.in_world(&self.pose));
         }
     }
 }
@@ -146,7 +147,7 @@ impl KeyFrame {
 /// Poses of `domain` from which `motion` leads into `reached`: θ = θ′ − turn, t = t′ − R(θ)·(f, l).
 fn came_from(reached: &PoseBox, motion: &Motion, domain: &PoseBox) -> PoseBox {
     let heading = domain[2].intersect(reached[2] - motion[2]);
-    let way =
-        carried(&IntervalBox::from([crate::Interval::ZERO, crate::Interval::ZERO, heading]), &[motion[0], motion[1]]);
+    let (cos, sin) = (heading.cos(), heading.sin());
+    let way = [cos * motion[0] - sin * motion[1], sin * motion[0] + cos * motion[1]];
     IntervalBox::from([reached[0] - way[0], reached[1] - way[1], heading])
 }
