@@ -234,8 +234,12 @@ fn nearest_keys(key: &str, known: Vec<String>) -> Vec<String> {
     // A key that is this much less alike than the best one only distracts.
     const SLACK: f64 = 0.4;
     let last = |path: &str| segments(path).last().map_or_else(String::new, |last| (*last).to_owned());
-    let similarity =
-        |path: &str| strsim::jaro_winkler(key, path) + strsim::jaro_winkler(&last(key), &last(path)).powi(2);
+    // What names a part of something that has none means that very thing.
+    let has_no_parts = |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.starts_with(['.', '[']));
+    let similarity = |path: &str| {
+        let alike = strsim::jaro_winkler(key, path) + strsim::jaro_winkler(&last(key), &last(path)).powi(2);
+        alike + f64::from(u8::from(has_no_parts(path)))
+    };
     let mut ranked: Vec<(f64, String)> = known.into_iter().map(|path| (similarity(&path), path)).collect();
     ranked.sort_by(|one, other| other.0.total_cmp(&one.0));
     ranked.dedup();
