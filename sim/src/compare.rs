@@ -100,6 +100,8 @@ pub struct Comparison {
     pub lost: Vec<String>,
     /// See `lost`.
     pub won: Vec<String>,
+    /// Cases that the first side ran and the second was to run and could not.
+    pub failed: Vec<String>,
     /// One line for each figure.
     pub lines: Vec<Line>,
     /// How sure all intervals together are.
@@ -110,8 +112,8 @@ pub struct Comparison {
 pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
     let pairs: Vec<(&String, &load::Case, &load::Case)> =
         first.cases.iter().filter_map(|(name, case)| Some((name, case, second.cases.get(name)?))).collect();
-    let only =
-        |one: &Side, other: &Side| one.cases.keys().filter(|name| !other.cases.contains_key(*name)).cloned().collect();
+    let knows = |side: &Side, name: &str| side.cases.contains_key(name) || side.not_run.contains(name);
+    let only = |one: &Side, other: &Side| one.cases.keys().filter(|name| !knows(other, name)).cloned().collect();
     let keeps = |case: &load::Case| case.figures.get("containment.contained_share").is_some_and(|share| *share >= 1.0);
     let named = |wanted: &dyn Fn(&load::Case, &load::Case) -> bool| -> Vec<String> {
         pairs.iter().filter(|(_, one, other)| wanted(one, other)).map(|(name, _, _)| (*name).clone()).collect()
@@ -128,6 +130,7 @@ pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
         unpaired: [only(first, second), only(second, first)],
         lost,
         won,
+        failed: second.not_run.iter().filter(|name| first.cases.contains_key(*name)).cloned().collect(),
         lines,
         confidence,
     };
@@ -136,9 +139,9 @@ pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
 }
 
 impl Comparison {
-    /// Whether anything is worse.
+    /// Whether anything is worse, or could not run any more.
     pub fn is_worse(&self) -> bool {
-        self.lines.iter().any(|line| line.finding == Finding::Worse)
+        !self.failed.is_empty() || self.lines.iter().any(|line| line.finding == Finding::Worse)
     }
 
     /// One side that never lost the truth stands above one that did.

@@ -26,7 +26,8 @@ pub enum FramesPolicy {
     /// Of none.
     #[default]
     None,
-    /// Of those after which the truth is outside the estimate, or that emptied it.
+    /// Of those after which the truth is outside the estimate, or that emptied it; of the one that left the widest box when
+    /// a run without any of those misses an expectation.
     Failures,
     /// Of every n-th, the first included.
     Every(usize),
@@ -74,26 +75,49 @@ impl fmt::Display for FramesPolicy {
 
 /// Draws what the localizer saw in an image beside where that put the robot; none when the record did not keep the image.
 pub fn figure(file: &SceneFile, record: &RunRecord, image: &ImageRecord) -> Option<RgbImage> {
-    let (pixels, exposure_s) = camera_image(image)?;
+    let (pixels, exposure_s) = camera_image(image.reading.as_ref()?)?;
     Some(figure::draw(file, record, image, pixels, exposure_s))
 }
 
-/// Writes `image_*.png` as the sensor gave it and `figure_*.png` for every image that `record` kept.
-pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
+/// Writes `image_*.png` as the sensor gave it and `figure_*.png` for every image that `record` kept, and says how many.
+pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<usize, RecordError> {
+    let mut count = 0;
     for image in &record.images {
-        let Some((pixels, exposure_s)) = camera_image(image) else { continue };
-        let number = image.number;
-        let raw = folder.join(format!("image_{number:05}.png"));
-        naming("write", &raw, pixels.save(&raw).map_err(std::io::Error::other))?;
-        let drawn = folder.join(format!("figure_{number:05}.png"));
-        let figure = figure::draw(file, record, image, pixels, exposure_s);
-        naming("write", &drawn, figure.save(&drawn).map_err(std::io::Error::other))?;
+        let Some(reading) = &image.reading else { continue };
+        count += usize::from(write_one(folder, file, record, image, reading)?);
     }
-    Ok(())
+    Ok(count)
 }
 
-fn camera_image(image: &ImageRecord) -> Option<(&GrayImage, f64)> {
-    match image.reading.as_ref()? {
+/// Writes the same of the image that left the widest box.
+pub(crate) fn write_widest(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
+    let widest = record.widest_image.as_ref();
+    let Some((image, reading)) = widest.and_then(|(index, reading)| Some((record.images.get(*index)?, reading))) else {
+        return Ok(());
+    };
+    write_one(folder, file, record, image, reading).map(|_| ())
+}
+
+/// Writes both pictures of an image; says whether the reading is one.
+fn write_one(
+    folder: &Path,
+    file: &SceneFile,
+    record: &RunRecord,
+    image: &ImageRecord,
+    reading: &Reading,
+) -> Result<bool, RecordError> {
+    let Some((pixels, exposure_s)) = camera_image(reading) else { return Ok(false) };
+    let number = image.number;
+    let raw = folder.join(format!("image_{number:05}.png"));
+    naming("write", &raw, pixels.save(&raw).map_err(std::io::Error::other))?;
+    let drawn = folder.join(format!("figure_{number:05}.png"));
+    let figure = figure::draw(file, record, image, pixels, exposure_s);
+    naming("write", &drawn, figure.save(&drawn).map_err(std::io::Error::other))?;
+    Ok(true)
+}
+
+fn camera_image(reading: &Reading) -> Option<(&GrayImage, f64)> {
+    match reading {
         Reading::Camera { image, exposure_s, .. } => Some((image, *exposure_s)),
         _ => None,
     }

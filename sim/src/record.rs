@@ -116,7 +116,10 @@ pub(crate) fn fill(partial: &Path, file: &SceneFile, record: &RunRecord, verdict
     write("estimate.tum", poses::estimate_tum(record))?;
     write("boxes.csv", poses::boxes_csv(record))?;
     write("steps.csv", poses::steps_csv(record, verdict))?;
-    frames::write(partial, file, record)?;
+    let shown = frames::write(partial, file, record)?;
+    if shown == 0 && !verdict.verdict.passed {
+        frames::write_widest(partial, file, record)?;
+    }
     write("timing.json", format!("{:#}\n", Timing::of(file, record).to_json()))?;
     write("summary.json", Summary::of(file, record, verdict).to_text())
 }

@@ -90,7 +90,7 @@ Cases are paired by scene, settings and seed. Seeds are the independent witnesse
 the cases of each seed, and a paired t interval says whether their mean is zero. All intervals together hold with the
 confidence asked for. A side that contained the truth at every step is better than one that did not, whatever the interval.
 
-Exit code: 0 nothing is worse, 1 something is, 2 could not compare.";
+Exit code: 0 nothing is worse, 1 something is or could not run any more, 2 could not compare.";
 
 fn confidence(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|p| (0.5..1.0).contains(p)).ok_or_else(|| "expected a number from 0.5 to 1".to_owned())

@@ -1,7 +1,7 @@
 //! One side of a comparison: a folder of results, or a `results.csv` kept as a baseline.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     fs,
     path::{Path, PathBuf},
 };
@@ -15,11 +15,13 @@ use crate::{
     sweep::SweepError,
 };
 
-/// Every case that ran, by scene, settings and seed.
+/// Cases by scene, settings and seed.
 #[derive(Clone, Debug, Default)]
 pub struct Side {
     /// Its cases.
     pub cases: BTreeMap<String, Case>,
+    /// Cases that it was to run and that failed or are missing.
+    pub not_run: BTreeSet<String>,
 }
 
 /// One case that ran.
@@ -68,15 +70,19 @@ impl Side {
         let column = |name: &str| columns.iter().position(|column| column == name).ok_or(format!("no column `{name}`"));
         let (scene, seed, status) = (column("scene")?, column("seed")?, column("status")?);
         let settings: Vec<usize> = (0..columns.len()).filter(|index| columns[*index].starts_with("set.")).collect();
-        let mut cases = BTreeMap::new();
-        for row in rows.iter().filter(|row| row[status] == "done") {
+        let mut side = Side::default();
+        for row in &rows {
             let set = settings.iter().filter(|index| !row[**index].is_empty());
             let set: Vec<String> = set.map(|index| format!("{}={} ", &columns[*index][4..], row[*index])).collect();
             let name = format!("{} {}seed {}", row[scene], set.concat(), row[seed]);
             let seed = row[seed].parse().map_err(|_| format!("`seed` is `{}`, expected a whole number", row[seed]))?;
+            if row[status] != "done" {
+                side.not_run.insert(name);
+                continue;
+            }
             let number = |(name, text): (&String, &String)| Some((name.clone(), text.parse().ok()?));
-            cases.insert(name, Case { seed, figures: columns.iter().zip(row).filter_map(number).collect() });
+            side.cases.insert(name, Case { seed, figures: columns.iter().zip(row).filter_map(number).collect() });
         }
-        Ok(Side { cases })
+        Ok(side)
     }
 }

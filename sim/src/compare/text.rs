@@ -22,6 +22,7 @@ pub fn as_text(comparison: &Comparison) -> String {
     }
     text += &named("lost containment, which the first side kept", &comparison.lost);
     text += &named("won containment, which the first side lost", &comparison.won);
+    text += &named("could not run or are missing in the second, which the first ran", &comparison.failed);
     let [first, second] = &comparison.unpaired;
     text += &named("only in the first", first);
     text += &named("only in the second", second);

@@ -130,14 +130,14 @@ fn legend() -> Markup {
 
 /// The worst cases, and one that stands for all: that with the median error.
 fn worst_cases(overview: &Overview, results: &Results) -> Markup {
-    let worst: Vec<&CaseResult> = overview.worst.iter().take(MOST_WORST).map(|index| &results.cases[*index]).collect();
+    let worst = diverse(overview.worst.iter().map(|index| &results.cases[*index]));
     let typical = typical(results).filter(|typical| worst.iter().all(|case| !std::ptr::eq(*case, *typical)));
     html! {
         @if !worst.is_empty() {
             h2 { "The worst cases" }
             p.note {
                 @if overview.n_missed == 0 { "No case failed; these are the worst of those that passed. " }
-                "Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull."
+                "No two are of the same seed or combination while there are others. Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull."
             }
             @for case in worst { (told(overview, case)) }
             @if let Some(case) = typical {
@@ -147,6 +147,19 @@ fn worst_cases(overview: &Overview, results: &Results) -> Markup {
             }
         }
     }
+}
+
+/// The first cases of which no two share their seed or their settings, filled up with others where there are too few: what
+/// fails for one reason fails alike all along a key.
+fn diverse<'a>(cases: impl Iterator<Item = &'a CaseResult>) -> Vec<&'a CaseResult> {
+    let (mut told, mut others): (Vec<&CaseResult>, Vec<&CaseResult>) = (Vec::new(), Vec::new());
+    for case in cases {
+        let is_alike =
+            |one: &&CaseResult| one.scene == case.scene && (one.seed == case.seed || one.settings == case.settings);
+        let is_full = told.len() >= MOST_WORST;
+        if is_full || told.iter().any(is_alike) { others.push(case) } else { told.push(case) }
+    }
+    told.into_iter().chain(others).take(MOST_WORST).collect()
 }
 
 fn typical(results: &Results) -> Option<&CaseResult> {

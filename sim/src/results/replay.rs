@@ -17,7 +17,9 @@ impl Replay {
             words.extend(["--set".to_owned(), setting.to_string()]);
         }
         words.extend(["--seed".to_owned(), case.seed.to_string()]);
-        words.extend(["--frames".to_owned(), "failures".to_owned(), "--out".to_owned(), out.to_owned()]);
+        // A case that passed has no failure to show.
+        let frames = if case.passed() == Some(true) { "every=20" } else { "failures" };
+        words.extend(["--frames".to_owned(), frames.to_owned(), "--out".to_owned(), out.to_owned()]);
         Replay(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "))
     }
 }
