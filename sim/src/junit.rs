@@ -46,11 +46,17 @@ pub fn failure_message(case: &CaseResult) -> String {
     first_outside(case).unwrap_or_else(|| case.missed_expectations().join("; "))
 }
 
+/// Message, whatever it leaves out of the missed expectations, and the command that replays the case.
+pub fn failure_account(case: &CaseResult, message: &str) -> String {
+    let missed = case.missed_expectations().into_iter().filter(|line| !message.contains(line)).map(str::to_owned);
+    let replay = format!("replay: {}", Replay::of(case, "renders"));
+    [message.to_owned()].into_iter().chain(missed).chain([replay]).collect::<Vec<_>>().join("\n")
+}
+
 fn not_passed(kind: NonSuccessKind, case: &CaseResult, message: &str) -> TestCaseStatus {
     let mut status = TestCaseStatus::non_success(kind);
-    let missed = case.missed_expectations().join("\n");
     status.set_message(message);
     status.set_type(if kind == NonSuccessKind::Failure { "expectation" } else { "not run" });
-    status.set_description(format!("{message}\n{missed}\nreplay: {}\n", Replay::of(case, "renders")));
+    status.set_description(failure_account(case, message) + "\n");
     status
 }

@@ -72,3 +72,7 @@ mod whole_runs;
 mod sweep_cases;
 /// Sweeps that must be refused, and what the refusal says.
 mod sweep_refusals;
+/// Reports, JUnit and annotations of a sweep, against its own table.
+mod sweep_report;
+/// `wherein compare`: planted differences found, chance not taken for one.
+mod sweep_compare;

@@ -3,10 +3,10 @@
 use std::{env, fs::OpenOptions, io::Write};
 
 use crate::{
-    junit::failure_message,
+    junit::{failure_account, failure_message},
     record::naming,
     report::{Overview, as_markdown},
-    results::{CaseResult, Replay, Results},
+    results::{CaseResult, Results},
 };
 
 use super::CommandError;
@@ -37,7 +37,7 @@ pub(super) fn tell_github(overview: &Overview, results: &Results) -> Result<(), 
 fn annotation(case: &CaseResult, message: &str) -> String {
     let title = property(&case.describe(true));
     let file = property(&case.scene_path.display().to_string());
-    let message = data(&format!("{message}\nreplay: {}", Replay::of(case, "renders")));
+    let message = data(&failure_account(case, message));
     format!("::error file={file},title={title}::{message}")
 }
 

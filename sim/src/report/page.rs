@@ -137,7 +137,7 @@ fn worst_cases(overview: &Overview, results: &Results) -> Markup {
             h2 { "The worst cases" }
             p.note {
                 @if overview.n_missed == 0 { "No case failed; these are the worst of those that passed. " }
-                "No two are of the same seed or combination while there are others. Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull."
+                "Of different seeds and combinations first. Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull."
             }
             @for case in worst { (told(overview, case)) }
             @if let Some(case) = typical {

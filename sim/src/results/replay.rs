@@ -17,8 +17,9 @@ impl Replay {
             words.extend(["--set".to_owned(), setting.to_string()]);
         }
         words.extend(["--seed".to_owned(), case.seed.to_string()]);
-        // A case that passed has no failure to show.
-        let frames = if case.passed() == Some(true) { "every=20" } else { "failures" };
+        // A case that passed and never lost the truth has no failure to show.
+        let is_clean = case.passed() == Some(true) && case.first_failure().is_null();
+        let frames = if is_clean { "every=20" } else { "failures" };
         words.extend(["--frames".to_owned(), frames.to_owned(), "--out".to_owned(), out.to_owned()]);
         Replay(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "))
     }
