@@ -5,9 +5,9 @@ use std::{
     process::Command,
 };
 
-use sim::results::from_csv;
+use sim::{results::from_csv, scene::SceneTemplate, sweep::Sweep};
 
-use crate::command::{blind_scene, folder, outcome, wherein};
+use crate::command::{blind_scene, folder, outcome, root, wherein};
 
 /// A push of 0.1 m within 0.2 s breaks the bound of slip; half of the cases ask for narrower boxes than there are.
 const PUSHED: &str = "[[event]]\nkind = \"push\"\nat_s = 0.5\ndisplacement_m = [0.0, 0.1]\nlasts_s = 0.2\n\
@@ -109,6 +109,47 @@ fn the_numbers_of_the_page_and_of_the_summary_are_those_of_the_csv() {
         let line = format!("| {} | {} | {passed} | {} |\n", keys[0], keys[1], figures.join(" | "));
         assert!(markdown.contains(&line), "`{line}` is missing in:\n{markdown}");
     }
+}
+
+#[test]
+fn every_column_is_documented() {
+    let (folder, _) = swept("report_columns", &[]);
+    let documented = fs::read_to_string(root().join("docs/sweeps.md")).unwrap();
+    let (names, _) = from_csv(&read(&folder, "out/results.csv")).unwrap();
+    for name in names {
+        let family = name.split('.').next().unwrap();
+        let is_there = documented.contains(&format!("`{family}`")) || documented.contains(&format!("`{family}."));
+        assert!(is_there, "docs/sweeps.md does not say what `{name}` is");
+    }
+}
+
+#[test]
+fn the_example_sweep_is_valid() {
+    let sweep = Sweep::load(&root().join("docs/ci/light_and_slip.toml")).unwrap().unwrap();
+    let variations = sweep.variations(&SceneTemplate::load(&sweep.scene).unwrap()).unwrap();
+    assert_eq!((variations.len(), sweep.seeds), (9, 0..5));
+}
+
+/// The recipe's first call makes the results that its second call takes for a baseline.
+#[cfg(unix)]
+#[test]
+fn the_shell_recipe_ends_with_the_gravest_code() {
+    let folder = folder("report_recipe");
+    fs::write(folder.join("scene.toml"), blind_scene(0.5, "[expect]\nunsound = 0\n")).unwrap();
+    let program = wherein(Path::new("."), &[]).get_program().to_owned();
+    let recipe = |arguments: &[&str]| {
+        let mut command = Command::new(root().join("docs/ci/sweep.sh"));
+        outcome(command.args(arguments).env("WHEREIN", &program).current_dir(&folder))
+    };
+    let (code, stdout, stderr) = recipe(&["scene.toml", "accepted"]);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert!(folder.join("accepted/junit.xml").exists());
+    let (code, stdout, stderr) = recipe(&["scene.toml", "again", "accepted/results.csv"]);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert!(stdout.contains("not distinguishable"), "{stdout}");
+    fs::write(folder.join("scene.toml"), blind_scene(0.5, "[expect]\ncontainment.checks = 1\n")).unwrap();
+    assert_eq!(recipe(&["scene.toml", "missed", "accepted/results.csv"]).0, 1);
+    assert_eq!(recipe(&["no scene.toml", "out", "accepted/results.csv"]).0, 2);
 }
 
 #[test]
