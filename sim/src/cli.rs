@@ -157,7 +157,8 @@ struct TableArguments {
     /// Folders that `wherein run` wrote.
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// Replace what stands between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document.
+    /// Replace what stands between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document; in `<!-- results:begin
+    /// floor papers/floor -->` only scenes whose names begin so.
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
 }
@@ -179,7 +180,7 @@ enum CommandError {
     NoPairs(PathBuf, PathBuf),
     #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
     NoResults(PathBuf),
-    #[error("put the table into {}: expected a line `{}` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
+    #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
     NoMarkers(PathBuf),
     #[error("render {}: it stands for {count} scenes, expected one scene file", path.display())]
     SeveralScenes { path: PathBuf, count: usize },

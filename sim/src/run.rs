@@ -230,7 +230,7 @@ impl Recorder {
 
     /// Notes what the methods made of a reading.
     fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
-        let Observation { reading, mut truth, .. } = observation;
+        let Observation { reading, mut truth, codes, .. } = observation;
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         for account in accounts {
@@ -259,6 +259,7 @@ impl Recorder {
                 emptied: account.emptied,
                 posterior: account.posterior,
                 landmarks: account.landmarks,
+                codes: codes.clone(),
                 reading: kept,
             });
         }

@@ -8,7 +8,7 @@ pub mod gyro;
 pub mod range_camera;
 mod sight;
 
-use localizer::Reading;
+use localizer::{Reading, reading::LandmarkId};
 
 use crate::{
     drawn::Drawn,
@@ -44,12 +44,14 @@ pub struct Observation {
     pub truth: Truth,
     /// Noise in a reading of the gyroscope; 0 in others.
     pub gyro_noise_rad_per_s: f64,
+    /// Codes given in a reading of the range camera, in its order, and whether each is its landmark's own; none in others.
+    pub codes: Vec<(LandmarkId, bool)>,
 }
 
 impl Observation {
     /// A reading without anything else behind it than the truth.
     pub fn new(reading: Reading, truth: Truth) -> Self {
-        Observation { reading, truth, gyro_noise_rad_per_s: 0.0 }
+        Observation { reading, truth, gyro_noise_rad_per_s: 0.0, codes: Vec::new() }
     }
 }
 

@@ -24,6 +24,14 @@ mod range_landmarks_setup;
 mod range_landmarks_solvers;
 /// Drives past landmarks that nobody has mapped.
 mod range_landmarks_drive;
+/// Point methods and the printed contractor beside the sound ones.
+mod landmark_baselines;
+/// The gyroscope's turn against turns integrated much finer.
+mod gyro_enclosure;
+/// Range camera, gyroscope and people against geometry by hand.
+mod range_sensing;
+/// Whole runs by landmarks that no map names.
+mod range_runs;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
 mod floor_tiles_geometry;
 /// Scenes and drives that the tests of the world share.

@@ -270,6 +270,38 @@ fn what_is_learnt_after_a_doubt_began_is_unlearnt_exactly() {
 }
 
 #[test]
+fn nothing_remains_of_what_a_wrong_pose_taught() {
+    for seed in 0..5 {
+        let mut rng = random(610 + seed);
+        let path = circle(&mut rng);
+        let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 120, rng);
+        (0..40).for_each(|_| drive.step());
+        let (since_s, pose) = (drive.time_s - STEP_S, drive.pose.clone());
+        // Somebody carries the robot, and the method is told that it stands still for two seconds.
+        for _ in 0..20 {
+            let reading = drive.reading();
+            drive.method.constrain(&reading, &pose, &Twist::default());
+            drive.method.learn(&pose, &|_, _| Some(IntervalBox::point(&[0.0; 3])));
+            drive.time_s += STEP_S;
+        }
+        drive.method.forget_since(since_s + 1e-6);
+        // Back at the place where it was, a little later.
+        drive.time_s = since_s + STEP_S;
+        drive.pose = pose;
+        (0..60).for_each(|_| drive.step());
+    }
+}
+
+#[test]
+fn a_way_of_many_key_frames_keeps_the_truth() {
+    let mut rng = random(620);
+    let path = circle(&mut rng);
+    let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
+    // 0.4 m/s and a key frame every 0.15 m: two hundred after 75 s, when every second one goes.
+    (0..1100).for_each(|_| drive.step());
+}
+
+#[test]
 fn a_clock_set_back_keeps_what_is_known() {
     let mut rng = random(601);
     let path = circle(&mut rng);

@@ -62,6 +62,7 @@ pub(crate) struct TrueCamera {
     focal_px: f64,
     baseline_m: f64,
     body_from_sensor: Isometry3<f64>,
+    step_px: [f64; 2],
 }
 
 impl TrueCamera {
@@ -72,7 +73,13 @@ impl TrueCamera {
             focal_px: 580.0 + 0.6 * corner(rng),
             baseline_m: 0.075 + 0.0001 * corner(rng),
             body_from_sensor: Isometry3::from_parts(position, tilted(rng) * yaw),
+            step_px: [0.5, 0.125],
         }
+    }
+
+    /// The same, whose columns are rounded to these steps.
+    pub(crate) fn with_steps(self, step_px: [f64; 2]) -> Self {
+        TrueCamera { step_px, ..self }
     }
 
     /// Both columns of a landmark from a pose, with the body in a posture of its own; `None` when it is not in the picture.
@@ -86,8 +93,8 @@ impl TrueCamera {
         let rounded = |column_px: f64, step_px: f64| (column_px / step_px).round() * step_px;
         Some(Sighting {
             landmark: landmark.code,
-            left_px: rounded(319.5 + self.focal_px * right_m / forward_m, 0.5),
-            right_px: rounded(319.5 + self.focal_px * (right_m - self.baseline_m) / forward_m, 0.125),
+            left_px: rounded(319.5 + self.focal_px * right_m / forward_m, self.step_px[0]),
+            right_px: rounded(319.5 + self.focal_px * (right_m - self.baseline_m) / forward_m, self.step_px[1]),
         })
     }
 

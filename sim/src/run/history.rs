@@ -63,6 +63,8 @@ pub struct ImageRecord {
     pub posterior: PoseUnion,
     /// Landmarks as the method knew them then: code, and box of world x and y.
     pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
+    /// Codes that the sensor gave, and whether each is its landmark's own.
+    pub codes: Vec<(LandmarkId, bool)>,
     /// The reading itself, kept when frames are asked for.
     pub reading: Option<Reading>,
 }
@@ -95,7 +97,7 @@ impl RunRecord {
     pub(super) fn keep_widest(&mut self, reading: &Reading, posterior: &PoseUnion) {
         let widest = self.widest_image.as_ref().and_then(|(index, _)| self.images.get(*index));
         let is_widest = widest.is_none_or(|widest| widest_m(posterior) > widest_m(&widest.posterior));
-        if is_widest && matches!(reading, Reading::Camera { .. }) {
+        if is_widest && matches!(reading, Reading::Camera { .. } | Reading::Range { .. }) {
             self.widest_image = Some((self.images.len(), reading.clone()));
         }
     }

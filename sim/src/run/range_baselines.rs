@@ -141,8 +141,8 @@ impl PointMap {
             seen.iter().map(|(code, b)| (*code, [b[0].mid(), b[1].mid()])).collect();
         let guess = if self.fixed.is_some() { self.pose(odometry) } else { start };
         let pose = match solved(&self.places, &points, guess) {
-            // The turn nearest to the guess: headings are on the real line.
-            Some(pose) => Pose { heading_rad: unwrapped(pose.heading_rad, guess.heading_rad), ..pose },
+            // The turn nearest to odometry: headings are on the real line.
+            Some(pose) => Pose { heading_rad: unwrapped(pose.heading_rad, odometry.heading_rad), ..pose },
             None => guess,
         };
         for (code, b) in points {

@@ -2,7 +2,7 @@
 
 mod building;
 
-use super::{Event, Scene, conform::nearest, parse::Contradiction};
+use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
 /// Everything in which `scene` contradicts itself.
 pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
@@ -104,6 +104,10 @@ fn things(scene: &Scene, found: &mut Vec<Contradiction>) {
                 found.push(Contradiction { key: format!("person[{index}].waypoints_m"), expected });
             }
         }
+    }
+    if scene.localizer.methods.contains(&MethodName::RangeLandmarks) && scene.robot.range_camera.is_none() {
+        let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
+        found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
     }
     let ranges = scene.robot.range_camera.as_ref().map(|camera| [camera.least_range_m, camera.greatest_range_m]);
     if let Some([least_m, greatest_m]) = ranges

@@ -68,10 +68,16 @@ impl RangeCameraSensor {
             .filter_map(|(landmark, code)| Some((code, self.columns(landmark, &world_from_sensor, people)?)))
             .collect();
         let sightings = self.confusion.name(&seen);
+        let codes = seen
+            .iter()
+            .zip(&sightings)
+            .map(|((truly, _), sighting)| (sighting.landmark, sighting.landmark.0 == *truly))
+            .collect();
         let measured_s = truth.time_s + draw_within(self.camera.stamp_tolerance_s, self.errors, &mut self.clock);
         let late_s = self.camera.latency_s + draw_within(self.camera.latency_tolerance_s, self.errors, &mut self.clock);
         let arrived_s = truth.time_s + late_s.max(0.0);
-        Some(Observation::new(Reading::Range { measured_s, arrived_s, sightings }, *truth))
+        let reading = Reading::Range { measured_s, arrived_s, sightings };
+        Some(Observation { codes, ..Observation::new(reading, *truth) })
     }
 
     /// Rounded columns of a landmark in both views; `None` when one of them does not see it.

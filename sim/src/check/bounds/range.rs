@@ -2,13 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use localizer::{Claim, reading::LandmarkId};
+use localizer::reading::LandmarkId;
 
-use crate::{
-    check::{claims::is_true, verdict::Violation},
-    run::RunRecord,
-    scene::Scene,
-};
+use crate::{check::verdict::Violation, run::RunRecord, scene::Scene};
 
 use super::{Monitor, constant};
 
@@ -57,25 +53,29 @@ fn range_camera(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
         stamp.watch(span_s, camera.stamp_tolerance_s, (reading.measured_s - reading.truth.time_s).abs());
     }
     found.extend(stamp.finish());
-    found.extend(wrong_spacing(scene, record, camera.wrong_spacing));
+    found.extend(wrong_codes(record, camera.q_items, camera.wrong_spacing));
     found
 }
 
-/// How many right uses of a code are missing between two wrong ones; none is the bound.
-fn wrong_spacing(scene: &Scene, record: &RunRecord, declared: usize) -> Vec<Violation> {
-    let mut monitor = Monitor::new("range_landmarks.wrong_spacing");
+/// Codes given wrongly: how many in a reading, and how many right uses of a code are missing between two wrong ones; none is the bound.
+fn wrong_codes(record: &RunRecord, q_items: usize, wrong_spacing: usize) -> Vec<Violation> {
+    let (mut items, mut spacing) =
+        (Monitor::new("range_landmarks.q_items"), Monitor::new("range_landmarks.wrong_spacing"));
     // Right uses of each code since its last wrong one.
     let mut right_since: BTreeMap<LandmarkId, usize> = BTreeMap::new();
-    for reading in &record.images {
-        for claim in &reading.claims {
-            let Claim::Landmark { landmark, .. } = claim else { continue };
-            if is_true(claim, scene, &record.drawn, &reading.truth) {
-                right_since.entry(*landmark).and_modify(|count| *count += 1);
-            } else if let Some(count) = right_since.insert(*landmark, 0) {
-                let missing = declared.saturating_sub(count) as f64;
-                monitor.watch([reading.truth.time_s, reading.arrived_s], 0.0, missing);
+    for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
+        let span_s = [reading.truth.time_s, reading.arrived_s];
+        let n_wrong = reading.codes.iter().filter(|(_, is_own)| !is_own).count();
+        items.watch(span_s, q_items as f64, n_wrong as f64);
+        for (code, is_own) in &reading.codes {
+            if *is_own {
+                right_since.entry(*code).and_modify(|count| *count += 1);
+            } else if let Some(count) = right_since.insert(*code, 0) {
+                spacing.watch(span_s, 0.0, wrong_spacing.saturating_sub(count) as f64);
             }
         }
     }
-    monitor.finish()
+    // Where no match is said to be wrong, nothing is said of how far apart wrong ones are.
+    let spacing = if q_items > 0 { spacing.finish() } else { Vec::new() };
+    items.finish().into_iter().chain(spacing).collect()
 }
