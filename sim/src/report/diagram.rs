@@ -14,6 +14,8 @@ const HEIGHT: f64 = 290.0;
 const LEFT: f64 = 50.0;
 const BOTTOM: f64 = 34.0;
 const TOP: f64 = 8.0;
+/// Half the width of `1000`.
+const LABEL_HALF: f64 = 13.0;
 /// Bins in a decade.
 const BINS: f64 = 20.0;
 
@@ -110,7 +112,9 @@ impl Diagram {
             let x = range.x(bin);
             let _ = write!(svg, r#"<path class="axis" d="M{x:.1} {TOP}V{floor:.1}"/>"#);
             let y = floor + 13.0;
-            let _ = write!(svg, r#"<text class="faint" x="{x:.1}" y="{y:.1}" text-anchor="middle">{label}</text>"#);
+            // A label under the right edge would be cut in its middle.
+            let (x, anchor) = if x + LABEL_HALF > WIDTH { (WIDTH, "end") } else { (x, "middle") };
+            let _ = write!(svg, r#"<text class="faint" x="{x:.1}" y="{y:.1}" text-anchor="{anchor}">{label}</text>"#);
         }
         for (bin, label) in ticks(range.up) {
             let y = range.y(bin);
