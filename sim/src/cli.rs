@@ -27,6 +27,9 @@ pub use seeds::Seeds;
 #[derive(Debug, Parser)]
 #[command(name = "wherein", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Cli {
+    /// Graphics adapter to render with, by a part of its name, driver or backend. WHEREIN_ADAPTER says the same.
+    #[arg(long, value_name = "NAME", global = true)]
+    adapter: Option<String>,
     #[command(subcommand)]
     command: Command,
 }
@@ -199,13 +202,15 @@ enum CommandError {
 
 /// Runs the command that the process was asked for.
 pub fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
-        Command::Run(arguments) => run::run_scenes(&arguments),
-        Command::Render(arguments) => render::render(&arguments).map(|()| ExitCode::SUCCESS),
+    let Cli { adapter, command } = Cli::parse();
+    let adapter = adapter.as_deref();
+    let outcome = match command {
+        Command::Run(arguments) => run::run_scenes(&arguments, adapter),
+        Command::Render(arguments) => render::render(&arguments, adapter).map(|()| ExitCode::SUCCESS),
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
-        Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),
+        Command::Adapter => print_adapter(adapter).map(|()| ExitCode::SUCCESS),
     };
     outcome.unwrap_or_else(|error| {
         report(&error);
@@ -213,8 +218,8 @@ pub fn main() -> ExitCode {
     })
 }
 
-fn print_adapter() -> Result<(), CommandError> {
-    let renderer = crate::render::Renderer::new()?;
+fn print_adapter(adapter: Option<&str>) -> Result<(), CommandError> {
+    let renderer = crate::render::Renderer::on(adapter)?;
     print(&format!("{}\n", renderer.adapter()))
 }
 
