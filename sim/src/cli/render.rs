@@ -73,7 +73,7 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
     let cameras = cameras(arguments.camera, &file)?;
     let pose = pose(arguments.at, &file)?;
     let drawn = Drawn::draw(&file.scene, arguments.seed);
-    let mut renderer = Renderer::on(adapter)?;
+    let mut renderer = Renderer::on_adapter(adapter)?;
     let world = renderer.upload_room(&file.scene, &drawn)?;
     let folder = arguments.out.join(&file.name);
     fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;
