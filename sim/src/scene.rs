@@ -24,6 +24,7 @@ mod range_camera;
 mod robot;
 mod route;
 mod schema;
+mod sensor;
 mod setting;
 mod things;
 
@@ -40,6 +41,7 @@ pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
 pub use schema::schema_text;
+pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use setting::{SceneTemplate, Setting, shown, value_of};
 pub use things::{Furniture, Landmark, Person};
 

@@ -60,6 +60,8 @@ mod record_files;
 mod repository;
 /// Tiles as laid, against the bounds that the localizer is told.
 mod render_laid_tiles;
+/// The sensor against the linear model of EMVA 1288: dark current, non-uniformities, depth, presets, the photon budget at 0.1 lx.
+mod render_sensor;
 /// Grey levels and noise against photon counts by hand.
 mod render_photons;
 /// Rendered floor points, joints and blur against a projection derived by hand.
