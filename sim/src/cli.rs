@@ -14,6 +14,7 @@ use crate::{
     frames::FramesPolicy,
     record::RecordError,
     render::RenderError,
+    replay::ReplayError,
     scene::{SceneError, Setting},
     still::CameraName,
     sweep::{Seeds, SweepError},
@@ -23,6 +24,7 @@ mod compare;
 mod conclude;
 mod github;
 mod render;
+mod replay;
 mod report;
 mod results_arguments;
 mod run;
@@ -48,6 +50,8 @@ Examples:
   wherein sweep scenes/x.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..20
                                                                   every value with twenty seeds, and a report
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
+  wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
+  wherein replay renders/x/0/recording.mcap                       the localizer on that recording, bit for bit
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -66,6 +70,8 @@ enum Command {
     Merge(MergeArguments),
     /// Takes pictures of a robot that stands still, one per camera.
     Render(RenderArguments),
+    /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones.
+    Replay(ReplayArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
     Table(TableArguments),
     /// Prints the JSON schema of scene files.
@@ -102,6 +108,12 @@ struct RunArguments {
     /// Write the results as JUnit XML, too.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
+    /// Leave recording.mcap too: images, readings, poses, boxes and log messages, for Foxglove, Rerun and `wherein replay`.
+    #[arg(long)]
+    record: bool,
+    /// Leave the recording as rosbag2/, a bag that ROS 2 and `evo` open; its boxes are markers of ROS 2.
+    #[arg(long, conflicts_with = "record")]
+    ros2: bool,
     /// Skip runs that this build of the program has already recorded for the same scene; continues what was interrupted.
     #[arg(long)]
     resume: bool,
@@ -109,7 +121,7 @@ struct RunArguments {
 
 const RUN_AFTER_HELP: &str = "\
 Each run leaves DIR/<scene>/<seed>/ with summary.json (all figures, and whether the scene's [expect] was met),
-timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames asked for.
+timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames and the recording asked for.
 
 In the table, a check is one step of 10 ms. `contained`: the truth is in a box. Outside of it, the cause is named:
 `bound broken`: a declared bound was really exceeded; `perception`: the vision saw what is not there; `unsound`: neither.
@@ -151,6 +163,24 @@ fn camera_name(text: &str) -> Result<CameraName, String> {
     found.ok_or_else(|| format!("expected one of {}", CameraName::ALL.map(CameraName::as_str).join(", ")))
 }
 
+/// What `wherein replay` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = REPLAY_AFTER_HELP)]
+struct ReplayArguments {
+    /// A recording that `wherein run --record` or `--ros2` left.
+    #[arg(value_name = "FILE")]
+    recording: PathBuf,
+    /// Set up the localizer as this scene does instead of the recorded one.
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<PathBuf>,
+    /// Write estimate.tum and boxes.csv of the replay there.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+const REPLAY_AFTER_HELP: &str = "\
+Exit code: 0 every estimate is the recorded one bit for bit, 1 some are not, 2 could not replay. With --scene estimates may differ.";
+
 /// What `wherein table` is asked.
 #[derive(Debug, Args)]
 struct TableArguments {
@@ -170,6 +200,8 @@ enum CommandError {
     Scene(#[from] SceneError),
     #[error(transparent)]
     Render(#[from] RenderError),
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
     #[error(transparent)]
     Record(#[from] RecordError),
     #[error(transparent)]
@@ -207,6 +239,7 @@ pub fn main() -> ExitCode {
         Command::Report(arguments) => report::report_folder(&arguments),
         Command::Compare(arguments) => compare::compare_sides(&arguments),
         Command::Render(arguments) => render::render(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
         Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),
@@ -233,11 +266,13 @@ fn print(text: &str) -> Result<(), CommandError> {
 
 fn complain(error: &CommandError) {
     eprintln!("wherein: failed to {error}");
-    let (CommandError::Scene(scene @ SceneError::Invalid { .. })
-    | CommandError::Sweep(SweepError::Scene(scene @ SceneError::Invalid { .. }))) = error
+    let (CommandError::Scene(scene)
+    | CommandError::Replay(ReplayError::Scene(scene))
+    | CommandError::Sweep(SweepError::Scene(scene))) = error
     else {
         return;
     };
+    let SceneError::Invalid { .. } = scene else { return };
     let theme = if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
     let mut snippet = String::new();

@@ -26,6 +26,8 @@ pub mod figures;
 pub mod frames;
 pub mod record;
 pub mod machine;
+pub mod recording;
+pub mod replay;
 pub mod table;
 pub mod sweep;
 pub mod results;

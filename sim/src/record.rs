@@ -7,6 +7,7 @@
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every branch of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
+//! | `recording.mcap` or `rosbag2/` | all that the localizer was told and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
 use std::{
@@ -16,15 +17,17 @@ use std::{
     time::{Duration, SystemTime},
 };
 
+use localizer::Estimate;
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::{check::Verdict, frames, run::RunRecord, scene::SceneFile};
+use crate::{check::Verdict, frames, recording::Recording, run::RunRecord, scene::SceneFile};
 
 mod digest;
 mod poses;
 mod summary;
 
+pub(crate) use digest::estimates_digest;
 pub use digest::{program_digest, scene_digest};
 pub use summary::{Summary, Timing};
 
@@ -62,9 +65,20 @@ pub fn prepare(out: &Path) -> Result<(), RecordError> {
 ///
 /// A folder that the run left before is replaced. An error leaves it as it was.
 pub fn write(out: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<PathBuf, RecordError> {
+    write_with(out, file, record, verdict, None)
+}
+
+/// Writes like [`write()`], with the recording that was made during the run.
+pub fn write_with(
+    out: &Path,
+    file: &SceneFile,
+    record: &RunRecord,
+    verdict: &Verdict,
+    recording: Option<Recording>,
+) -> Result<PathBuf, RecordError> {
     let target = folder(out, &file.name, record.seed);
     clear_stale(target.parent().unwrap_or(out));
-    replace_whole(&target, |partial| fill(partial, file, record, verdict))?;
+    replace_whole(&target, |partial| fill(partial, file, record, verdict, recording))?;
     Ok(target)
 }
 
@@ -84,6 +98,21 @@ pub(crate) fn replace_whole(
         let _ = fs::remove_dir_all(&partial);
     }
     written
+}
+
+/// Writes `estimate.tum` and `boxes.csv` of estimates into `folder`, in the place of older ones.
+pub fn write_estimates(folder: &Path, estimates: &[Estimate]) -> Result<(), RecordError> {
+    naming("create the folder", folder, fs::create_dir_all(folder))?;
+    for (name, text) in [("estimate.tum", poses::estimate_tum(estimates)), ("boxes.csv", poses::boxes_csv(estimates))] {
+        let (path, partial) = (folder.join(name), folder.join(format!(".{name}-{}{PARTIAL}", process::id())));
+        let written = naming("write", &partial, fs::write(&partial, text))
+            .and_then(|()| naming("create", &path, fs::rename(&partial, &path)));
+        if written.is_err() {
+            let _ = fs::remove_file(&partial);
+            return written;
+        }
+    }
+    Ok(())
 }
 
 /// The summary and the timing that a run left in `folder`; none when it left no summary.
@@ -106,22 +135,32 @@ const PARTIAL: &str = ".partial";
 /// Ending of a folder that has made way for a newer one.
 const REPLACED: &str = ".replaced";
 
-/// Writes all files of a run into an empty folder.
-pub(crate) fn fill(partial: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<(), RecordError> {
+/// Writes all files of a run into an empty folder, with the recording that was made during the run.
+pub(crate) fn fill(
+    partial: &Path,
+    file: &SceneFile,
+    record: &RunRecord,
+    verdict: &Verdict,
+    recording: Option<Recording>,
+) -> Result<(), RecordError> {
     let write = |name: &str, content: String| {
         let path = partial.join(name);
         naming("write", &path, fs::write(&path, content))
     };
     write("truth.tum", poses::truth_tum(record))?;
-    write("estimate.tum", poses::estimate_tum(record))?;
-    write("boxes.csv", poses::boxes_csv(record))?;
+    write("estimate.tum", poses::estimate_tum(&record.estimates))?;
+    write("boxes.csv", poses::boxes_csv(&record.estimates))?;
     write("steps.csv", poses::steps_csv(record, verdict))?;
     let shown = frames::write(partial, file, record)?;
     if shown == 0 && !verdict.verdict.passed {
         frames::write_widest(partial, file, record)?;
     }
     write("timing.json", format!("{:#}\n", Timing::of(file, record).to_json()))?;
-    write("summary.json", Summary::of(file, record, verdict).to_text())
+    let summary = Summary::of(file, record, verdict);
+    if let Some(recording) = recording {
+        recording.finish(&summary, partial)?;
+    }
+    write("summary.json", summary.to_text())
 }
 
 /// Puts `partial` in the place of `target`. A run that is killed between the two renames leaves the old folder aside.
@@ -149,7 +188,7 @@ fn clear_stale(folder: &Path) {
         let is_stale = modified.elapsed().is_ok_and(|age| age > STALE);
         if name.starts_with('.') && (name.ends_with(PARTIAL) || name.ends_with(REPLACED)) && is_stale {
             // Another process may clear the same folder at the same time; either way it is gone.
-            let _ = fs::remove_dir_all(entry.path());
+            let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
         }
     }
 }

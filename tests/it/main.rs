@@ -86,3 +86,5 @@ mod sweep_refusals;
 mod sweep_report;
 /// `wherein compare`: planted differences found, chance not taken for one.
 mod sweep_compare;
+/// Recordings as the `mcap` crate reads them, and the localizer on them.
+mod recordings;

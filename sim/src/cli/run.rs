@@ -8,10 +8,11 @@ use serde_json::Value;
 use crate::{
     check::check,
     record::{self, program_digest, scene_digest},
+    recording::{Form, Recording},
     render::Renderer,
     report::Overview,
     results::{CaseResult, Results, quoted},
-    run::{RunOptions, run},
+    run::{RunOptions, Witness, run_witnessed},
     scene::{SceneFile, SceneTemplate},
     sweep,
     table::{Outcome, as_text, lines},
@@ -82,10 +83,25 @@ fn run_one(
     let renderer = renderer.filter(|_| file.scene.has_camera());
     let options = RunOptions { keep_images: arguments.frames };
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
-    let run_record = run(&file.scene, seed, renderer, &options, &mut progress)?;
+    let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
+    let mut recording = recording.transpose()?;
+    let witness: &mut dyn Witness = match &mut recording {
+        Some(recording) => recording,
+        None => &mut (),
+    };
+    let run_record = run_witnessed(&file.scene, seed, renderer, &options, witness, &mut progress)?;
     let verdict = check(&file.scene, &run_record);
-    let folder = record::write(&arguments.out, file, &run_record, &verdict)?;
+    let folder = record::write_with(&arguments.out, file, &run_record, &verdict, recording)?;
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
+}
+
+/// The recording asked for.
+fn form(arguments: &RunArguments) -> Option<Form> {
+    match (arguments.ros2, arguments.record) {
+        (true, _) => Some(Form::Ros2),
+        (false, true) => Some(Form::Foxglove),
+        (false, false) => None,
+    }
 }
 
 /// The run as an earlier process recorded it, if it may stand for this one.
@@ -96,6 +112,9 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
     }
     // An unreadable record is no reason to stop: the run is done again and replaces it.
     let Ok(Some((summary, timing))) = record::read(&folder) else { return Ok(None) };
+    if form(arguments).is_some_and(|form| !folder.join(form.path()).exists()) {
+        return Ok(None);
+    }
     let is_same = summary["digest"]["scene"] == scene_digest(&file.scene).as_str()
         && program_digest().is_some_and(|program| timing["program"] == program);
     if is_same { read_back(file, folder) } else { Ok(None) }

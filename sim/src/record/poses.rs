@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use localizer::{Pose, Status};
+use localizer::{Estimate, Pose, Status};
 
 use crate::{check::Verdict, run::RunRecord};
 
@@ -13,8 +13,8 @@ pub(super) fn truth_tum(record: &RunRecord) -> String {
 }
 
 /// Midpoints of the hulls, TUM format. A time at which no pose is left has no line.
-pub(super) fn estimate_tum(record: &RunRecord) -> String {
-    let answered = record.estimates.iter().filter(|estimate| !estimate.pose.is_empty());
+pub(super) fn estimate_tum(estimates: &[Estimate]) -> String {
+    let answered = estimates.iter().filter(|estimate| !estimate.pose.is_empty());
     tum(answered.map(|estimate| {
         let [x_m, y_m, heading_rad] = estimate.pose.hull().midpoint();
         (estimate.time_s, Pose { x_m, y_m, heading_rad }, 0.0)
@@ -22,9 +22,9 @@ pub(super) fn estimate_tum(record: &RunRecord) -> String {
 }
 
 /// Every branch of every estimate, one a line; a time at which no pose is left has no line.
-pub(super) fn boxes_csv(record: &RunRecord) -> String {
+pub(super) fn boxes_csv(estimates: &[Estimate]) -> String {
     let mut text = "time_s,status,branch,x_min_m,x_max_m,y_min_m,y_max_m,heading_min_rad,heading_max_rad\n".to_owned();
-    for estimate in &record.estimates {
+    for estimate in estimates {
         let status = match estimate.status {
             Status::Sound => "sound",
             Status::Recovering => "recovering",

@@ -18,6 +18,8 @@ pub struct SceneFile {
     pub path: PathBuf,
     /// What differs from what the file states.
     pub settings: Vec<Setting>,
+    /// Its text as it was read, or with `settings` written anew.
+    pub text: String,
     /// What it states, with `settings`.
     pub scene: Scene,
 }
@@ -25,19 +27,16 @@ pub struct SceneFile {
 impl Scene {
     /// Reads a scene file.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
-        let unreadable = |source: io::Error| SceneError::Unreadable { path: path.to_owned(), source };
-        let bytes = fs::read(path).map_err(unreadable)?;
-        let file = path.display().to_string();
-        let text = String::from_utf8(bytes)
-            .map_err(|error| SceneError::NotText { file: file.clone(), offset: error.utf8_error().valid_up_to() })?;
-        Scene::parse(&text, &file)
+        Scene::parse(&read(path)?, &path.display().to_string())
     }
 }
 
 impl SceneFile {
     /// Reads one scene file.
     pub fn load(path: &Path) -> Result<SceneFile, SceneError> {
-        Ok(SceneFile { name: name_of(path), settings: Vec::new(), scene: Scene::load(path)?, path: path.to_owned() })
+        let text = read(path)?;
+        let scene = Scene::parse(&text, &path.display().to_string())?;
+        Ok(SceneFile { name: name_of(path), path: path.to_owned(), settings: Vec::new(), text, scene })
     }
 
     /// Every scene that `paths` name, a folder standing for all scenes below it, in the order of their paths.
@@ -67,6 +66,15 @@ impl SceneFile {
         }
         Ok(scenes)
     }
+}
+
+/// The text of a scene file.
+fn read(path: &Path) -> Result<String, SceneError> {
+    let bytes = fs::read(path).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+    String::from_utf8(bytes).map_err(|error| SceneError::NotText {
+        file: path.display().to_string(),
+        offset: error.utf8_error().valid_up_to(),
+    })
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {

@@ -93,7 +93,7 @@ impl Store {
         verdict: &Verdict,
     ) -> Result<(), RecordError> {
         replace_whole(&case_folder(&self.folder, &case.planned.id), |partial| {
-            record::fill(partial, &case.file, record, verdict)?;
+            record::fill(partial, &case.file, record, verdict, None)?;
             seal(partial, &case.planned, frames, None)
         })
     }
