@@ -105,15 +105,15 @@ struct RunArguments {
     /// Print the summaries as a JSON list instead of a table.
     #[arg(long)]
     json: bool,
-    /// Write the results as JUnit XML, too.
-    #[arg(long, value_name = "FILE")]
-    junit: Option<PathBuf>,
     /// Leave recording.mcap too: images, readings, poses, boxes and log messages, for Foxglove, Rerun and `wherein replay`.
     #[arg(long)]
     record: bool,
     /// Leave the recording as rosbag2/, a bag that ROS 2 and `evo` open; its boxes are markers of ROS 2.
     #[arg(long, conflicts_with = "record")]
     ros2: bool,
+    /// Write the results as JUnit XML, too.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
     /// Skip runs that this build of the program has already recorded for the same scene; continues what was interrupted.
     #[arg(long)]
     resume: bool,
@@ -266,13 +266,12 @@ fn print(text: &str) -> Result<(), CommandError> {
 
 fn complain(error: &CommandError) {
     eprintln!("wherein: failed to {error}");
-    let (CommandError::Scene(scene)
-    | CommandError::Replay(ReplayError::Scene(scene))
-    | CommandError::Sweep(SweepError::Scene(scene))) = error
+    let (CommandError::Scene(scene @ SceneError::Invalid { .. })
+    | CommandError::Replay(ReplayError::Scene(scene @ SceneError::Invalid { .. }))
+    | CommandError::Sweep(SweepError::Scene(scene @ SceneError::Invalid { .. }))) = error
     else {
         return;
     };
-    let SceneError::Invalid { .. } = scene else { return };
     let theme = if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
     let mut snippet = String::new();

@@ -135,7 +135,7 @@ const PARTIAL: &str = ".partial";
 /// Ending of a folder that has made way for a newer one.
 const REPLACED: &str = ".replaced";
 
-/// Writes all files of a run into an empty folder, with the recording that was made during the run.
+/// Writes all files of a run into an empty folder.
 pub(crate) fn fill(
     partial: &Path,
     file: &SceneFile,

@@ -78,6 +78,8 @@ mod render_studio;
 mod blame;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
+/// Recordings as the `mcap` crate reads them, and the localizer on them.
+mod recordings;
 /// Sweeps: every case once, the same bytes for any number of jobs, after kills, and merged from parts.
 mod sweep_cases;
 /// Sweeps that must be refused, and what the refusal says.
@@ -86,5 +88,3 @@ mod sweep_refusals;
 mod sweep_report;
 /// `wherein compare`: planted differences found, chance not taken for one.
 mod sweep_compare;
-/// Recordings as the `mcap` crate reads them, and the localizer on them.
-mod recordings;

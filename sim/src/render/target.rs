@@ -88,8 +88,8 @@ impl Target {
         mapping
     }
 
-    /// Grey levels in the order of rows, once the device has been waited for. Where threads share the device, the answer may
-    /// be on its way in another thread's poll, so that it is waited for as well.
+    /// Grey levels in the order of rows, once the device has been waited for. Where threads share the device, the answer may be on
+    /// its way in another thread's poll, so that it is waited for as well.
     pub(super) fn read(&self, mapping: &Mapping) -> Result<Levels, RenderError> {
         let failed = |reason: String| RenderError::Device(reason);
         mapping

@@ -18,9 +18,9 @@ pub struct SceneFile {
     pub path: PathBuf,
     /// What differs from what the file states.
     pub settings: Vec<Setting>,
-    /// Its text as it was read, or with `settings` written anew.
+    /// Its text as it was read, or with `settings`.
     pub text: String,
-    /// What it states, with `settings`.
+    /// What that states.
     pub scene: Scene,
 }
 
@@ -36,7 +36,7 @@ impl SceneFile {
     pub fn load(path: &Path) -> Result<SceneFile, SceneError> {
         let text = read(path)?;
         let scene = Scene::parse(&text, &path.display().to_string())?;
-        Ok(SceneFile { name: name_of(path), path: path.to_owned(), settings: Vec::new(), text, scene })
+        Ok(SceneFile { name: name_of(path), settings: Vec::new(), text, scene, path: path.to_owned() })
     }
 
     /// Every scene that `paths` name, a folder standing for all scenes below it, in the order of their paths.
