@@ -74,7 +74,7 @@ fn uses_of_a_code_that_say_nothing_count_in_its_window() {
     // So coarse that far landmarks may be at infinity: their right uses say nothing, while a near one that is taken for them does.
     let mut scene = scene("wrong_matches", 60.0);
     let camera = scene.robot.range_camera.as_mut().unwrap();
-    (camera.column_step_px, camera.match_step_px, camera.greatest_range_m) = (4.0, 4.0, 12.0);
+    (camera.column_step_px, camera.match_step_px, camera.greatest_range_m) = (8.0, 8.0, 12.0);
     (camera.wrong_share, camera.wrong_items_max, camera.q_items) = (0.3, 1, 1);
     for seed in 48..52 {
         assert_clean(&judged(&scene, seed).1);
