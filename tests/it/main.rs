@@ -24,6 +24,8 @@ mod range_landmarks_setup;
 mod range_landmarks_solvers;
 /// Drives past landmarks that nobody has mapped.
 mod range_landmarks_drive;
+/// Gaps between uses of a code, and constraints that outlive what they stood on.
+mod range_landmarks_gaps;
 /// Point methods and the printed contractor beside the sound ones.
 mod landmark_baselines;
 /// The gyroscope's turn against turns integrated much finer.
