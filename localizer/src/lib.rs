@@ -17,6 +17,7 @@ pub mod separator;
 pub mod paving;
 pub mod pose;
 pub mod robot;
+pub mod markers;
 pub mod map;
 pub mod reading;
 pub mod motion;

@@ -24,6 +24,8 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
         // No sensor measures landmarks yet.
         Claim::Landmark { .. } => false,
+        // No camera looks at the ceiling yet.
+        Claim::Marker { .. } => false,
     }
 }
 

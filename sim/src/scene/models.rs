@@ -12,7 +12,7 @@ impl Scene {
     /// The building as surveyed.
     pub fn map(&self) -> Map {
         let room_m = [Interval::new(0.0, self.room.width_m), Interval::new(0.0, self.room.depth_m)];
-        Map { room_m, tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)) }
+        Map { room_m, tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)), markers: None }
     }
 
     /// The robot as it knows itself.
@@ -43,6 +43,7 @@ impl Scene {
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
             gyro: None,
+            ceiling_camera: None,
             range_camera: None,
         }
     }
