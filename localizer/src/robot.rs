@@ -124,6 +124,8 @@ pub struct CeilingCameraModel {
     pub stamp_error_s: f64,
     /// Time from mid-exposure to delivery, `ceiling_camera.latency`.
     pub latency_s: Interval,
+    /// Photoelectrons of one step of grey level, at least: how noisy bright pixels are.
+    pub electrons_per_grey: f64,
     /// At most this many markers of one image are not what the map says, `ceiling_markers.q_items`.
     pub q_items: usize,
 }
