@@ -13,6 +13,7 @@
 pub mod ceiling;
 pub mod direct;
 pub mod line_fit;
+pub mod p3p;
 pub mod paper;
 
 #[cfg(test)]
