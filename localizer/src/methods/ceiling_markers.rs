@@ -10,6 +10,8 @@ mod group;
 pub mod paper;
 mod pose_contractor;
 mod ray;
+#[cfg(test)]
+mod trial;
 
 use crate::{
     Interval, Map, PoseUnion, Reading, RobotModel,

@@ -100,7 +100,14 @@ impl Group {
 /// Where a dot is in the apparent frame, less the common part of the parameters' effects.
 fn differing(sight: &Sight, common: &[[f64; 2]; N_PARAMETERS]) -> [Interval; 2] {
     [0, 1].map(|axis| {
-        let slopes = &sight.slopes[axis];
-        (0..N_PARAMETERS).fold(sight.middle_m[axis], |sum, k| sum + (slopes[k] - common[k][axis]) * sight.deviations[k])
+        let slope = |k: usize| sight.slopes[axis][k] - common[k][axis];
+        let in_box = |k: &usize| !BODY_TILT.contains(k) && !MOUNT_TILT.contains(k);
+        let place =
+            (0..N_PARAMETERS).filter(in_box).fold(sight.middle_m[axis], |sum, k| sum + slope(k) * sight.deviations[k]);
+        // A tilt lies in a disc: along one axis it does at most its radius times the length of its slopes.
+        [BODY_TILT, MOUNT_TILT].into_iter().fold(place, |sum, [a, b]| {
+            let reach = slope(a).hypot(slope(b)) * sight.deviations[a].magnitude();
+            sum.inflate(reach.hi())
+        })
     })
 }

@@ -17,8 +17,8 @@ pub(super) struct Markers {
     stamp: [f64; 2],
 }
 
-/// Slices of heading: more make a box less than a hundredth narrower.
-const SLICES: usize = 8;
+/// Slices of heading: within one, heading and position no longer know of each other.
+const SLICES: usize = 24;
 
 impl Markers {
     /// `dots` are the dots of each marker, with `placement_m` apart; `None` when `q_items` leaves no marker.

@@ -15,8 +15,8 @@ const LEAST_STEP: f64 = 14.0;
 const WORST_BOUND_PX: f64 = 0.5;
 
 /// Parts of a centroid's bound, in pixels where nothing else is said.
-const FLOOR_PX: f64 = 0.012;
-const SIGMAS: f64 = 6.0;
+const FLOOR_PX: f64 = 0.008;
+const SIGMAS: f64 = 5.5;
 /// Per share of structure in the background, of the dot's level, and pixel of radius.
 const PER_STRUCTURE: f64 = 1.5;
 /// Per share of the dot's area that is clipped at white.

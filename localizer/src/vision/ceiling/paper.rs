@@ -12,19 +12,21 @@ use crate::markers::{GridPlace, MarkerId};
 
 /// Erosion parts dots that touch; more would remove dots of three pixels' radius.
 const EROSION_PX: u8 = 1;
-/// Least share of three pitches between a dot and its marker's next one, by which dilation must reach across.
+/// Long over short axis of what may be a dot; a tube is longer.
 const LARGEST_ASPECT: f64 = 2.0;
 /// Tolerances of Eqs. (7) and (8) about 90° and about 1/3, 2/3, 1.
 const ANGLE_RAD: f64 = 0.2;
 const AMPLITUDE: f64 = 0.1;
 
 /// A marker as the paper reads it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PaperMarker {
     /// Eq. (9).
     pub id: MarkerId,
     /// Centroids of the direction dots X, O and Y.
     pub direction_dots_px: [[f64; 2]; 3],
+    /// Centroids of all dots that are on the grid.
+    pub dots_px: Vec<(GridPlace, [f64; 2])>,
     /// P(S), Eq. (3).
     pub confidence: f64,
 }
@@ -55,7 +57,8 @@ pub fn detect(image: &GrayImage, dot_radius_px: f64) -> Option<PaperMarker> {
     let centres: Vec<[f64; 2]> =
         all.iter().filter(|dot| nearest_region(dot) == Some(chosen.centre_px)).map(|dot| dot.centre_px).collect();
     let [x, o, y] = direction_dots(&centres)?;
-    let id = identity(&centres, o, y, minus(x, o));
+    let dots_px = places(&centres, o, y, minus(x, o));
+    let id = MarkerId::from_dots(dots_px.iter().map(|(place, _)| *place));
     let radius_px = dot_radius_px.ceil() as i64;
     let greys = centres.iter().flat_map(|centre| {
         let (u0, v0) = (centre[0].round() as i64, centre[1].round() as i64);
@@ -64,7 +67,7 @@ pub fn detect(image: &GrayImage, dot_radius_px: f64) -> Option<PaperMarker> {
             .filter(|&(u, v)| u >= 0 && v >= 0 && u < i64::from(image.width()) && v < i64::from(image.height()))
             .map(|(u, v)| image.get_pixel(u as u32, v as u32)[0])
     });
-    Some(PaperMarker { id, direction_dots_px: [x, o, y], confidence: confidence(greys) })
+    Some(PaperMarker { id, direction_dots_px: [x, o, y], dots_px, confidence: confidence(greys) })
 }
 
 /// The binary picture without areas that are too large or too long for a dot.
@@ -96,10 +99,10 @@ fn direction_dots(dots: &[[f64; 2]]) -> Option<[[f64; 2]; 3]> {
     Some(if cross(minus(a, o), minus(b, o)) > 0.0 { [a, o, b] } else { [b, o, a] })
 }
 
-/// Eqs. (6) to (9): from each of O, M, N, Y look at a right angle to OY for dots a third, two thirds and a whole side away.
-fn identity(dots: &[[f64; 2]], o: [f64; 2], y: [f64; 2], ox: [f64; 2]) -> MarkerId {
+/// Eqs. (6) to (8): from each of O, M, N, Y look at a right angle to OY for dots a third, two thirds and a whole side away.
+fn places(dots: &[[f64; 2]], o: [f64; 2], y: [f64; 2], ox: [f64; 2]) -> Vec<(GridPlace, [f64; 2])> {
     let oy = minus(y, o);
-    let mut places: Vec<GridPlace> = Vec::new();
+    let mut places = Vec::new();
     for row in 0..4u8 {
         let share = f64::from(row) / 3.0;
         let from = [o[0] + share * oy[0], o[1] + share * oy[1]];
@@ -107,19 +110,19 @@ fn identity(dots: &[[f64; 2]], o: [f64; 2], y: [f64; 2], ox: [f64; 2]) -> Marker
             let to = minus(*dot, from);
             let amplitude = norm(to) / norm(oy);
             if amplitude < AMPLITUDE {
-                places.push([0, row]);
+                places.push(([0, row], *dot));
                 continue;
             }
             let cosine = (to[0] * oy[0] + to[1] * oy[1]) / (norm(to) * norm(oy));
-            let third = (3.0 * amplitude).round();
+            let thirds = (3.0 * amplitude).round();
             let is_ahead = to[0] * ox[0] + to[1] * ox[1] > 0.0;
             let is_square = (cosine.acos() - std::f64::consts::FRAC_PI_2).abs() < ANGLE_RAD;
-            if is_ahead && is_square && (amplitude - third / 3.0).abs() < AMPLITUDE && third <= 3.0 {
-                places.push([third as u8, row]);
+            if is_ahead && is_square && (amplitude - thirds / 3.0).abs() < AMPLITUDE && thirds <= 3.0 {
+                places.push(([thirds as u8, row], *dot));
             }
         }
     }
-    MarkerId::from_dots(places)
+    places
 }
 
 fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
