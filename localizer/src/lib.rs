@@ -22,6 +22,7 @@ pub mod map;
 pub mod reading;
 pub mod motion;
 pub mod vision;
+pub mod calibration;
 pub mod method;
 pub mod methods;
 pub mod localizer;
