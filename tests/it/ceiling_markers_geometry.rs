@@ -281,3 +281,76 @@ fn one_marker_overhead_gives_position_to_the_tilts_and_heading_to_a_fraction_of_
     assert!(widths[..2].iter().all(|width| (0.0142..0.0162).contains(width)), "{widths:?}");
     assert!(widths[2].to_degrees() < 0.6, "{widths:?}");
 }
+
+#[test]
+fn a_marker_that_is_not_where_the_map_says_costs_nothing_when_one_may_be_wrong() {
+    let mut rng = ChaCha8Rng::seed_from_u64(53);
+    let mut emptied = 0;
+    for round in 0..100 {
+        let camera = CeilingCameraModel { q_items: 1, ..any_camera(&mut rng) };
+        let mut situation = Situation::new(&mut rng, camera, 3);
+        // A double of marker 0 hangs elsewhere and is the one in view.
+        situation.pasted[0].0[0] += rng.random_range(0.05..0.4) * [-1.0, 1.0][rng.random_range(0..2)];
+        let seen = situation.seen(&mut rng, 0.05);
+        let prior = situation.prior(&mut rng, 2.0, 0.5);
+        assert!(situation.holds(&situation.located(seen.clone(), &prior)), "round {round}");
+        situation.camera.q_items = 0;
+        let union = situation.located(seen, &prior);
+        assert!(!situation.holds(&union), "round {round}");
+        emptied += usize::from(union.branches.is_empty());
+    }
+    // Without q the contradiction is noticed: nothing is left.
+    assert!(emptied >= 95, "{emptied} of 100");
+}
+
+#[test]
+fn one_marker_alone_says_nothing_when_one_may_be_wrong() {
+    let mut rng = ChaCha8Rng::seed_from_u64(54);
+    let situation = Situation::new(&mut rng, CeilingCameraModel { q_items: 1, ..camera() }, 1);
+    let seen = situation.seen(&mut rng, 0.05);
+    assert!(situation.method().constraint(0.0, seen).is_none());
+}
+
+#[test]
+fn a_stranger_is_ignored_and_doubles_are_both_refused() {
+    let mut rng = ChaCha8Rng::seed_from_u64(55);
+    let situation = Situation::new(&mut rng, camera(), 2);
+    let seen = situation.seen(&mut rng, 0.05);
+    let prior = situation.prior(&mut rng, 1.0, 0.5);
+    let alone = Seen { markers: vec![seen.markers[1].clone()], rejected_px: Vec::new() };
+    let expected = situation.located(alone, &prior);
+
+    let mut stranger = seen.clone();
+    stranger.markers[0].id = MarkerId(0xFFF);
+    assert_eq!(situation.located(stranger, &prior), expected);
+
+    let mut doubled = seen.clone();
+    doubled.markers.push(doubled.markers[0].clone());
+    let constraint = situation.method().constraint(0.0, doubled).expect("marker 1 is left");
+    assert_eq!(constraint.on_pose.branches(&prior), expected.branches);
+    assert_eq!((constraint.claims.len(), constraint.rejected_px.len()), (1, 2));
+
+    let strangers =
+        Seen { markers: vec![SeenMarker { id: MarkerId(0xFFF), ..seen.markers[0].clone() }], rejected_px: Vec::new() };
+    assert!(situation.method().constraint(0.0, strangers).is_none());
+}
+
+#[test]
+fn a_prior_of_several_turns_keeps_one_branch_for_each() {
+    let mut rng = ChaCha8Rng::seed_from_u64(56);
+    let situation = Situation::new(&mut rng, camera(), 1);
+    let seen = situation.seen(&mut rng, 0.05);
+    let turn = std::f64::consts::TAU;
+    let prior = PoseBox::new([
+        Interval::new(-50.0, 50.0),
+        Interval::new(-50.0, 50.0),
+        Interval::centred(situation.pose[2], 1.5 * turn - 0.1),
+    ]);
+    let union = situation.located(seen, &prior);
+    assert_eq!(union.branches.len(), 3, "{union:?}");
+    for branch in &union.branches {
+        let turns = ((branch[2].mid() - situation.pose[2]) / turn).round();
+        assert!(branch.contains(&[situation.pose[0], situation.pose[1], situation.pose[2] + turns * turn]));
+        assert!(branch.width(0) < 0.03 && branch.width(2) < 0.03);
+    }
+}

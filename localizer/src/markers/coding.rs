@@ -9,8 +9,9 @@ pub enum Coding {
     Plain,
     /// The lexicode of distance 4: 128 words, up to 3 wrong dots are detected.
     Lexicode,
-    /// The 132 hexads of the Steiner system S(5, 6, 12): six coded dots each, distance 4. Up to 3 wrong dots are detected, and
-    /// any number of them when dots are only missing, or only too many: what dirt and covers do.
+    /// 118 of the 132 hexads of the Steiner system S(5, 6, 12): six coded dots each, distance 4. Up to 3 wrong dots are detected, and
+    /// any number of them when dots are only missing, or only too many: what dirt and covers do. No word is the mirror image of a word, so that a
+    /// film pasted the wrong way round is refused.
     #[default]
     Hexads,
 }
@@ -21,7 +22,7 @@ impl Coding {
         let words = match self {
             Coding::Plain => (0..1 << N_CODED).collect(),
             Coding::Lexicode => lexicode(4),
-            Coding::Hexads => hexads(),
+            Coding::Hexads => without_mirror_images(hexads()),
         };
         words.into_iter().map(MarkerId).collect()
     }
@@ -43,6 +44,13 @@ fn lexicode(distance: u32) -> Vec<u16> {
         }
     }
     words
+}
+
+/// Of each word and its mirror image the lesser; none that is its own.
+fn without_mirror_images(words: Vec<u16>) -> Vec<u16> {
+    let mirrored = |word: u16| MarkerId::from_dots(MarkerId(word).dots().map(|[i, j]| [j, i])).0;
+    let is_kept = |word: &u16| mirrored(*word) > *word || !words.contains(&mirrored(*word));
+    words.iter().copied().filter(|word| mirrored(*word) != *word && is_kept(word)).collect()
 }
 
 /// The images of {∞, 1, 3, 4, 5, 9} under z → z + 1, z → 3z and z → −1/z modulo 11; bit 11 stands for ∞
@@ -89,11 +97,22 @@ mod tests {
 
     #[test]
     fn the_hexads_are_132_at_distance_4_and_five_points_lie_in_exactly_one() {
-        let words = Coding::Hexads.identities();
+        let words: Vec<MarkerId> = hexads().into_iter().map(MarkerId).collect();
         assert_eq!((words.len(), distance(&words)), (132, 4));
         assert!(words.iter().all(|word| word.0.count_ones() == 6));
         for points in (0u16..4096).filter(|points| points.count_ones() == 5) {
             assert_eq!(words.iter().filter(|word| word.0 & points == points).count(), 1);
+        }
+    }
+
+    #[test]
+    fn no_mirror_image_of_a_hexad_given_out_is_given_out() {
+        let words = Coding::Hexads.identities();
+        assert!(words.len() >= 100);
+        for word in &words {
+            // A mirror exchanges the places (i, j) and (j, i): corners X and Y change roles.
+            let mirrored = MarkerId::from_dots(word.dots().map(|[i, j]| [j, i]));
+            assert!(!words.contains(&mirrored), "{word:?}");
         }
     }
 
@@ -109,7 +128,7 @@ mod tests {
 
     #[test]
     fn the_table_knows_exactly_the_identities() {
-        for (coding, count) in [(Coding::Plain, 4096), (Coding::Lexicode, 128), (Coding::Hexads, 132)] {
+        for (coding, count) in [(Coding::Plain, 4096), (Coding::Lexicode, 128), (Coding::Hexads, 118)] {
             assert_eq!(coding.table().iter().filter(|known| **known).count(), count);
         }
     }
