@@ -24,8 +24,13 @@ mod periodic;
 mod pinhole;
 mod polar;
 mod q_relaxed;
+mod relaxed_pose;
 mod rigid_planar;
+mod rigid_polar;
 mod rigid_rows;
+mod rigid_table;
+mod translated;
+mod within;
 
 pub use combinators::{Fixpoint, OnAxes, Then, Union};
 pub use distance::Distance;
@@ -36,8 +41,13 @@ pub use periodic::Periodic;
 pub use pinhole::Pinhole;
 pub use polar::Polar;
 pub use q_relaxed::{QRelaxed, q_intersection};
+pub use relaxed_pose::RelaxedPose;
 pub use rigid_planar::RigidPlanar;
+pub use rigid_polar::RigidPolar;
 pub use rigid_rows::Landmark;
+pub use rigid_table::RigidTable;
+pub use translated::Translated;
+pub use within::Within;
 
 use crate::IntervalBox;
 

@@ -25,6 +25,7 @@ pub mod vision;
 pub mod calibration;
 pub mod method;
 pub mod methods;
+pub mod baselines;
 pub mod localizer;
 
 pub use boxes::IntervalBox;

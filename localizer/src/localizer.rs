@@ -6,7 +6,7 @@ use crate::{
     Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
     method::{Assumption, Claim},
-    motion::{WheelHistory, WheelIntegral, moved_union, reach_motion},
+    motion::{WheelHistory, WheelIntegral, moved_union},
     reading::LandmarkId,
 };
 
@@ -22,6 +22,8 @@ const WHEELS: [Assumption; 6] =
     ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
 /// The bounds that a prediction by reach stands on.
 const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "room.walls"];
+/// What a gyroscope adds to both.
+const GYRO: [Assumption; 3] = ["gyro.bias", "gyro.scale", "gyro.noise"];
 
 /// Whether the estimate stands on its declared assumptions alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,17 +95,17 @@ impl Localizer {
     /// A localizer that knows its start within `start` at time 0.
     pub fn new(map: Map, robot: RobotModel, methods: Vec<Box<dyn Method>>, start: PoseBox) -> Self {
         let mut localizer = Localizer {
+            wheels: motion_history(&robot),
+            relies_on: assumptions(&robot),
             map,
             robot,
             methods,
-            wheels: WheelHistory::new(REMEMBER_S),
             ring: Ring::new(REMEMBER_S),
             integral: None,
             current: PoseUnion::default(),
             now_s: 0.0,
             doubt: None,
             unlearn_since_s: None,
-            relies_on: WHEELS.to_vec(),
         };
         localizer.begin_at(start);
         localizer
@@ -111,12 +113,12 @@ impl Localizer {
 
     /// The robot was put within `start` and the clock set back to 0: nothing carries over but what the methods have learnt.
     pub fn restart(&mut self, start: PoseBox) {
-        self.wheels = WheelHistory::new(REMEMBER_S);
+        self.wheels = motion_history(&self.robot);
         self.ring = Ring::new(REMEMBER_S);
         self.integral = None;
         self.now_s = 0.0;
         self.doubt = None;
-        self.relies_on = WHEELS.to_vec();
+        self.relies_on = assumptions(&self.robot);
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
         self.begin_at(start);
     }
@@ -133,7 +135,10 @@ impl Localizer {
                 self.roll(*measured_s, *ticks);
                 Vec::new()
             }
-            Reading::Gyro { .. } => Vec::new(),
+            Reading::Gyro { measured_s, rate_rad_per_s, .. } => {
+                self.wheels.push_rate(*measured_s, *rate_rad_per_s);
+                Vec::new()
+            }
             Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
         };
         if let Some(since_s) = self.unlearn_since_s.take() {
@@ -156,7 +161,7 @@ impl Localizer {
         self.now_s = time_s;
         let Some(sample) = self.wheels.latest().copied() else { return };
         if let Some(integral) = &mut self.integral {
-            integral.advance(&sample, &self.robot.wheels, &self.robot.reach);
+            self.wheels.advance(integral, &sample, &self.robot.wheels, &self.robot.reach);
         } else {
             self.restart_integral();
         }
@@ -171,7 +176,7 @@ impl Localizer {
         let predicted = match (&self.integral, self.doubt) {
             (Some(integral), None) => moved_union(&last.union, &integral.motion(&self.robot.wheels)),
             // Without wheels to trust, or without their history since the slot, reach is all there is.
-            _ => moved_union(&last.union, &reach_motion(self.now_s - last.stamp_s, &self.robot.reach)),
+            _ => moved_union(&last.union, &self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach)),
         };
         self.current = self.inside_room(predicted);
         if self.current.is_empty() {
@@ -205,7 +210,9 @@ impl Localizer {
                 Some(constraint) => {
                     let mut account = self.hang(constraint);
                     if self.doubt.is_none() {
-                        method.learn(&account.posterior);
+                        method.learn(&account.posterior, &|from_s, to_s| {
+                            self.wheels.motion(from_s, to_s, &self.robot.wheels, &self.robot.reach)
+                        });
                     }
                     account.landmarks = method.landmarks();
                     account
@@ -232,7 +239,7 @@ impl Localizer {
             return self.carried(&known, latest_s.max(from_s), to_s, true);
         }
         let motion = if doubted {
-            reach_motion(to_s - from_s, &self.robot.reach)
+            self.wheels.reach_motion(from_s, to_s, &self.robot.reach)
         } else if to_s == from_s {
             return Some(union.clone());
         } else {
@@ -250,7 +257,7 @@ impl Localizer {
                 self.relies_on.push(assumption);
             }
         }
-        let agrees = self.agrees_with_wheels(&constraint);
+        let agrees = constraint.decides && self.agrees_with_wheels(&constraint);
         self.ring.insert(Slot { stamp_s, union: PoseUnion::default(), constraint: Some(constraint) });
         if let Some(doubt) = &mut self.doubt {
             doubt.agreeing = if agrees { doubt.agreeing + 1 } else { 0 };
@@ -301,10 +308,9 @@ impl Localizer {
         self.unlearn_since_s = Some(self.unlearn_since_s.map_or(doubtful_s, |since_s| since_s.min(doubtful_s)));
         self.ring.drop_anchors_after(doubtful_s);
         self.replay(doubtful_s);
-        let growing = self
-            .ring
-            .last()
-            .map(|last| moved_union(&last.union, &reach_motion(self.now_s - last.stamp_s, &self.robot.reach)));
+        let growing = self.ring.last().map(|last| {
+            moved_union(&last.union, &self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach))
+        });
         self.current = self.inside_room(growing.unwrap_or_default());
         if self.current.is_empty() {
             // Even reach contradicts the walls: the memory is wrong from its beginning, and the room is all that is left.
@@ -382,6 +388,24 @@ impl Account {
             landmarks: Vec::new(),
         }
     }
+}
+
+/// The memory of what moves this robot.
+fn motion_history(robot: &RobotModel) -> WheelHistory {
+    let wheels = WheelHistory::new(REMEMBER_S);
+    match robot.gyro {
+        Some(model) => wheels.with_gyro(model),
+        None => wheels,
+    }
+}
+
+/// The bounds that a prediction without doubt stands on.
+fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
+    let mut names = WHEELS.to_vec();
+    if robot.gyro.is_some() {
+        names.extend(GYRO);
+    }
+    names
 }
 
 /// Every branch, contracted and cut.

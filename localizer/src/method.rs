@@ -3,6 +3,7 @@
 use crate::{
     Contractor, Interval, PoseUnion, Reading,
     markers::{GridPlace, MarkerId},
+    motion::Motion,
     reading::LandmarkId,
 };
 
@@ -22,10 +23,11 @@ pub trait Method: Send {
     /// `prior` encloses the pose at the stamp as far as known before; `twist` is the body motion at the stamp.
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint>;
 
-    /// Learns what lasts, such as where landmarks are, from the reading last constrained: the pose at its stamp is in `posterior`.
+    /// Learns what lasts, such as where landmarks are, from the reading last constrained: the pose at its stamp is in `posterior`,
+    /// and `motion` tells how the robot moved between two recent stamps.
     ///
     /// Not called while an assumption is doubted.
-    fn learn(&mut self, _posterior: &PoseUnion) {}
+    fn learn(&mut self, _posterior: &PoseUnion, _motion: MotionBetween) {}
 
     /// Unlearns what was learnt from readings stamped later than `since_s`: an assumption failed, perhaps since then.
     fn forget_since(&mut self, _since_s: f64) {}
@@ -38,6 +40,9 @@ pub trait Method: Send {
         Vec::new()
     }
 }
+
+/// Motion from one stamp to a later one in the frame of the first pose; `None` where the memory does not reach.
+pub type MotionBetween<'a> = &'a dyn Fn(f64, f64) -> Option<Motion>;
 
 /// Body motion at a stamp as the wheels tell it: where the blur in an image comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,6 +67,8 @@ pub struct Constraint {
     pub claims: Vec<Claim>,
     /// At most this many of the claims may be false.
     pub q_items: usize,
+    /// Whether it speaks of x, y and heading: only such a constraint may end a doubt.
+    pub decides: bool,
     /// What was looked at and rejected, for debug frames: segments in pixels `[u0, v0, u1, v1]`.
     pub rejected_px: Vec<[f64; 4]>,
 }

@@ -2,3 +2,4 @@
 
 pub mod ceiling_markers;
 pub mod floor_tiles;
+pub mod range_landmarks;

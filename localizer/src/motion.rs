@@ -3,6 +3,7 @@
 //! The true arc of a differential drive, per-wheel bounds with a floor, side slip, and reach. Ticks telescope: over any span
 //! the quantisation counts once, because a wheel's count is a difference of two latched totals.
 
+mod gyro;
 mod integral;
 mod odometry;
 
@@ -11,9 +12,10 @@ use std::collections::VecDeque;
 use crate::{
     Interval, IntervalBox, PoseBox, PoseUnion,
     method::Twist,
-    robot::{Reach, WheelModel},
+    robot::{GyroModel, Reach, WheelModel},
 };
 
+pub use gyro::GyroHistory;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
 
@@ -31,17 +33,54 @@ pub struct WheelSample {
     pub ticks_error: f64,
 }
 
-/// Recent encoder readings.
+/// Recent encoder readings, and those of the gyroscope if there is one.
 #[derive(Clone, Debug)]
 pub struct WheelHistory {
     samples: VecDeque<WheelSample>,
+    gyro: Option<GyroHistory>,
     keep_s: f64,
 }
 
 impl WheelHistory {
     /// A history that forgets what is older than `keep_s`.
     pub fn new(keep_s: f64) -> Self {
-        WheelHistory { samples: VecDeque::new(), keep_s }
+        WheelHistory { samples: VecDeque::new(), gyro: None, keep_s }
+    }
+
+    /// The same with a gyroscope, whose turn is intersected with that of the wheels.
+    pub fn with_gyro(self, model: GyroModel) -> Self {
+        WheelHistory { gyro: Some(GyroHistory::new(model, self.keep_s)), ..self }
+    }
+
+    /// Adds a reading of the gyroscope.
+    pub fn push_rate(&mut self, time_s: f64, rate_rad_per_s: f64) {
+        if let Some(gyro) = &mut self.gyro {
+            gyro.push(time_s, rate_rad_per_s);
+        }
+    }
+
+    /// Turn as the gyroscope tells it, with wheels that keep their acceleration.
+    fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
+        self.gyro.as_ref()?.turn(from_s, to_s, gyro::greatest_change_rad_per_s2(wheels, reach))
+    }
+
+    /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip.
+    pub fn reach_motion(&self, from_s: f64, to_s: f64, reach: &Reach) -> Motion {
+        let mut motion = reach_motion(to_s - from_s, reach);
+        // Pushed, a robot may change its turn rate by all of it at once: parts of a period are then as good as unknown.
+        let sudden_rad_per_s2 =
+            self.gyro.as_ref().map(|gyro| 2.0 * reach.turn_rate_rad_per_s / gyro.period_s()).unwrap_or_default();
+        let turn = self.gyro.as_ref().and_then(|gyro| gyro.turn(from_s, to_s, sudden_rad_per_s2));
+        if let Some(turn) = turn {
+            motion[2] = motion[2].intersect(turn);
+        }
+        motion
+    }
+
+    /// Carries an integral on to a sample, with the gyroscope's turn up to it.
+    pub fn advance(&self, integral: &mut WheelIntegral, sample: &WheelSample, wheels: &WheelModel, reach: &Reach) {
+        let turn = self.gyro_turn(integral.start_s(), sample.time_s, wheels, reach);
+        integral.advance(sample, turn, wheels, reach);
     }
 
     /// Adds a reading; a reading no later than the last one is a duplicate and is dropped. Returns whether it was new.
@@ -84,7 +123,7 @@ impl WheelHistory {
     pub fn integrate_from(&self, from_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelIntegral> {
         let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
         let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
-        self.samples.iter().skip(next).for_each(|sample| integral.advance(sample, wheels, reach));
+        self.samples.iter().skip(next).for_each(|sample| self.advance(&mut integral, sample, wheels, reach));
         Some(integral)
     }
 
@@ -93,9 +132,9 @@ impl WheelHistory {
         let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
         let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
         for sample in self.samples.iter().skip(next).take_while(|sample| sample.time_s < to_s) {
-            integral.advance(sample, wheels, reach);
+            self.advance(&mut integral, sample, wheels, reach);
         }
-        integral.advance(&self.at(to_s, wheels, reach)?, wheels, reach);
+        self.advance(&mut integral, &self.at(to_s, wheels, reach)?, wheels, reach);
         Some(integral.motion(wheels))
     }
 

@@ -7,6 +7,8 @@
 //!
 //! *What `cargo run -p wherein-localizer --example paving` draws: inside, undecided, outside.*
 
+use std::collections::VecDeque;
+
 use crate::separator::Separator;
 use crate::{Contractor, IntervalBox};
 
@@ -73,6 +75,33 @@ pub fn cover<const N: usize>(
             None => leaves.push(candidate),
         }
     }
+    leaves
+}
+
+/// As [`cover`], but gives up after `most_boxes` contractions: what is pending then counts as leaves, however wide.
+///
+/// The oldest boxes are bisected first, so that the widest are never left over while smaller ones are cut.
+pub fn cover_at_most<const N: usize>(
+    constraint: &impl Contractor<N>,
+    domain: IntervalBox<N>,
+    axes: &[usize],
+    resolution: f64,
+    most_boxes: usize,
+) -> Vec<IntervalBox<N>> {
+    let mut leaves = Vec::new();
+    let mut pending = VecDeque::from([domain]);
+    for _ in 0..most_boxes {
+        let Some(mut candidate) = pending.pop_front() else { break };
+        constraint.contract(&mut candidate);
+        if candidate.is_empty() {
+            continue;
+        }
+        match axis_to_bisect(&candidate, axes, resolution) {
+            Some(axis) => pending.extend(halves(&candidate, axis)),
+            None => leaves.push(candidate),
+        }
+    }
+    leaves.extend(pending);
     leaves
 }
 

@@ -139,6 +139,8 @@ pub struct GyroModel {
     pub scale: Interval,
     /// Greatest noise of one reading, quantisation included, `gyro.noise`.
     pub noise_rad_per_s: f64,
+    /// Span that a reading averages over; it ends at the reading's stamp.
+    pub period_s: f64,
 }
 
 /// A stereo or structured-light camera that measures landmarks by the columns at which its two views see them.
@@ -157,6 +159,8 @@ pub struct RangeCameraModel {
     pub step_px: [f64; 2],
     /// Optical centre of the first view in the robot frame: forward and left, `range_camera.position`.
     pub position_m: [Interval; 2],
+    /// Height of the optical centres above the floor.
+    pub height_m: f64,
     /// Direction of the optical axis from robot forward, counter-clockwise, `range_camera.yaw`.
     pub yaw_rad: Interval,
     /// Greatest angle between the sensor's vertical and the body's, `range_camera.tilt`.

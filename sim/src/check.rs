@@ -3,14 +3,15 @@
 mod bounds;
 mod claims;
 mod judge;
+mod landmarks;
 mod statistics;
 mod verdict;
 
 pub use bounds::violations;
 pub use claims::is_true;
 pub use verdict::{
-    AxisError, AxisWidth, Containment, ErrorTable, FirstFailure, FixWidth, Judgement, MethodCounts, Passed,
-    PositionError, Verdict, Violation, WidthTable,
+    AxisError, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable, FirstFailure,
+    FixWidth, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
 };
 
 use std::collections::BTreeMap;
@@ -31,7 +32,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
-    let baselines = BTreeMap::from([("odometry".to_string(), statistics::errors(&record.odometry, &truths))]);
+    let baselines = baselines(record, &truths);
     let mut verdict = Verdict {
         containment,
         violations,
@@ -40,13 +41,35 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
         availability: availability(scene, record),
         methods: method_counts(record, &false_claims),
         baselines,
-        metrics: metrics(record),
+        metrics: metrics(scene, record),
         verdict: Passed::default(),
     };
     // A verdict of numbers and strings always has a value; were it otherwise, every expectation would be told as unmet.
     let failed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default());
     verdict.verdict = Passed { passed: failed.is_empty(), failed };
     verdict
+}
+
+/// Odometry alone, and what others made of the range readings.
+fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> {
+    let point = |poses: &[Pose]| {
+        let known = truths.get(truths.len() - poses.len()..).unwrap_or_default();
+        Baseline { error: Some(statistics::errors(poses, known)), ..Baseline::default() }
+    };
+    let mut baselines = BTreeMap::from([("odometry".to_owned(), point(&record.odometry))]);
+    let range = &record.range_baselines;
+    for (name, poses) in [("least_squares", &range.svd), ("closest_points", &range.icp)] {
+        if !poses.is_empty() {
+            baselines.insert(name.to_owned(), point(poses));
+        }
+    }
+    baselines.extend(range.solvers.iter().map(|(name, answers)| {
+        let containment = BaselineContainment { checks: answers.problems, contained: answers.contained };
+        let width = BaselineWidth { at_fix: statistics::fix_width(&answers.hulls) };
+        let solver = Baseline { error: None, containment: Some(containment), width: Some(width) };
+        ((*name).to_owned(), solver)
+    }));
+    baselines
 }
 
 /// Share of steps that are sound and narrower than the scene declares.
@@ -77,7 +100,7 @@ fn method_counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<String,
 }
 
 /// What helps to understand a run besides: how far it drove, how many branches there were, how long it was in doubt or outside.
-fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
+fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     let distance_m: f64 = record
         .truths
         .windows(2)
@@ -87,13 +110,15 @@ fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
         |index: usize| record.estimates.get(index).map_or(0, |estimate| estimate.pose.branches.len()) as f64;
     let most = record.estimates.iter().map(|estimate| estimate.pose.branches.len()).max().unwrap_or(0);
     let recovering = record.estimates.iter().filter(|estimate| estimate.status == Status::Recovering).count();
-    BTreeMap::from([
+    let mut metrics = BTreeMap::from([
         ("distance_m".to_string(), distance_m),
         ("branches_max".to_string(), most as f64),
         ("branches_at_end".to_string(), n_branches(record.estimates.len().saturating_sub(1))),
         ("recovering_share".to_string(), share(recovering, record.estimates.len())),
         ("longest_outside_s".to_string(), longest_outside_s(record)),
-    ])
+    ]);
+    metrics.extend(landmarks::metrics(scene, record));
+    metrics
 }
 
 /// Longest time without the truth in the union.

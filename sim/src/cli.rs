@@ -9,12 +9,14 @@ use std::{
 use clap::{Args, Parser, Subcommand};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
-use crate::{frames::FramesPolicy, record::RecordError, render::RenderError, scene::SceneError};
+use crate::{frames::FramesPolicy, record::RecordError, render::RenderError, scene::SceneError, still::CameraName};
 
+mod render;
 mod run;
 mod seeds;
 mod table;
 
+pub use render::{At, Lights};
 pub use seeds::Seeds;
 
 /// Simulates an indoor robot and its cameras, localizes it by interval boxes, and checks every box against the truth.
@@ -30,6 +32,7 @@ Examples:
   wherein run scenes/papers/floor_vision_odometry.toml            one run with seed 0
   wherein run scenes --seeds 0..10 --out results                  every scene, ten seeds each
   wherein run scenes/x.toml --seed 7 --frames failures            pictures of what went wrong with seed 7
+  wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -38,6 +41,8 @@ Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not
 enum Command {
     /// Runs scenes and records what they leave behind.
     Run(RunArguments),
+    /// Takes pictures of a robot that stands still, one per camera.
+    Render(RenderArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
     Table(TableArguments),
     /// Prints the JSON schema of scene files.
@@ -81,13 +86,50 @@ In the table, a check is one step of 10 ms. `contained`: the truth is in a box. 
 `bound broken`: a declared bound was really exceeded; `perception`: the vision saw what is not there; `unsound`: neither.
 Errors are root mean squares of the worst third of a run, widths are full widths of the box.";
 
+/// What `wherein render` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_AFTER_HELP)]
+struct RenderArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where the robot stands: x and y in metres, heading in degrees. The scene's start unless given.
+    #[arg(long, value_name = "X,Y,HEADING", allow_hyphen_values = true)]
+    at: Option<At>,
+    /// One camera only: floor, forward or ceiling.
+    #[arg(long, value_name = "NAME", value_parser = camera_name)]
+    camera: Option<CameraName>,
+    /// Mean illuminance at the floor in lux, all lamps dimmed alike. What the scene states unless given.
+    #[arg(long, value_name = "LUX", value_parser = render::illuminance, allow_hyphen_values = true, conflicts_with = "contact_sheet")]
+    lux: Option<f64>,
+    /// One sheet with all cameras in several lights, such as lux=0.1,1,10,100,1000.
+    #[arg(long, value_name = "lux=A,B,…")]
+    contact_sheet: Option<Lights>,
+    /// Seed of mounts, tiles and noise.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Where pictures go.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
+
+const RENDER_AFTER_HELP: &str = "\
+Writes DIR/<scene>/<camera>.png as the sensor gave it and <camera>_tone_mapped.png as a screen should show it,
+or DIR/<scene>/contact_sheet.png. Exposures are those on which automatic exposure settles.";
+
+fn camera_name(text: &str) -> Result<CameraName, String> {
+    let found = CameraName::ALL.into_iter().find(|name| name.as_str() == text);
+    found.ok_or_else(|| format!("expected one of {}", CameraName::ALL.map(CameraName::as_str).join(", ")))
+}
+
 /// What `wherein table` is asked.
 #[derive(Debug, Args)]
 struct TableArguments {
     /// Folders that `wherein run` wrote.
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// Replace what stands between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document.
+    /// Replace what stands between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document; in `<!-- results:begin
+    /// floor papers/floor -->` only scenes whose names begin so.
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
 }
@@ -103,8 +145,20 @@ enum CommandError {
     Record(#[from] RecordError),
     #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
     NoResults(PathBuf),
-    #[error("put the table into {}: expected a line `{}` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
+    #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
     NoMarkers(PathBuf),
+    #[error("render {}: it stands for {count} scenes, expected one scene file", path.display())]
+    SeveralScenes { path: PathBuf, count: usize },
+    #[error(
+        "render {}: its robot has no {}camera, expected a table such as `[robot.forward_camera]`",
+        scene.display(),
+        wanted.map(|name| format!("{name} ")).unwrap_or_default()
+    )]
+    NoCamera { scene: PathBuf, wanted: Option<&'static str> },
+    #[error("render at {}, {}: outside the room, expected x from 0 to {} and y from 0 to {}", at_m[0], at_m[1], room_m[0], room_m[1])]
+    OutsideRoom { at_m: [f64; 2], room_m: [f64; 2] },
+    #[error("write {}: {}", .0.display(), .1)]
+    Picture(PathBuf, io::Error),
     #[error("print: {0}")]
     Output(#[from] io::Error),
 }
@@ -113,6 +167,7 @@ enum CommandError {
 pub fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Run(arguments) => run::run_scenes(&arguments),
+        Command::Render(arguments) => render::render(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
         Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),

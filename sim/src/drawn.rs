@@ -1,6 +1,7 @@
 //! The true values that a seed draws inside the declared bounds. The localizer never sees them.
 
 use localizer::Pose;
+use nalgebra::Isometry3;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution as _, StandardNormal};
 
@@ -22,6 +23,14 @@ pub struct Drawn {
     pub track_m: f64,
     /// True mount and lens of the floor camera.
     pub floor_camera: Option<DrawnFloorCamera>,
+    /// True mount and lens of the forward camera.
+    pub forward_camera: Option<DrawnCamera>,
+    /// True mount and lens of the ceiling camera.
+    pub ceiling_camera: Option<DrawnCamera>,
+    /// True mount and optics of the range camera.
+    pub range_camera: Option<DrawnRangeCamera>,
+    /// True bias and scale of the gyroscope.
+    pub gyro: Option<DrawnGyro>,
     /// The tiles as they were laid.
     pub tiles: Option<LaidTiles>,
 }
@@ -39,6 +48,41 @@ pub struct DrawnFloorCamera {
     pub yaw_rad: f64,
     /// Rotation vector of the optical axis off the body's vertical, about robot x and robot y; its norm is within the tolerance.
     pub tilt_rad: [f64; 2],
+}
+
+/// True mount and lens of a camera that looks ahead or up.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnCamera {
+    /// Pose in the robot frame.
+    pub body_from_camera: Isometry3<f64>,
+    /// Focal lengths along u and v.
+    pub focal_px: [f64; 2],
+    /// Where the optical axis meets the image.
+    pub principal_point_px: [f64; 2],
+}
+
+/// True mount and optics of the range camera.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnRangeCamera {
+    /// Optical centre of the first view in the robot frame: forward and left.
+    pub position_m: [f64; 2],
+    /// Direction of the optical axis from robot forward, counter-clockwise.
+    pub yaw_rad: f64,
+    /// Rotation vector of the sensor's vertical off the body's, about robot x and robot y; its norm is within the tolerance.
+    pub tilt_rad: [f64; 2],
+    /// Focal length.
+    pub focal_px: f64,
+    /// Distance between the optical centres.
+    pub baseline_m: f64,
+}
+
+/// True bias and scale of the gyroscope.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnGyro {
+    /// Constant over a run.
+    pub bias_rad_per_s: f64,
+    /// Constant over a run.
+    pub scale: f64,
 }
 
 /// Draws an error within ±tolerance.

@@ -13,9 +13,12 @@ use crate::{
 
 mod camera_view;
 mod canvas;
+mod contact_sheet;
 mod figure;
 mod map_view;
 mod palette;
+
+pub use contact_sheet::{Column, contact_sheet, tone_mapped};
 
 /// Of which images a run leaves debug frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,10 +1,11 @@
 //! Pictures of the world as a camera's sensor gives them, drawn headlessly by wgpu.
 //!
 //! ```text
-//! View ─> floor pass (rasterised faces, then bands; luminance in cd/m²) ─> photon pass (compute) ─> GrayImage
+//! View ─> floor pass (rasterised faces, then bands)    ─> luminance in cd/m² ─> photon pass (compute) ─> GrayImage
+//!      or room pass (faces, lamps, people; then the lens)
 //! ```
 //!
-//! All views of a tick go in one submit. Same world, views and adapter: same bytes. A further camera is a further
+//! A view through a lens is drawn by the room pass, one of the floor by an ideal lens by the floor pass. All views of a tick go in one submit. Same world, views and adapter: same bytes. A further camera is a further
 //! [`View`]; a further kind of surface is a further pass into the same luminance target.
 
 use image::GrayImage;
@@ -12,9 +13,14 @@ use nalgebra::Isometry3;
 use thiserror::Error;
 
 use crate::{
+    building::{Building, UprightBody},
     drawn::Drawn,
+    light::{FloorField, bake},
     scene::Scene,
-    sensors::camera::{Intrinsics, Photosites},
+    sensors::{
+        camera::{Intrinsics, Photosites},
+        lens::Lens,
+    },
 };
 
 mod device;
@@ -22,6 +28,7 @@ mod exposure;
 mod floor;
 mod light;
 mod photons;
+mod room;
 mod target;
 
 pub use light::FloorLight;
@@ -29,6 +36,7 @@ pub use light::FloorLight;
 use device::Graphics;
 use floor::{Floor, FloorPass};
 use photons::PhotonPass;
+use room::{RoomPass, RoomWorld};
 use target::Target;
 
 /// One picture to take. Camera frame: x right, y down, z forward.
@@ -48,6 +56,11 @@ pub struct View {
     pub illuminance_at_floor_lux: f64,
     /// Where the noise of this picture comes from.
     pub noise: NoiseKey,
+    /// The lens through which the room is seen; without one only the floor is, as an ideal lens shows it.
+    ///
+    /// With a lens, `intrinsics` only tells the image's size, and `world_from_camera` lasts from the start of the first
+    /// row's exposure to the end of the last row's.
+    pub lens: Option<Lens>,
 }
 
 /// Names the noise of one picture: another seed or another number gives independent noise.
@@ -63,6 +76,22 @@ pub struct NoiseKey {
 #[derive(Debug)]
 pub struct RenderedWorld {
     floor: Floor,
+    room: Option<RoomWorld>,
+    lamps_at_floor_lux: Option<f64>,
+    bodies: Vec<UprightBody>,
+}
+
+impl RenderedWorld {
+    /// Mean illuminance at the floor of the robot's room as the scene's lamps give it; `None` where it has none and only
+    /// the floor was uploaded.
+    pub fn illuminance_at_floor_lux(&self) -> Option<f64> {
+        self.lamps_at_floor_lux
+    }
+
+    /// Puts people where the next pictures show them.
+    pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
+        self.bodies = bodies.to_vec();
+    }
 }
 
 /// Why no picture came.
@@ -116,6 +145,7 @@ pub enum RenderError {
 pub struct Renderer {
     graphics: Graphics,
     floor_pass: FloorPass,
+    room_pass: RoomPass,
     photon_pass: PhotonPass,
     /// One per view of a tick, kept from tick to tick.
     targets: Vec<Target>,
@@ -129,9 +159,10 @@ impl Renderer {
     pub fn new() -> Result<Renderer, RenderError> {
         let graphics = Graphics::open()?;
         let floor_pass = FloorPass::new(&graphics.device);
+        let room_pass = RoomPass::new(&graphics.device);
         let photon_pass = PhotonPass::new(&graphics.device);
         graphics.check()?;
-        Ok(Renderer { graphics, floor_pass, photon_pass, targets: Vec::new() })
+        Ok(Renderer { graphics, floor_pass, room_pass, photon_pass, targets: Vec::new() })
     }
 
     /// Name, driver and backend of the adapter: pictures are the same bytes only on the same one.
@@ -139,13 +170,37 @@ impl Renderer {
         self.graphics.adapter_name()
     }
 
-    /// Prepares a world for drawing.
+    /// Prepares a world for views of its floor.
     ///
     /// # Errors
     /// If the driver reported an error since.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check()?;
-        Ok(RenderedWorld { floor: Floor::new(scene, drawn) })
+        let (mut lamplight, mut lamps_at_floor_lux) = (None, None);
+        if !scene.lamps.is_empty() {
+            let building = Building::new(scene, drawn);
+            let (lighting, map) = bake(scene, &building);
+            lamps_at_floor_lux = Some(map.mean_at_floor.lux * lighting.dimming);
+            lamplight = FloorField::new(&building, &map);
+        }
+        let floor = Floor::new(scene, drawn, lamplight);
+        Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, bodies: Vec::new() })
+    }
+
+    /// Prepares a world for all views, its people at the start; its light is worked out here, which takes up to a second.
+    ///
+    /// # Errors
+    /// If the driver reported an error since.
+    pub fn upload_room(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
+        self.graphics.check()?;
+        let room = self.room_pass.upload(&self.graphics, scene, drawn);
+        let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
+        Ok(RenderedWorld {
+            floor: Floor::new(scene, drawn, lamplight),
+            lamps_at_floor_lux: Some(room.mean_at_floor_lux()),
+            room: Some(room),
+            bodies: scene.people.iter().filter_map(UprightBody::at_start).collect(),
+        })
     }
 
     /// Takes all pictures of a tick, in the order of `views`.
@@ -159,8 +214,21 @@ impl Renderer {
         let device = &self.graphics.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for (view, target) in views.iter().zip(&mut self.targets) {
-            let Target { floor, luminance, .. } = target;
-            self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?;
+            let Target { floor, room, luminance, .. } = target;
+            match (&view.lens, &world.room) {
+                (None, _) => {
+                    self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?
+                }
+                (Some(lens), Some(seen)) => self.room_pass.draw(
+                    &self.graphics,
+                    &mut encoder,
+                    (seen, &world.bodies),
+                    (view, lens),
+                    room,
+                    luminance,
+                )?,
+                (Some(_), None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
+            }
             self.photon_pass.draw(&self.graphics.queue, &mut encoder, view, target);
             target.stage(&mut encoder);
         }

@@ -1,12 +1,16 @@
 //! The closed loop: the one screen where everything meets.
 
 mod history;
+mod range_baselines;
 
 use std::time::Instant;
 
 use localizer::{
-    Localizer, Method, Reading,
-    methods::floor_tiles::{Chain, FloorTiles},
+    Localizer, Method, Pose, Reading,
+    methods::{
+        floor_tiles::{Chain, FloorTiles},
+        range_landmarks::{Freedom, RangeLandmarks, Solver},
+    },
     motion::PointOdometry,
 };
 use sha2::{Digest, Sha256};
@@ -16,13 +20,14 @@ use crate::{
     driver::Driver,
     frames::FramesPolicy,
     render::{RenderError, Renderer},
-    scene::{FloorTilesChain, MethodName, Scene},
+    scene::{FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene},
     sensors::{Observation, Sensors},
     truth::Truth,
     world::World,
 };
 
 pub use history::{ImageRecord, RunRecord, Timing};
+pub use range_baselines::{Answers, RangeBaselines};
 
 /// Time between two estimates, two commands and two checks.
 const STEP_S: f64 = 0.01;
@@ -79,14 +84,14 @@ fn drive(
     let mut world = World::new(scene, drawn);
     let mut sensors = Sensors::new(scene, seed, drawn, renderer.as_deref_mut())?;
     let mut driver = Driver::new(scene);
-    look(&world.truth(), &mut sensors, renderer.as_deref_mut(), localizer, record)?;
+    look(&world, &mut sensors, renderer.as_deref_mut(), localizer, record)?;
     record.step(&world.truth(), localizer);
     for step in 0..(scene.duration_s / STEP_S).round() as usize {
         let time_s = step as f64 * STEP_S;
         let command = driver.command(&localizer.estimate(), time_s);
         for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
-            look(&world.truth(), &mut sensors, renderer.as_deref_mut(), localizer, record)?;
+            look(&world, &mut sensors, renderer.as_deref_mut(), localizer, record)?;
         }
         record.step(&world.truth(), localizer);
         if step % 50 == 0 {
@@ -98,15 +103,16 @@ fn drive(
 
 /// Hands what arrives at one instant to the localizer.
 fn look(
-    truth: &Truth,
+    world: &World,
     sensors: &mut Sensors,
     renderer: Option<&mut Renderer>,
     localizer: &mut Localizer,
     record: &mut Recorder,
 ) -> Result<(), RenderError> {
-    let arrived = record.timed(|timing| &mut timing.render_s, || sensors.observe(truth, renderer))?;
+    let arrived =
+        record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), renderer))?;
     for observation in arrived {
-        record.sense(&observation.reading);
+        record.sense(&observation);
         let accounts = record.timed(
             |timing| match observation.reading {
                 Reading::Camera { .. } => &mut timing.vision_s,
@@ -126,10 +132,24 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
         FloorTilesChain::Direct => Chain::Direct,
         FloorTilesChain::Paper => Chain::Paper,
     };
+    let freedom = match scene.localizer.range_landmarks_freedom {
+        RangeLandmarksFreedom::Line => Freedom::Line,
+        RangeLandmarksFreedom::Translation => Freedom::Translation,
+        RangeLandmarksFreedom::Full => Freedom::Full,
+    };
+    let solver = match scene.localizer.range_landmarks_solver {
+        RangeLandmarksSolver::OneShot => Solver::OneShot,
+        RangeLandmarksSolver::Polar => Solver::Polar,
+        RangeLandmarksSolver::TableIv => Solver::TableIv,
+        RangeLandmarksSolver::Sivia => Solver::Sivia { resolution: 0.05 },
+    };
     let build = |name: &MethodName| -> Option<Box<dyn Method>> {
         match name {
             MethodName::FloorTiles => {
                 FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+            MethodName::RangeLandmarks => {
+                RangeLandmarks::new(&robot, freedom, solver).map(|method| Box::new(method) as Box<dyn Method>)
             }
         }
     };
@@ -145,6 +165,8 @@ struct Recorder {
     keep_images: FramesPolicy,
     /// Time at which the present drive began.
     offset_s: f64,
+    /// Where the localizer is told that it began, in the middle.
+    start: Pose,
 }
 
 impl Recorder {
@@ -158,13 +180,16 @@ impl Recorder {
             readings: Sha256::new(),
             keep_images: options.keep_images,
             offset_s: 0.0,
+            start: scene.nominal_start(),
         }
     }
 
     /// Begins the drive of a station after those before it.
     fn restart(&mut self, index: usize, lasts_s: f64, here: &Scene) {
         self.offset_s = index as f64 * (lasts_s + STEP_S);
-        self.odometry = PointOdometry::new(here.nominal_start());
+        self.start = here.nominal_start();
+        self.odometry = PointOdometry::new(self.start);
+        self.history.range_baselines.restart();
         self.history.restarts.push(self.history.truths.len());
     }
 
@@ -177,7 +202,10 @@ impl Recorder {
     }
 
     /// Notes a reading on its way into the localizer.
-    fn sense(&mut self, reading: &Reading) {
+    fn sense(&mut self, observation: &Observation) {
+        let reading = &observation.reading;
+        self.history.greatest_gyro_noise_rad_per_s =
+            self.history.greatest_gyro_noise_rad_per_s.max(observation.gyro_noise_rad_per_s.abs());
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
         match reading {
@@ -202,10 +230,17 @@ impl Recorder {
 
     /// Notes what the methods made of a reading.
     fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
-        let Observation { reading, mut truth } = observation;
+        let Observation { reading, mut truth, codes, .. } = observation;
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         for account in accounts {
+            if matches!(reading, Reading::Range { .. }) {
+                // Odometry stands still until the stamp's own step has been recorded.
+                let step = (self.history.odometry.len() as f64 - 1.0).min((truth.time_s / STEP_S).round());
+                let odometry = self.history.odometry.get(step.max(0.0) as usize).copied().unwrap_or(self.start);
+                let (start, truth, restarted) = (self.start, truth.pose, !self.history.restarts.is_empty());
+                self.history.range_baselines.observe(&account, start, odometry, truth, restarted);
+            }
             let failed = account.emptied || !account.posterior.contains(truth.pose);
             let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
             self.history.images.push(ImageRecord {
@@ -221,6 +256,7 @@ impl Recorder {
                 emptied: account.emptied,
                 posterior: account.posterior,
                 landmarks: account.landmarks,
+                codes: codes.clone(),
                 reading: kept,
             });
         }
@@ -233,6 +269,7 @@ impl Recorder {
         self.history.truths.push(Truth { time_s: truth.time_s + self.offset_s, ..*truth });
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
+        self.history.range_baselines.step(self.odometry.pose());
     }
 
     fn finish(mut self, began: Instant) -> RunRecord {

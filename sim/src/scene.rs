@@ -8,28 +8,38 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 mod bounds;
+mod building;
+mod cameras;
 mod conform;
 mod error;
 mod events;
 mod expect;
 mod files;
 mod floor;
+mod lamps;
 mod models;
 mod parse;
 mod places;
+mod range_camera;
 mod robot;
 mod route;
 mod schema;
+mod things;
 
 pub use bounds::Bounds;
+pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
+pub use cameras::{Band, Calibration, CeilingCamera, ForwardCamera, LensKeys};
 pub use error::SceneError;
 pub use events::Event;
 pub use expect::Expect;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
+pub use lamps::{Lamp, LampKind, Spectrum};
+pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
 pub use schema::schema_text;
+pub use things::{Furniture, Landmark, Person};
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -47,9 +57,24 @@ pub struct Scene {
     /// What the robot drives on.
     #[serde(default)]
     pub floor: Floor,
-    /// Lamps, as their illuminance.
+    /// How bright it is.
     #[serde(default)]
     pub light: Light,
+    /// What stands about and above the floor.
+    #[serde(default)]
+    pub building: Building,
+    /// Where the light comes from.
+    #[serde(default, rename = "lamp")]
+    pub lamps: Vec<Lamp>,
+    /// What stands in the room.
+    #[serde(default)]
+    pub furniture: Vec<Furniture>,
+    /// Who walks in it.
+    #[serde(default, rename = "person")]
+    pub people: Vec<Person>,
+    /// Coded landmarks for a range camera, numbered from 0 in the order of the file.
+    #[serde(default, rename = "landmark")]
+    pub landmarks: Vec<Landmark>,
     /// The robot: a Pioneer P3-DX unless stated otherwise.
     #[serde(default)]
     pub robot: Robot,
@@ -91,10 +116,14 @@ pub struct Room {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
-    /// Mean illuminance at the floor.
+    /// Mean illuminance at the floor. Without effect when each `[[lamp]]` states its own output.
     #[schemars(range(min = 0.0, max = 100000.0))]
     pub illuminance_at_floor_lux: f64,
-    /// Brightest over darkest place of the room's floor.
+    /// Instead: illuminance on an upright plane at the forward camera's lens, facing as the camera does, with the robot at
+    /// its start. Dims all lamps alike.
+    #[schemars(range(min = 0.0, max = 100000.0))]
+    pub illuminance_at_camera_lux: Option<f64>,
+    /// Brightest over darkest place of the room's floor, when there is no `[[lamp]]`.
     #[schemars(range(min = 1.0, max = 1000.0))]
     pub unevenness_ratio: f64,
     /// Direction in which the floor grows brighter, from world x. Any angle.
@@ -103,7 +132,12 @@ pub struct Light {
 
 impl Default for Light {
     fn default() -> Self {
-        Light { illuminance_at_floor_lux: 300.0, unevenness_ratio: 1.5, unevenness_direction_deg: 30.0 }
+        Light {
+            illuminance_at_floor_lux: 300.0,
+            illuminance_at_camera_lux: None,
+            unevenness_ratio: 1.5,
+            unevenness_direction_deg: 30.0,
+        }
     }
 }
 
@@ -115,6 +149,10 @@ pub struct LocalizerSetup {
     pub methods: Vec<MethodName>,
     /// Vision chain of `floor_tiles`.
     pub floor_tiles_chain: FloorTilesChain,
+    /// What `range_landmarks` solves for.
+    pub range_landmarks_freedom: RangeLandmarksFreedom,
+    /// How `range_landmarks` solves it.
+    pub range_landmarks_solver: RangeLandmarksSolver,
     /// An estimate counts as available while its hull is narrower than this in x and y.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
@@ -128,6 +166,8 @@ impl Default for LocalizerSetup {
         LocalizerSetup {
             methods: vec![MethodName::FloorTiles],
             floor_tiles_chain: FloorTilesChain::Direct,
+            range_landmarks_freedom: RangeLandmarksFreedom::Full,
+            range_landmarks_solver: RangeLandmarksSolver::OneShot,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
         }
@@ -140,6 +180,36 @@ impl Default for LocalizerSetup {
 pub enum MethodName {
     /// Joints of a tiled floor under a camera that looks down (paper 1).
     FloorTiles,
+    /// Coded landmarks that no map names, seen by a range camera (paper 3).
+    RangeLandmarks,
+}
+
+/// What `range_landmarks` solves for; the rest it takes from what is known besides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RangeLandmarksFreedom {
+    /// World x (paper 3, Table II).
+    Line,
+    /// World x and y (Table III).
+    Translation,
+    /// World x, y and heading (Table IV).
+    #[default]
+    Full,
+}
+
+/// How `range_landmarks` solves the pose when all three of it are free.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RangeLandmarksSolver {
+    /// Linear elimination, no bisection.
+    #[default]
+    OneShot,
+    /// The polar contractor to its fixpoint.
+    Polar,
+    /// Paper 3's Table IV with correct branches, to its fixpoint.
+    TableIv,
+    /// Paper 3's set inversion with a resolution of 0.05 m and 0.05 rad.
+    Sivia,
 }
 
 /// How `floor_tiles` finds joints in an image.

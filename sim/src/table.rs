@@ -43,6 +43,9 @@ impl Outcome {
         for name in ["wall_s", "real_time_factor"] {
             measured.extend(timing[name].as_f64().map(|value| (format!("timing.{name}"), value)));
         }
+        for (name, value) in timing["solve_us"].as_object().into_iter().flatten() {
+            measured.extend(value.as_f64().map(|value| (format!("baselines.{name}.timing.solve_us"), value)));
+        }
         Outcome {
             scene: summary["scene"].as_str().unwrap_or_default().to_owned(),
             seed: summary["seed"].as_u64().unwrap_or_default(),

@@ -12,6 +12,7 @@ mod chassis;
 mod drive;
 mod floor;
 mod odometer;
+mod people;
 mod push;
 mod support;
 pub mod tyre;
@@ -20,6 +21,8 @@ use chassis::{BodyState, Chassis};
 use drive::Wheel;
 use floor::Floor;
 use odometer::Odometer;
+pub use people::Bystander;
+use people::Walker;
 use push::{Push, Rolled};
 use support::Support;
 use tyre::Contact;
@@ -47,6 +50,7 @@ pub struct World {
     supports: [Support; 4],
     floor: Floor,
     pushes: Vec<Push>,
+    walkers: Vec<Walker>,
     /// How far the wheels rolled in this step, and what the floor gave them.
     rolled: Rolled,
     traction: Vector,
@@ -67,6 +71,7 @@ impl World {
             supports: Support::all(scene, drawn),
             floor: Floor::new(scene),
             pushes: Push::all(scene),
+            walkers: Walker::all(scene),
             rolled: Rolled { forward_m: 0.0, turn_rad: 0.0 },
             traction: Vector::ZERO,
             track_m: drawn.track_m,
@@ -82,6 +87,7 @@ impl World {
         self.chassis.release();
         self.bear(&body, command);
         self.shove(&body, time_s);
+        self.walk(&body);
         self.chassis.advance(&body);
         self.n_steps += 1;
         let time_s = self.n_steps as f64 / STEPS_PER_S;
@@ -91,6 +97,19 @@ impl World {
     /// The truth now.
     pub fn truth(&self) -> Truth {
         self.odometer.truth()
+    }
+
+    /// People as they stand now.
+    pub fn people(&self) -> Vec<Bystander> {
+        self.walkers.iter().map(Walker::body).collect()
+    }
+
+    fn walk(&mut self, body: &BodyState) {
+        let robot = body.world_from_robot.translation;
+        for (index, walker) in self.walkers.iter_mut().enumerate() {
+            walker.advance([robot.x, robot.y], STEP_S);
+            self.chassis.place_person(index, walker.body().place_m);
+        }
     }
 
     /// Supports bear the body, and driven wheels pull at it.

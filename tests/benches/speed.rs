@@ -5,16 +5,21 @@
 use std::{hint::black_box, path::Path, time::Instant};
 
 use localizer::Interval;
+use localizer::Pose;
+use nalgebra::{Isometry3, Translation3};
 use sim::{
-    render::Renderer,
+    drawn::Drawn,
+    render::{Renderer, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
+    still::{CameraName, views_at},
 };
 
 fn main() {
     println!("{:<44} {:>10}   aim", "what", "median");
     intervals();
     runs();
+    views();
 }
 
 /// One line: what was measured, its median, what is aimed at.
@@ -79,4 +84,51 @@ fn runs() {
     };
     line("floor_tiles, an image of 640 × 480", per_image(|record| record.timing.vision_s), "ms", "≤ 3");
     line("rendering and sensor, an image of 640 × 480", per_image(|record| record.timing.render_s), "ms", "");
+}
+
+/// Three cameras a tick in a room with lamps, shadows and furniture, sensor model on.
+fn views() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let scene = Scene::load(&root.join("scenes/rooms/living_room.toml")).unwrap();
+    let drawn = Drawn::draw(&scene, 0);
+    let mut renderer = Renderer::new().unwrap();
+    let began = Instant::now();
+    let world = renderer.upload_room(&scene, &drawn).unwrap();
+    line("light maps of a living room", began.elapsed().as_secs_f64(), "s", "");
+    let pose = Pose { x_m: 0.8, y_m: 0.9, heading_rad: 0.5 };
+    let lux = world.illuminance_at_floor_lux().unwrap();
+    let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &CameraName::ALL, 0);
+    // Moved so far during the exposure that the room's views take four sub-frames, at 1 m: 6 px at 417 and at 755 px.
+    let moved = |view: &View| {
+        let way_m = if view.lens.as_ref().is_some_and(|lens| lens.focal_px[0] < 500.0) { 0.0135 } else { 0.0073 };
+        let end = Isometry3::from(Translation3::new(way_m, 0.0, 0.0)) * view.world_from_camera[0];
+        View { world_from_camera: vec![view.world_from_camera[0], end], ..view.clone() }
+    };
+    let moving: Vec<View> = still.iter().map(moved).collect();
+    for (what, views, aim) in [
+        ("views of 640 × 480, three cameras a tick", &still, "≥ 250"),
+        ("the same with four sub-frames", &moving, "≥ 90"),
+    ] {
+        renderer.draw(&world, views).unwrap();
+        let per_s = |_| {
+            let began = Instant::now();
+            black_box(renderer.draw(&world, views).unwrap());
+            views.len() as f64 / began.elapsed().as_secs_f64()
+        };
+        line(what, median((0..41).map(per_s).collect()), "views/s", aim);
+    }
+    for (camera, view) in CameraName::ALL.iter().zip(&still) {
+        let views = std::slice::from_ref(view);
+        let milliseconds = |_| {
+            let began = Instant::now();
+            black_box(renderer.draw(&world, views).unwrap());
+            1e3 * began.elapsed().as_secs_f64()
+        };
+        line(
+            &format!("one view of the {} camera", camera.as_str()),
+            median((0..41).map(milliseconds).collect()),
+            "ms",
+            "",
+        );
+    }
 }

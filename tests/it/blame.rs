@@ -137,6 +137,7 @@ fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
         emptied: false,
         posterior: record.estimates[40].pose.clone(),
         landmarks: Vec::new(),
+        codes: Vec::new(),
         reading: None,
     }
 }

@@ -118,6 +118,25 @@ fn a_table_goes_between_the_markers_of_a_document() {
 }
 
 #[test]
+fn a_marker_that_names_beginnings_takes_those_scenes_and_keeps_a_table_of_none() {
+    let folder = folder("tables");
+    for name in ["left", "right"] {
+        fs::write(folder.join(format!("{name}.toml")), blind_scene(1.0, "")).unwrap();
+        assert_eq!(outcome(&mut wherein(&folder, &["run", &format!("{name}.toml"), "--seeds", "0..2"])).0, 0);
+    }
+    let block = |names: &str| format!("<!-- results:begin {names} -->\nold\n<!-- results:end -->\n");
+    let page = [block("right elsewhere"), block("le"), block("papers")].concat();
+    fs::write(folder.join("page.md"), page).unwrap();
+    assert_eq!(outcome(&mut wherein(&folder, &["table", "renders", "--into", "page.md"])).0, 0);
+    let page = fs::read_to_string(folder.join("page.md")).unwrap();
+    let blocks: Vec<&str> = page.split("<!-- results:end -->").collect();
+    assert!(blocks[0].starts_with("<!-- results:begin right elsewhere -->\n"), "{page}");
+    assert!(blocks[0].contains("| right | 2 seeds |") && !blocks[0].contains("| left |"), "{page}");
+    assert!(blocks[1].contains("| left | 2 seeds |") && !blocks[1].contains("| right |"), "{page}");
+    assert_eq!(blocks[2], "\n<!-- results:begin papers -->\nold\n");
+}
+
+#[test]
 fn a_document_without_markers_is_refused_and_left_alone() {
     let folder = folder("markers");
     fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();

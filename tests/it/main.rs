@@ -18,6 +18,20 @@ mod interval_precision;
 mod interval_text;
 /// The wheels' enclosure against motion integrated much finer.
 mod motion_enclosure;
+/// A range camera and landmarks of the tests' own, seen in three dimensions.
+mod range_landmarks_setup;
+/// Every way to solve for the pose from landmarks, some of them matched wrongly.
+mod range_landmarks_solvers;
+/// Drives past landmarks that nobody has mapped.
+mod range_landmarks_drive;
+/// Point methods and the printed contractor beside the sound ones.
+mod landmark_baselines;
+/// The gyroscope's turn against turns integrated much finer.
+mod gyro_enclosure;
+/// Range camera, gyroscope and people against geometry by hand.
+mod range_sensing;
+/// Whole runs by landmarks that no map names.
+mod range_runs;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
 mod floor_tiles_geometry;
 /// Ceiling markers to poses, against a camera and a ceiling of the tests' own.
@@ -52,6 +66,12 @@ mod render_laid_tiles;
 mod render_photons;
 /// Rendered floor points, joints and blur against a projection derived by hand.
 mod render_projection;
+/// Light of lamps against closed forms; shadows against similar triangles; spectra against published figures.
+mod light_of_lamps;
+/// Rooms seen through lenses against projections of the tests' own.
+mod render_room;
+/// `wherein render`.
+mod cli_render;
 /// What the renderer's tests share.
 mod render_studio;
 /// Who is at fault when the truth is outside, on records made by hand.

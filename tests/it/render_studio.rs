@@ -1,6 +1,6 @@
 //! What the renderer's tests share: a scene, an ideal mount, one renderer for the process.
 
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use image::GrayImage;
 use localizer::Pose;
@@ -54,6 +54,7 @@ impl Studio {
             gain_levels_per_electron: 0.025,
             illuminance_at_floor_lux: self.scene.light.illuminance_at_floor_lux,
             noise: NoiseKey { seed: 5, image },
+            lens: None,
         }
     }
 
@@ -68,10 +69,7 @@ impl Studio {
     }
 
     pub(crate) fn draw(&self, view: View) -> GrayImage {
-        // Tests run in threads, and a process has one renderer.
-        static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
-        let mutex = RENDERER.get_or_init(|| Mutex::new(Renderer::new().unwrap()));
-        let mut renderer = mutex.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut renderer = renderer();
         let world = renderer.upload(&self.scene, &self.drawn).unwrap();
         renderer.draw(&world, &[view]).unwrap().remove(0)
     }
@@ -100,6 +98,13 @@ impl Studio {
         // Principal points of 640 × 480.
         [319.5 + self.mount.focal_px * -py / depth, 239.5 + self.mount.focal_px * -px / depth]
     }
+}
+
+/// The process's one renderer; tests run in threads.
+pub(crate) fn renderer() -> MutexGuard<'static, Renderer> {
+    static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
+    let mutex = RENDERER.get_or_init(|| Mutex::new(Renderer::new().unwrap()));
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A truth at rest.

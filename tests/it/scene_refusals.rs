@@ -252,3 +252,69 @@ fn joints_wider_than_half_a_tile_are_refused() {
     let scene = blind_scene(10.0, "[floor.tiles]\nedge_x_m = 0.06\njoint_width_m = 0.05\n");
     assert_refused("all_joint", scene, &["`floor.tiles.joint_width_m = 0.05`", "expected at most 0.03"]);
 }
+
+#[test]
+fn lamps_doors_and_lenses_that_cannot_be_are_refused() {
+    let lamp = "[[lamp]]\nkind = \"panel\"\nx_m = 1.0\ny_m = 1.0\n";
+    let window = "[[lamp]]\nkind = \"window\"\nx_m = 1.0\ny_m = 0.0\n";
+    let cases = [
+        (format!("{lamp}lumens = 100\nilluminance_at_floor_lux = 10\n"), "`lamp[0].illuminance_at_floor_lux = 10`"),
+        (format!("{lamp}height_m = 2.7\n"), "expected less than the ceiling's height, 2.6 m"),
+        (format!("{window}height_m = 2.2\n"), "the window reaches beyond its wall"),
+        (lamp.replace("x_m = 1.0", "x_m = 3.5"), "outside the building, expected a number from 0 to 3"),
+        (lamp.replace("panel", "candle"), "expected one of panel, tube, point, window"),
+        ("[light]\nilluminance_at_camera_lux = 0.1\n".to_owned(), "stands without `[robot.forward_camera]`"),
+        (
+            "[[building.door]]\nfrom_m = [1.0, 0.0]\nto_m = [1.0, 0.0]\n".to_owned(),
+            "`building.door[0].to_m = [1.0, 0.0]`",
+        ),
+        (
+            "[robot.forward_camera]\nlens.distortion = [-1.5, 0.0, 0.0, 0.0, 0.0]\n".to_owned(),
+            "folds the image over within its edges",
+        ),
+        ("[robot.ceiling_camera]\nfocal_px = [700.0]\n".to_owned(), "a list of 1"),
+    ];
+    for (index, (keys, part)) in cases.into_iter().enumerate() {
+        assert_refused(&format!("building_{index}"), blind_scene(10.0, &keys), &[part]);
+    }
+}
+
+#[test]
+fn things_in_impossible_places_are_refused() {
+    let cases = [
+        (
+            "[[landmark]]\nx_m = 3.5\ny_m = 1.0\n",
+            ["`landmark[0].x_m", "outside the room, expected a number from 0 to 3"],
+        ),
+        ("[[furniture]]\nx_m = 1.0\ny_m = -0.5\nsize_m = [0.3, 0.3]\n", ["`furniture[0].y_m", "outside the room"]),
+        ("[[furniture]]\nx_m = 2.3\ny_m = 1.1\nsize_m = [0.4, 0.4]\n", ["`route.waypoint[0]", "furniture"]),
+        ("[[furniture]]\nx_m = 0.8\ny_m = 0.6\nsize_m = [0.2, 0.2]\n", ["`start", "furniture"]),
+        ("[[person]]\nwaypoints_m = [[1.5, 1.95]]\n", ["`person[0].waypoints_m", "too near to a wall"]),
+        ("[[person]]\nwaypoints_m = []\n", ["`person[0].waypoints_m", "expected"]),
+    ];
+    for (index, (more, parts)) in cases.into_iter().enumerate() {
+        assert_refused(&format!("impossible_things_{index}"), blind_scene(10.0, more), &parts);
+    }
+}
+
+#[test]
+fn a_range_camera_that_cannot_be_is_refused() {
+    let with =
+        |keys: &str| edited("floor_camera = false\n", &format!("floor_camera = false\n[robot.range_camera]\n{keys}"));
+    let cases = [
+        (with("least_range_m = 4.0\ngreatest_range_m = 3.0\n"), ["`robot.range_camera.greatest_range_m", "more than"]),
+        (with("wrong_share = 1.5\n"), ["`robot.range_camera.wrong_share = 1.5`", "expected a number from 0"]),
+        (with("baseline_m = 0.0\n"), ["`robot.range_camera.baseline_m = 0.0`", "expected a number"]),
+        (
+            edited("[robot]", "[localizer]\nmethods = [\"range_landmarks\"]\n[robot]"),
+            ["`localizer.methods", "robot.range_camera"],
+        ),
+        (
+            edited("floor_camera = false\n", "floor_camera = false\n[robot.gyro]\nperiod_s = 0.0015\n"),
+            ["`robot.gyro.period_s", "expected"],
+        ),
+    ];
+    for (index, (scene, parts)) in cases.into_iter().enumerate() {
+        assert_refused(&format!("impossible_range_camera_{index}"), scene, &parts);
+    }
+}

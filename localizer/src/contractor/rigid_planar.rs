@@ -250,7 +250,7 @@ fn heading_between_views(landmarks: &[Landmark]) -> Option<Interval> {
 }
 
 /// Angles of the vectors in a box, less than half a turn wide; `None` when the box contains the origin.
-fn direction(x: Interval, y: Interval) -> Option<Interval> {
+pub(super) fn direction(x: Interval, y: Interval) -> Option<Interval> {
     if x.contains_zero() && y.contains_zero() {
         return None;
     }

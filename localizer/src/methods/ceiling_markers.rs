@@ -115,6 +115,7 @@ impl CeilingMarkers {
             relies_on: RELIES_ON.to_vec(),
             claims,
             q_items: self.camera.q_items,
+            decides: true,
             rejected_px,
         })
     }

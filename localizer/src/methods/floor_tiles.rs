@@ -108,6 +108,8 @@ impl FloorTiles {
             claims,
             q_items: self.view.q_items,
             rejected_px,
+            // Joints of one family leave the place along them open, but those of a doubt's many images do not.
+            decides: true,
         })
     }
 

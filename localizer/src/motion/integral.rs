@@ -51,7 +51,9 @@ impl WheelIntegral {
     }
 
     /// Goes on to the next sample, which must be later than the latest one; an equal one changes nothing.
-    pub fn advance(&mut self, sample: &WheelSample, wheels: &WheelModel, reach: &Reach) {
+    ///
+    /// `turn` is the turn since the start as another sensor tells it; without anything in common with the wheels' it leaves no motion.
+    pub fn advance(&mut self, sample: &WheelSample, turn: Option<Interval>, wheels: &WheelModel, reach: &Reach) {
         let step_s = sample.time_s - self.latest.time_s;
         if step_s <= 0.0 {
             return;
@@ -63,6 +65,9 @@ impl WheelIntegral {
         let travel = [self.travel(0, wheels), self.travel(1, wheels)];
         // θ̇ = (v_r − v_l)/W, Eq. (2c): exact for the true travels of the two contact points.
         self.turn_rad = (travel[1] - travel[0]) / wheels.track_m;
+        if let Some(turn) = turn {
+            self.turn_rad = self.turn_rad.intersect(turn);
+        }
 
         // Over one step both ends of φ share the same errors of start and scale, so that the step's own turn is known
         // much better than the difference of the two enclosures.

@@ -2,6 +2,7 @@
 
 mod monitor;
 mod motion;
+mod range;
 
 use crate::{
     run::{ImageRecord, RunRecord},
@@ -16,6 +17,7 @@ use monitor::Monitor;
 pub fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let mut found = motion::violations(scene, record);
     found.extend(wheels(scene, record));
+    found.extend(range::violations(scene, record));
     if let (Some(camera), Some(_)) = (&scene.robot.floor_camera, &record.drawn.floor_camera) {
         found.extend(floor_camera(camera, record));
         found.extend(tiles(scene, camera, record));
@@ -76,7 +78,7 @@ fn floor_camera(camera: &FloorCamera, record: &RunRecord) -> Vec<Violation> {
     .flatten()
     .collect();
     let (mut stamp, mut latency) = (Monitor::new("floor_camera.stamp"), Monitor::new("floor_camera.latency"));
-    for image in &record.images {
+    for image in images(record) {
         let span_s = [image.truth.time_s, image.arrived_s];
         stamp.watch(span_s, camera.stamp_tolerance_s, (image.measured_s - image.truth.time_s).abs());
         latency.watch(
@@ -94,7 +96,7 @@ fn floor_camera(camera: &FloorCamera, record: &RunRecord) -> Vec<Violation> {
 fn tiles(scene: &Scene, camera: &FloorCamera, record: &RunRecord) -> Vec<Violation> {
     let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &record.drawn.tiles) else { return Vec::new() };
     let mut laying = Monitor::new("floor_tiles.laying");
-    for image in &record.images {
+    for image in images(record) {
         let Some(centre_m) = view_centre(image, record) else { continue };
         let offset_m = laid.max_offset_near(tiles, &scene.room, centre_m, half_diagonal_m(camera));
         laying.watch(
@@ -104,6 +106,11 @@ fn tiles(scene: &Scene, camera: &FloorCamera, record: &RunRecord) -> Vec<Violati
         );
     }
     laying.finish()
+}
+
+/// The images of the floor camera.
+fn images(record: &RunRecord) -> impl Iterator<Item = &ImageRecord> {
+    record.images.iter().filter(|image| image.method == "floor_tiles")
 }
 
 /// Place on the floor below the camera.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use localizer::Claim;
+use localizer::{Claim, Interval, reading::LandmarkId};
 use nalgebra::Point3;
 
 use crate::{
@@ -22,10 +22,9 @@ pub(super) fn false_claims(scene: &Scene, record: &RunRecord, image: &ImageRecor
 pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     match claim {
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
-        // No sensor measures landmarks yet.
-        Claim::Landmark { .. } => false,
         // No camera looks at the ceiling yet.
         Claim::Marker { .. } => false,
+        Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
     }
 }
 
@@ -49,6 +48,14 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     }
     let needed = ((1.0 - share_wrong) * points_px.len() as f64).ceil() as usize;
     near.values().any(|&count| count >= needed)
+}
+
+/// The landmark that is meant lies in the box, as seen from the robot's true pose.
+fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Scene, truth: &Truth) -> bool {
+    let Some(landmark) = scene.landmarks.get(landmark.0 as usize) else { return false };
+    let (x_m, y_m) = (landmark.x_m - truth.pose.x_m, landmark.y_m - truth.pose.y_m);
+    let (sin, cos) = truth.pose.heading_rad.sin_cos();
+    in_robot_m[0].contains(cos * x_m + sin * y_m) && in_robot_m[1].contains(cos * y_m - sin * x_m)
 }
 
 /// Where a ray of the floor camera meets the floor, and how many pixels a metre there takes; `None` if it never does.

@@ -40,8 +40,13 @@ pub(super) fn widths(record: &RunRecord) -> WidthTable {
         .map(|image| image.posterior.hull())
         .collect();
     let [x_m, y_m, heading_rad] = [0, 1, 2].map(|axis| axis_width(&hulls, axis));
-    let [fix_x_m, fix_y_m, fix_heading_rad] = [0, 1, 2].map(|axis| axis_width(&fixes, axis));
-    WidthTable { x_m, y_m, heading_rad, at_fix: FixWidth { x_m: fix_x_m, y_m: fix_y_m, heading_rad: fix_heading_rad } }
+    WidthTable { x_m, y_m, heading_rad, at_fix: fix_width(&fixes) }
+}
+
+/// Full widths of boxes, axis by axis.
+pub(super) fn fix_width(hulls: &[PoseBox]) -> FixWidth {
+    let [x_m, y_m, heading_rad] = [0, 1, 2].map(|axis| axis_width(hulls, axis));
+    FixWidth { x_m, y_m, heading_rad }
 }
 
 fn axis_error(errors: &[f64]) -> AxisError {
@@ -76,11 +81,17 @@ fn axis_width(hulls: &[PoseBox], axis: usize) -> AxisWidth {
     if widths.is_empty() {
         return AxisWidth::default();
     }
+    let n_widths = widths.len();
+    let mean = |widths: &[f64]| widths.iter().sum::<f64>() / widths.len().max(1) as f64;
+    let third = |index: usize| mean(&widths[index * n_widths / 3..(index + 1) * n_widths / 3]);
+    let mean_by_third = [third(0), third(1), third(2)];
     widths.sort_by(f64::total_cmp);
     let last = widths.len() - 1;
     AxisWidth {
-        mean: widths.iter().sum::<f64>() / widths.len() as f64,
+        mean: mean(&widths),
         p95: widths[(last as f64 * 0.95).round() as usize],
         max: widths[last],
+        mean_by_third,
+        growth: if mean_by_third[1] > 0.0 { mean_by_third[2] / mean_by_third[1] } else { 1.0 },
     }
 }

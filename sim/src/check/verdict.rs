@@ -34,7 +34,7 @@ pub struct Verdict {
     /// By method, what it read and said.
     pub methods: BTreeMap<String, MethodCounts>,
     /// By baseline, its errors.
-    pub baselines: BTreeMap<String, ErrorTable>,
+    pub baselines: BTreeMap<String, Baseline>,
     /// What a scene measures besides.
     pub metrics: BTreeMap<String, f64>,
     /// Whether the scene's expectations were met.
@@ -90,6 +90,36 @@ pub struct Violation {
     /// True value at that moment.
     #[serde(rename = "true")]
     pub true_value: f64,
+}
+
+/// What another method made of the same readings: points have errors, boxes contain the truth or not and have widths.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Baseline {
+    /// Errors of a point method.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<ErrorTable>,
+    /// How many of a solver's answers contain the truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub containment: Option<BaselineContainment>,
+    /// Widths of a solver's answers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub width: Option<BaselineWidth>,
+}
+
+/// Containment of a solver's answers.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct BaselineContainment {
+    /// Problems put to it.
+    pub checks: usize,
+    /// Answers that contain the truth.
+    pub contained: usize,
+}
+
+/// Widths of a solver's answers.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct BaselineWidth {
+    /// Over all problems it answered.
+    pub at_fix: FixWidth,
 }
 
 /// Errors of x, y, heading and position.
@@ -152,7 +182,7 @@ pub struct FixWidth {
 }
 
 /// Widths along one axis.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct AxisWidth {
     /// Mean.
     pub mean: f64,
@@ -160,6 +190,17 @@ pub struct AxisWidth {
     pub p95: f64,
     /// Greatest.
     pub max: f64,
+    /// Mean of each third.
+    pub mean_by_third: [f64; 3],
+    /// Mean of the last third over that of the second: above 1 what is known gets lost; 1 when nothing was measured.
+    pub growth: f64,
+}
+
+impl Default for AxisWidth {
+    /// Nothing measured.
+    fn default() -> Self {
+        AxisWidth { mean: 0.0, p95: 0.0, max: 0.0, mean_by_third: [0.0; 3], growth: 1.0 }
+    }
 }
 
 /// What a method read and said.

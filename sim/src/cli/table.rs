@@ -12,8 +12,8 @@ use crate::{
 
 use super::{CommandError, TableArguments, print};
 
-/// The line of a document after which the table stands.
-pub(super) const BEGIN: &str = "<!-- results:begin -->";
+/// The line of a document after which a table stands begins so; before its `-->` it may name the beginnings of scenes' names.
+pub(super) const BEGIN: &str = "<!-- results:begin";
 
 /// The line of a document before which the table stands.
 pub(super) const END: &str = "<!-- results:end -->";
@@ -29,10 +29,9 @@ pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {
         }
     }
     outcomes.sort_by(|one, other| (&one.scene, one.seed).cmp(&(&other.scene, other.seed)));
-    let table = as_markdown(&lines(&outcomes, false));
-    let Some(document) = &arguments.into else { return print(&table) };
+    let Some(document) = &arguments.into else { return print(&as_markdown(&lines(&outcomes, false))) };
     let text = naming("read", document, fs::read_to_string(document))?;
-    let updated = between_markers(&text, &table).ok_or_else(|| CommandError::NoMarkers(document.clone()))?;
+    let updated = with_tables(&text, &outcomes).ok_or_else(|| CommandError::NoMarkers(document.clone()))?;
     Ok(naming("write", document, fs::write(document, updated))?)
 }
 
@@ -51,8 +50,24 @@ fn collect(folder: &Path, outcomes: &mut Vec<Outcome>) -> Result<(), CommandErro
     Ok(())
 }
 
-fn between_markers(text: &str, table: &str) -> Option<String> {
-    let (before, rest) = text.split_once(BEGIN)?;
-    let (_, after) = rest.split_once(END)?;
-    Some(format!("{before}{BEGIN}\n\n{table}\n{END}{after}"))
+/// The document with a table between each pair of markers; `None` when there is no pair, or one is not whole.
+fn with_tables(text: &str, outcomes: &[Outcome]) -> Option<String> {
+    let mut pieces = text.split(BEGIN);
+    let mut updated = pieces.next()?.to_owned();
+    let mut n_tables = 0;
+    for piece in pieces {
+        let (beginnings, rest) = piece.split_once("-->")?;
+        let (old, after) = rest.split_once(END)?;
+        let beginnings: Vec<&str> = beginnings.split_whitespace().collect();
+        let is_wanted = |outcome: &&Outcome| {
+            beginnings.is_empty() || beginnings.iter().any(|beginning| outcome.scene.starts_with(beginning))
+        };
+        let wanted: Vec<Outcome> = outcomes.iter().filter(is_wanted).cloned().collect();
+        // A table of runs that are not here stays as it is.
+        let table = if wanted.is_empty() { old } else { &format!("\n\n{}\n", as_markdown(&lines(&wanted, false))) };
+        let marker = [BEGIN].into_iter().chain(beginnings).collect::<Vec<_>>().join(" ");
+        updated += &format!("{marker} -->{table}{END}{after}");
+        n_tables += 1;
+    }
+    (n_tables > 0).then_some(updated)
 }

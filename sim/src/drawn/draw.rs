@@ -5,10 +5,11 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::{
     randomness::stream,
-    scene::{Distribution, FloorCamera, Scene},
+    scene::{Calibration, Distribution, FloorCamera, Gyro, RangeCamera, Scene},
+    sensors::lens,
 };
 
-use super::{Drawn, DrawnFloorCamera, LaidTiles, draw_within};
+use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnRangeCamera, LaidTiles, draw_within};
 
 impl Drawn {
     /// Draws everything that a seed decides before the start.
@@ -27,6 +28,28 @@ impl Drawn {
                 .floor_camera
                 .as_ref()
                 .map(|camera| draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"))),
+            forward_camera: robot.forward_camera.as_ref().map(|camera| {
+                let size_px = [camera.width_px, camera.height_px].map(f64::from);
+                let nominal = DrawnCamera {
+                    body_from_camera: lens::body_from_forward_camera(camera),
+                    focal_px: [lens::forward_focal_px(camera); 2],
+                    principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
+                };
+                draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "forward_camera.mount"))
+            }),
+            ceiling_camera: robot.ceiling_camera.as_ref().map(|camera| {
+                let nominal = DrawnCamera {
+                    body_from_camera: lens::body_from_ceiling_camera(camera),
+                    focal_px: camera.focal_px,
+                    principal_point_px: camera.principal_point_px,
+                };
+                draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "ceiling_camera.mount"))
+            }),
+            range_camera: robot
+                .range_camera
+                .as_ref()
+                .map(|camera| draw_range_camera(camera, errors, &mut stream(seed, "range_camera.mount"))),
+            gyro: robot.gyro.as_ref().map(|gyro| draw_gyro(gyro, errors, &mut stream(seed, "gyro.calibration"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
         }
     }
@@ -47,15 +70,54 @@ fn draw_floor_camera(camera: &FloorCamera, errors: Distribution, rng: &mut ChaCh
         .map(|nominal_m| nominal_m + draw_within(camera.position_tolerance_m, errors, rng));
     let nominal_px_per_m = f64::from(camera.width_px) / camera.footprint_width_m;
     let px_per_m = nominal_px_per_m * (1.0 + draw_within(camera.scale_tolerance, errors, rng));
-    // The tolerance bounds the angle of the axis in any direction, so an angle and a direction are drawn.
-    let tilt_rad = draw_within(camera.tilt_tolerance_deg.to_radians(), errors, rng);
-    let direction_rad = draw_within(std::f64::consts::FRAC_PI_2, Distribution::Uniform, rng);
-    let (sin, cos) = direction_rad.sin_cos();
+    let tilt_rad = draw_tilt(camera.tilt_tolerance_deg, errors, rng);
     DrawnFloorCamera {
         position_m,
         height_m: camera.height_m,
         focal_px: px_per_m * camera.height_m,
         yaw_rad: draw_within(camera.yaw_tolerance_deg.to_radians(), errors, rng),
-        tilt_rad: [tilt_rad * cos, tilt_rad * sin],
+        tilt_rad,
+    }
+}
+
+/// The tolerance bounds the angle in any direction, so an angle and a direction are drawn.
+fn draw_tilt(tolerance_deg: f64, errors: Distribution, rng: &mut ChaCha8Rng) -> [f64; 2] {
+    let tilt_rad = draw_within(tolerance_deg.to_radians(), errors, rng);
+    let direction_rad = draw_within(std::f64::consts::FRAC_PI_2, Distribution::Uniform, rng);
+    let (sin, cos) = direction_rad.sin_cos();
+    [tilt_rad * cos, tilt_rad * sin]
+}
+
+fn draw_range_camera(camera: &RangeCamera, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnRangeCamera {
+    let mut around = |nominal: f64, tolerance: f64| nominal + draw_within(tolerance, errors, rng);
+    let position_m = [camera.forward_m, camera.left_m].map(|nominal_m| around(nominal_m, camera.position_tolerance_m));
+    let yaw_rad = around(camera.yaw_deg.to_radians(), camera.yaw_tolerance_deg.to_radians());
+    let focal_px = around(camera.focal_px, camera.focal_px * camera.focal_tolerance);
+    let baseline_m = around(camera.baseline_m, camera.baseline_m * camera.baseline_tolerance);
+    let tilt_rad = draw_tilt(camera.tilt_tolerance_deg, errors, rng);
+    DrawnRangeCamera { position_m, yaw_rad, tilt_rad, focal_px, baseline_m }
+}
+
+fn draw_gyro(gyro: &Gyro, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnGyro {
+    DrawnGyro {
+        bias_rad_per_s: draw_within(gyro.bias_tolerance_deg_per_s.to_radians(), errors, rng),
+        scale: 1.0 + draw_within(gyro.scale_tolerance, errors, rng),
+    }
+}
+
+fn draw_camera(
+    nominal: DrawnCamera,
+    calibration: &Calibration,
+    errors: Distribution,
+    rng: &mut ChaCha8Rng,
+) -> DrawnCamera {
+    let shift_m = [0; 3].map(|_| draw_within(calibration.position_tolerance_m, errors, rng));
+    let turn_rad = [0; 3].map(|_| draw_within(calibration.angle_tolerance_deg.to_radians(), errors, rng));
+    let scale = 1.0 + draw_within(calibration.focal_tolerance, errors, rng);
+    let tolerance_px = calibration.principal_point_tolerance_px;
+    DrawnCamera {
+        body_from_camera: lens::turned(nominal.body_from_camera, turn_rad, shift_m),
+        focal_px: nominal.focal_px.map(|focal_px| focal_px * scale),
+        principal_point_px: nominal.principal_point_px.map(|at_px| at_px + draw_within(tolerance_px, errors, rng)),
     }
 }

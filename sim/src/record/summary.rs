@@ -1,5 +1,7 @@
 //! `summary.json` and `timing.json`.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -76,12 +78,17 @@ pub struct Timing {
     duration_s: f64,
     images: usize,
     spent: run::Timing,
+    /// Microseconds for a problem, by solver.
+    solve_us: BTreeMap<&'static str, f64>,
 }
 
 impl Timing {
     /// The timing of a run.
     pub fn of(record: &RunRecord) -> Timing {
-        Timing { duration_s: duration_s(record), images: record.images.len(), spent: record.timing }
+        let solvers = record.range_baselines.solvers.iter();
+        let solve_us =
+            solvers.map(|(name, answers)| (*name, 1e6 * answers.spent_s / answers.problems as f64)).collect();
+        Timing { duration_s: duration_s(record), images: record.images.len(), spent: record.timing, solve_us }
     }
 
     /// The file's content. `program` is the digest of the executable, by which `--resume` knows its own results.
@@ -101,6 +108,7 @@ impl Timing {
                 "render": per_image_ms(spent.render_s),
                 "vision": per_image_ms(spent.vision_s),
             },
+            "solve_us": self.solve_us,
             "program": program_digest(),
         })
     }

@@ -4,7 +4,9 @@ use std::sync::mpsc::{Receiver, channel};
 
 use image::GrayImage;
 
-use super::{RenderError, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot};
+use super::{
+    RenderError, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot, room::RoomSlot,
+};
 
 /// Luminance in cd/m², averaged over the exposure.
 pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
@@ -14,6 +16,8 @@ pub(super) struct Target {
     pub(super) size_px: [u32; 2],
     pub(super) luminance: wgpu::TextureView,
     pub(super) floor: FloorSlot,
+    /// Made when first a room is drawn.
+    pub(super) room: Option<RoomSlot>,
     pub(super) photons: PhotonSlot,
     grey: wgpu::Buffer,
     staging: wgpu::Buffer,
@@ -55,7 +59,7 @@ impl Target {
         let staging = buffer("grey levels staged", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
         let floor = floor_pass.slot(device);
         let photons = photon_pass.slot(device, &luminance, &grey);
-        Target { size_px, luminance, floor, photons, grey, staging }
+        Target { size_px, luminance, floor, room: None, photons, grey, staging }
     }
 
     /// Copies the grey levels to where the processor can read them.

@@ -4,6 +4,8 @@ use localizer::{Claim, Estimate, Interval, Pose, PoseUnion, Reading, reading::La
 
 use crate::{drawn::Drawn, truth::Truth};
 
+use super::RangeBaselines;
+
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
     /// The run's seed.
@@ -22,6 +24,10 @@ pub struct RunRecord {
     pub images: Vec<ImageRecord>,
     /// Poses that odometry alone gives, same times.
     pub odometry: Vec<Pose>,
+    /// What point methods and solvers made of the range readings.
+    pub range_baselines: RangeBaselines,
+    /// Greatest noise in a reading of the gyroscope.
+    pub greatest_gyro_noise_rad_per_s: f64,
     /// Wall-clock time spent, by stage.
     pub timing: Timing,
     /// SHA-256 over all readings, in order of arrival.
@@ -54,6 +60,8 @@ pub struct ImageRecord {
     pub posterior: PoseUnion,
     /// Landmarks as the method knew them then: code, and box of world x and y.
     pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
+    /// Codes that the sensor gave, and whether each is its landmark's own.
+    pub codes: Vec<(LandmarkId, bool)>,
     /// The reading itself, kept when frames are asked for.
     pub reading: Option<Reading>,
 }
@@ -93,6 +101,8 @@ impl RunRecord {
             estimates: Vec::new(),
             images: Vec::new(),
             odometry: Vec::new(),
+            range_baselines: RangeBaselines::default(),
+            greatest_gyro_noise_rad_per_s: 0.0,
             timing: Timing::default(),
             readings_digest: String::new(),
         }

@@ -6,7 +6,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{check::Verdict, figures::figures};
+use crate::{
+    check::{Baseline, Verdict},
+    figures::figures,
+};
 
 use super::conform::nearest;
 
@@ -122,6 +125,11 @@ fn matches(figure: &str, name: &str) -> bool {
 
 /// A summary with every figure that a run may leave.
 fn blank_summary() -> Value {
+    let baseline = Baseline {
+        error: Some(Default::default()),
+        containment: Some(Default::default()),
+        width: Some(Default::default()),
+    };
     let verdict = Verdict {
         containment: Default::default(),
         violations: Vec::new(),
@@ -129,7 +137,7 @@ fn blank_summary() -> Value {
         width: Default::default(),
         availability: 0.0,
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
-        baselines: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
+        baselines: BTreeMap::from([(ANY_NAME.to_owned(), baseline)]),
         metrics: BTreeMap::from([(ANY_NAME.to_owned(), 0.0)]),
         verdict: Default::default(),
     };

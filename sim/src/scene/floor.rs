@@ -3,12 +3,16 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::building::Covering;
+
 /// The floor of the room.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Floor {
     /// Tiles over the whole room; without them the floor is plain.
     pub tiles: Option<Tiles>,
+    /// What the floor is made of where it has no tiles, as cameras that look ahead see it.
+    pub covering: Covering,
     /// Friction coefficient between tyre and floor outside every region.
     #[schemars(range(min = 0.01, max = 2.0))]
     pub friction: f64,
@@ -111,6 +115,9 @@ pub struct Region {
     /// Friction coefficient.
     #[schemars(range(min = 0.01, max = 2.0))]
     pub friction: f64,
+    /// What covers the floor here, as cameras that look ahead see it; what is around when absent.
+    #[serde(default)]
+    pub covering: Option<Covering>,
 }
 
 /// A straight thing on the floor that is no joint: a wire, a tape.
@@ -132,7 +139,7 @@ pub struct Stray {
 impl Default for Floor {
     /// A plain floor with the grip of rubber on dry ceramic.
     fn default() -> Self {
-        Floor { tiles: None, friction: 0.8, regions: Vec::new(), strays: Vec::new() }
+        Floor { tiles: None, covering: Covering::default(), friction: 0.8, regions: Vec::new(), strays: Vec::new() }
     }
 }
 

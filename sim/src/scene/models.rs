@@ -3,10 +3,12 @@
 use localizer::{
     Interval, Map, Pose, PoseBox, RobotModel,
     map::TileGrid,
-    robot::{BodyModel, FloorCameraModel, Reach, WheelModel},
+    robot::{BodyModel, FloorCameraModel, GyroModel, RangeCameraModel, Reach, WheelModel},
 };
 
-use super::{FloorCamera, Scene, Start, Station, Tiles};
+use crate::sensors::range_camera::FIRST_S;
+
+use super::{FloorCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
 
 impl Scene {
     /// The building as surveyed.
@@ -42,9 +44,9 @@ impl Scene {
                 clearance_m: robot.body_radius_m - 0.001,
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
-            gyro: None,
+            gyro: robot.gyro.as_ref().map(gyro_model),
             ceiling_camera: None,
-            range_camera: None,
+            range_camera: robot.range_camera.as_ref().map(range_camera_model),
         }
     }
 
@@ -55,13 +57,21 @@ impl Scene {
 
     /// The scene with the robot put at a station, for as long as one image takes to arrive.
     pub fn at_station(&self, station: &Station) -> Scene {
-        let arrival_s = self
-            .robot
+        let robot = &self.robot;
+        let image_s = robot
             .floor_camera
             .as_ref()
             .map_or(0.0, |camera| camera.exposure_s + camera.latency_s + camera.latency_tolerance_s);
-        let start =
-            Start { x_m: station.x_m, y_m: station.y_m, heading_deg: station.heading_deg, ..self.start.clone() };
+        let range_s =
+            robot.range_camera.as_ref().map_or(0.0, |camera| FIRST_S + camera.latency_s + camera.latency_tolerance_s);
+        let arrival_s = image_s.max(range_s);
+        let start = Start {
+            x_m: station.x_m,
+            y_m: station.y_m,
+            heading_deg: station.heading_deg,
+            tolerance_m: station.tolerance_m.unwrap_or(self.start.tolerance_m),
+            tolerance_deg: station.tolerance_deg.unwrap_or(self.start.tolerance_deg),
+        };
         // A step more than the arrival, so that the estimate after it is counted too.
         let duration_s = ((arrival_s / 0.01).ceil() + 1.0) * 0.01;
         Scene { start, duration_s, stations: Vec::new(), ..self.clone() }
@@ -115,6 +125,35 @@ fn floor_camera_model(camera: &FloorCamera) -> FloorCameraModel {
         stamp_error_s: camera.stamp_tolerance_s,
         latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s),
         q_items: camera.q_items,
+    }
+}
+
+fn gyro_model(gyro: &Gyro) -> GyroModel {
+    GyroModel {
+        bias_rad_per_s: Interval::centred(0.0, gyro.bias_tolerance_deg_per_s.to_radians()),
+        scale: relative(1.0, gyro.scale_tolerance),
+        noise_rad_per_s: gyro.noise_deg_per_s.to_radians(),
+        period_s: gyro.period_s,
+    }
+}
+
+fn range_camera_model(camera: &RangeCamera) -> RangeCameraModel {
+    RangeCameraModel {
+        focal_px: relative(camera.focal_px, camera.focal_tolerance),
+        baseline_m: relative(camera.baseline_m, camera.baseline_tolerance),
+        centre_px: camera.centre_px(),
+        step_px: [camera.column_step_px, camera.match_step_px],
+        position_m: [
+            Interval::centred(camera.forward_m, camera.position_tolerance_m),
+            Interval::centred(camera.left_m, camera.position_tolerance_m),
+        ],
+        height_m: camera.height_m,
+        yaw_rad: Interval::centred(camera.yaw_deg.to_radians(), camera.yaw_tolerance_deg.to_radians()),
+        tilt_rad: camera.tilt_tolerance_deg.to_radians(),
+        height_span_m: camera.height_span_m,
+        stamp_error_s: camera.stamp_tolerance_s,
+        q_items: camera.q_items,
+        wrong_spacing: camera.wrong_spacing,
     }
 }
 

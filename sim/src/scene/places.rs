@@ -1,6 +1,8 @@
 //! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
 
-use super::{Event, Scene, conform::nearest, parse::Contradiction};
+mod building;
+
+use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
 /// Everything in which `scene` contradicts itself.
 pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
@@ -8,9 +10,14 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     drive(scene, &mut found);
     robot_places(scene, &mut found);
     floor_places(scene, &mut found);
+    things(scene, &mut found);
     events(scene, &mut found);
-    if let Some(expected) = sampling(scene.robot.encoders.period_s) {
-        found.push(Contradiction { key: "robot.encoders.period_s".to_owned(), expected });
+    building::contradictions(scene, &mut found);
+    let gyro_s = scene.robot.gyro.as_ref().map(|gyro| ("robot.gyro.period_s", gyro.period_s));
+    for (key, period_s) in [("robot.encoders.period_s", scene.robot.encoders.period_s)].into_iter().chain(gyro_s) {
+        if let Some(expected) = sampling(period_s) {
+            found.push(Contradiction { key: key.to_owned(), expected });
+        }
     }
     found.extend(
         scene
@@ -49,6 +56,13 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
                 found.push(Contradiction { key: format!("{key}.{axis}"), expected });
             }
         }
+        for (index, furniture) in scene.furniture.iter().enumerate() {
+            if furniture.distance_m(at_m) < margin_m {
+                let expected =
+                    format!("in or by furniture[{index}], expected {} m of distance, {why}", short(margin_m));
+                found.push(Contradiction { key: format!("{key}.x_m"), expected });
+            }
+        }
     };
     let body = format!("as the robot's body reaches {radius_m} m about its origin");
     let start = &scene.start;
@@ -58,7 +72,49 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
         place(format!("route.waypoint[{index}]"), [waypoint.x_m, waypoint.y_m], radius_m, &body);
     }
     for (index, station) in scene.stations.iter().enumerate() {
-        place(format!("station[{index}]"), [station.x_m, station.y_m], radius_m, &body);
+        let tolerance_m = station.tolerance_m.unwrap_or(0.0);
+        place(format!("station[{index}]"), [station.x_m, station.y_m], radius_m + tolerance_m, &body);
+    }
+}
+
+/// Furniture, people and landmarks are inside the room.
+fn things(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let room_m = [scene.room.width_m, scene.room.depth_m];
+    let mut place = |key: String, at_m: [f64; 2]| {
+        for (axis, name) in ["x_m", "y_m"].into_iter().enumerate() {
+            if !(0.0..=room_m[axis]).contains(&at_m[axis]) {
+                let expected = format!("outside the room, expected a number from 0 to {}", room_m[axis]);
+                found.push(Contradiction { key: format!("{key}.{name}"), expected });
+            }
+        }
+    };
+    for (index, furniture) in scene.furniture.iter().enumerate() {
+        place(format!("furniture[{index}]"), [furniture.x_m, furniture.y_m]);
+    }
+    for (index, landmark) in scene.landmarks.iter().enumerate() {
+        place(format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]);
+    }
+    for (index, person) in scene.people.iter().enumerate() {
+        for at_m in &person.waypoints_m {
+            if (0..2).any(|axis| !(person.radius_m..=room_m[axis] - person.radius_m).contains(&at_m[axis])) {
+                let expected = format!(
+                    "a place too near to a wall, expected {} m of distance, the person's radius",
+                    person.radius_m
+                );
+                found.push(Contradiction { key: format!("person[{index}].waypoints_m"), expected });
+            }
+        }
+    }
+    if scene.localizer.methods.contains(&MethodName::RangeLandmarks) && scene.robot.range_camera.is_none() {
+        let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
+        found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
+    }
+    let ranges = scene.robot.range_camera.as_ref().map(|camera| [camera.least_range_m, camera.greatest_range_m]);
+    if let Some([least_m, greatest_m]) = ranges
+        && least_m >= greatest_m
+    {
+        let expected = format!("expected more than `least_range_m`, which is {least_m}");
+        found.push(Contradiction { key: "robot.range_camera.greatest_range_m".to_owned(), expected });
     }
 }
 

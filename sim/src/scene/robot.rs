@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::{CeilingCamera, ForwardCamera, Gyro, RangeCamera};
+
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -42,6 +44,22 @@ pub struct Robot {
     #[serde(deserialize_with = "Fitted::into_option")]
     #[schemars(with = "Fitted<FloorCamera>")]
     pub floor_camera: Option<FloorCamera>,
+    /// Camera that looks ahead: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<ForwardCamera>")]
+    pub forward_camera: Option<ForwardCamera>,
+    /// Camera that looks up: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<CeilingCamera>")]
+    pub ceiling_camera: Option<CeilingCamera>,
+    /// Range camera for coded landmarks: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<RangeCamera>")]
+    pub range_camera: Option<RangeCamera>,
+    /// Gyroscope about the vertical: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<Gyro>")]
+    pub gyro: Option<Gyro>,
 }
 
 /// Distribution of drawn errors, always inside the tolerance.
@@ -181,6 +199,10 @@ impl Default for Robot {
             errors: Distribution::Uniform,
             encoders: Encoders::default(),
             floor_camera: Some(FloorCamera::default()),
+            forward_camera: None,
+            ceiling_camera: None,
+            range_camera: None,
+            gyro: None,
         }
     }
 }

@@ -70,6 +70,14 @@ pub struct Station {
     /// Heading from world x, counter-clockwise.
     #[schemars(range(min = -1e6, max = 1e6))]
     pub heading_deg: f64,
+    /// The true place is drawn within this of x and y, each; as for the start unless stated.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub tolerance_m: Option<f64>,
+    /// The true heading is drawn within this; as for the start unless stated.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 180.0))]
+    pub tolerance_deg: Option<f64>,
 }
 
 fn default_tolerance_m() -> f64 {

@@ -48,12 +48,14 @@ impl FloorCameraSensor {
         let (Some(camera), Some(mount)) = (scene.robot.floor_camera.clone(), drawn.floor_camera) else {
             return Ok(None);
         };
+        let world = renderer.upload(scene, drawn)?;
+        let at_first_lux = world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux);
         Ok(Some(FloorCameraSensor {
             intrinsics: floor_camera_intrinsics(&camera, &mount),
             photosites: Photosites::from(&camera),
             auto_exposure: AutoExposure::new(&camera),
-            world: renderer.upload(scene, drawn)?,
-            lights: switches(scene),
+            world,
+            lights: switches(scene, at_first_lux),
             errors: scene.robot.errors,
             clock: randomness::stream(seed, "floor_camera.clock"),
             seed,
@@ -87,6 +89,7 @@ impl FloorCameraSensor {
             gain_levels_per_electron: exposure.gain_levels_per_electron,
             illuminance_at_floor_lux: self.illuminance_lux(middle_s),
             noise: NoiseKey { seed: self.seed, image: self.n_images },
+            lens: None,
         };
         let middle = self.truth_at(middle_s);
         let Some(image) = renderer.draw(&self.world, &[view])?.pop() else { return Ok(None) };
@@ -98,7 +101,7 @@ impl FloorCameraSensor {
         let arrived_s = (middle_s + late_s).max(to_s);
         let reading =
             Reading::Camera { measured_s, arrived_s, camera: Camera::Floor, exposure_s: exposure.exposure_s, image };
-        Ok(Some(Observation { reading, truth: middle }))
+        Ok(Some(Observation::new(reading, middle)))
     }
 
     /// Truth between physics steps, on the chord of the step.
@@ -127,9 +130,8 @@ fn poses_during(from_s: f64, to_s: f64) -> impl Iterator<Item = f64> {
 }
 
 /// The lamps over time: as the scene states them, then as its events switch them.
-fn switches(scene: &Scene) -> Vec<Switch> {
-    let mut switches =
-        vec![Switch { at_s: f64::NEG_INFINITY, illuminance_at_floor_lux: scene.light.illuminance_at_floor_lux }];
+fn switches(scene: &Scene, at_first_lux: f64) -> Vec<Switch> {
+    let mut switches = vec![Switch { at_s: f64::NEG_INFINITY, illuminance_at_floor_lux: at_first_lux }];
     switches.extend(scene.events.iter().filter_map(|event| match event {
         Event::Light { at_s, illuminance_at_floor_lux } => {
             Some(Switch { at_s: *at_s, illuminance_at_floor_lux: *illuminance_at_floor_lux })

@@ -26,7 +26,7 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 
 /// All columns, from left to right. Errors are those of the worst third of a run; widths are full widths, the wider of
 /// x and y, averaged over the run and just after a fix.
-pub(super) const COLUMNS: [Column; 17] = [
+pub(super) const COLUMNS: [Column; 18] = [
     text("scene", |line| line.scene.clone()),
     text("run", |line| line.run.clone()),
     number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
@@ -43,6 +43,7 @@ pub(super) const COLUMNS: [Column; 17] = [
     number("at fix", "°", |line| fixed(line, show(line, "width.at_fix.heading_rad.mean", DEGREES, 2))),
     number("available", "%", |line| share(line.figures.get("availability"))),
     number("speed", "× real", |line| show(line, "timing.real_time_factor", 1.0, 1)),
+    number("solved in", "µs", |line| show(line, "timing.solve_us", 1.0, 1)),
     text("verdict", |line| line.verdict.clone()),
 ];
 

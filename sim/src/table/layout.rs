@@ -42,9 +42,13 @@ pub fn as_markdown(lines: &[Line]) -> String {
         unit => format!("{}, {unit}", column.heading),
     };
     let rule = |column: &Column| if column.is_text { ":--" } else { "--:" }.to_owned();
-    let mut text = row(COLUMNS.iter().map(heading).collect());
-    text += &row(COLUMNS.iter().map(rule).collect());
-    text.extend(lines.iter().map(|line| row(cells(line))));
+    let rows: Vec<Vec<String>> = lines.iter().map(cells).collect();
+    let shown: Vec<usize> =
+        (0..COLUMNS.len()).filter(|column| rows.iter().any(|row| !row[*column].is_empty())).collect();
+    let shown_of = |cell: &dyn Fn(usize) -> String| row(shown.iter().map(|column| cell(*column)).collect());
+    let mut text = shown_of(&|column| heading(&COLUMNS[column]));
+    text += &shown_of(&|column| rule(&COLUMNS[column]));
+    text.extend(rows.iter().map(|row| shown_of(&|column| row[column].clone())));
     text
 }
 

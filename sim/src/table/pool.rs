@@ -22,16 +22,18 @@ pub(super) fn baselines(figures: &Figures) -> BTreeMap<String, Figures> {
     let mut baselines: BTreeMap<String, Figures> = BTreeMap::new();
     for (name, value) in figures {
         if let Some((baseline, figure)) = name.strip_prefix("baselines.").and_then(|name| name.split_once('.')) {
-            let figure = if figure.starts_with("error.") { figure.to_owned() } else { format!("error.{figure}") };
-            baselines.entry(baseline.to_owned()).or_default().insert(figure, *value);
+            baselines.entry(baseline.to_owned()).or_default().insert(figure.to_owned(), *value);
         }
     }
+    baselines.values_mut().for_each(derive);
     baselines
 }
 
 fn combine(name: &str, values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let sum: f64 = values.iter().sum();
+    // A baseline's figures pool as ours do.
+    let name = name.strip_prefix("baselines.").and_then(|name| name.split_once('.')).map_or(name, |(_, figure)| figure);
     let last = name.rsplit('.').next().unwrap_or(name);
     let is_count = name.starts_with("containment.") || name.starts_with("methods.") || name == "violations";
     if is_count || name == "duration_s" || last == "wall_s" {

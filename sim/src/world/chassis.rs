@@ -28,6 +28,7 @@ const WALL_FRICTION: f64 = 0.2;
 pub(super) struct Chassis {
     physics: PhysicsWorld,
     body: RigidBodyHandle,
+    people: Vec<RigidBodyHandle>,
     /// Velocity of the robot origin and angular velocity before the last step, world frame.
     before: [Vector; 2],
 }
@@ -77,6 +78,8 @@ impl Chassis {
         // Nothing here is fast against its size.
         parameters.max_ccd_substeps = 0;
         build_walls(&mut physics, scene);
+        build_furniture(&mut physics, scene);
+        let people = build_people(&mut physics, scene);
         let start = drawn.start;
         let body = RigidBodyBuilder::dynamic()
             .translation(Vector::new(start.x_m, start.y_m, 0.0))
@@ -94,7 +97,7 @@ impl Chassis {
             .friction(WALL_FRICTION)
             .build();
         physics.colliders.insert_with_parent(collider, body, &mut physics.bodies);
-        Chassis { physics, body, before: [Vector::ZERO; 2] }
+        Chassis { physics, body, people, before: [Vector::ZERO; 2] }
     }
 
     /// State after the last step.
@@ -135,6 +138,13 @@ impl Chassis {
         self.physics.bodies[self.body].add_torque(torque_n_m, false);
     }
 
+    /// Where a person is at the end of the next step.
+    pub(super) fn place_person(&mut self, index: usize, place_m: [f64; 2]) {
+        let Some(body) = self.people.get(index).and_then(|handle| self.physics.bodies.get_mut(*handle)) else { return };
+        let height_m = body.translation().z;
+        body.set_next_kinematic_translation(Vector::new(place_m[0], place_m[1], height_m));
+    }
+
     /// Advances by one step.
     pub(super) fn advance(&mut self, now: &BodyState) {
         self.before = [now.velocity_m_per_s, now.turn_rad_per_s];
@@ -172,6 +182,34 @@ fn mass_properties(scene: &Scene) -> MassProperties {
     let upright_kg_m2 = mass_kg * radius_m * radius_m / 2.0;
     let level_kg_m2 = mass_kg * (3.0 * radius_m * radius_m + height_m * height_m) / 12.0;
     MassProperties::new(Vector::new(0.0, 0.0, centre_m), mass_kg, Vector::new(level_kg_m2, level_kg_m2, upright_kg_m2))
+}
+
+fn build_furniture(physics: &mut PhysicsWorld, scene: &Scene) {
+    for piece in &scene.furniture {
+        let collider = ColliderBuilder::cuboid(0.5 * piece.size_m[0], 0.5 * piece.size_m[1], 0.5 * piece.height_m)
+            .translation(Vector::new(piece.x_m, piece.y_m, 0.5 * piece.height_m))
+            .rotation(Vector::new(0.0, 0.0, piece.rotation_deg.to_radians()))
+            .friction(WALL_FRICTION)
+            .build();
+        physics.colliders.insert(collider);
+    }
+}
+
+fn build_people(physics: &mut PhysicsWorld, scene: &Scene) -> Vec<RigidBodyHandle> {
+    let mut people = Vec::new();
+    for person in &scene.people {
+        let [x_m, y_m] = person.waypoints_m.first().copied().unwrap_or_default();
+        let half_m = 0.5 * person.height_m;
+        let body = RigidBodyBuilder::kinematic_position_based().translation(Vector::new(x_m, y_m, half_m)).build();
+        let body = physics.bodies.insert(body);
+        let collider = ColliderBuilder::cylinder(half_m, person.radius_m)
+            .rotation(Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0))
+            .friction(WALL_FRICTION)
+            .build();
+        physics.colliders.insert_with_parent(collider, body, &mut physics.bodies);
+        people.push(body);
+    }
+    people
 }
 
 fn build_walls(physics: &mut PhysicsWorld, scene: &Scene) {

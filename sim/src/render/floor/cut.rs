@@ -9,11 +9,12 @@ use super::{
 };
 use crate::{
     drawn::{Drawn, LaidTiles},
+    light::FloorField,
     render::{
         FloorLight, RenderError, View,
         exposure::{MAX_SUB_FRAMES, Path},
     },
-    scene::{Pattern, Room, Scene, Stray, Tiles},
+    scene::{Pattern, Region, Room, Scene, Stray, Tiles},
 };
 
 /// By the scene's definition of the stripes' pattern: a fifth of the tile apart.
@@ -26,6 +27,9 @@ pub(in crate::render) struct Floor {
     strays: Vec<Stray>,
     room: Room,
     light: FloorLight,
+    /// Light of the scene's lamps, if it has any.
+    lamplight: Option<FloorField>,
+    coverings: Vec<Region>,
 }
 
 /// One view's part of a floor.
@@ -60,12 +64,14 @@ pub(super) struct ViewOnDevice {
 
 impl Floor {
     /// The floor of a scene as it was laid.
-    pub(in crate::render) fn new(scene: &Scene, drawn: &Drawn) -> Floor {
+    pub(in crate::render) fn new(scene: &Scene, drawn: &Drawn, lamplight: Option<FloorField>) -> Floor {
         Floor {
             tiled: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
             strays: scene.floor.strays.clone(),
             room: scene.room.clone(),
             light: FloorLight::new(&scene.light, &scene.room),
+            lamplight,
+            coverings: scene.floor.regions.iter().filter(|region| region.covering.is_some()).cloned().collect(),
         }
     }
 
@@ -84,6 +90,7 @@ impl Floor {
             Some((tiles, laid)) => geometry::tiles_in_view(tiles, laid, &frame, &seen),
             None => (vec![geometry::plain_face(&seen)], Vec::new()),
         };
+        bands.extend(geometry::coverings_in_view(&self.coverings, &frame, &seen));
         bands.extend(geometry::strays_in_view(&self.strays, &frame, &seen));
         bands.extend(geometry::walls_in_view(&self.room, &frame, &seen));
         Ok(Cut { uniform: self.uniform(view, &path, &frame)?, faces, bands })
@@ -98,11 +105,18 @@ impl Floor {
         for (rows, pose) in sub_frame_ends.iter_mut().zip(&path.sub_frame_ends) {
             *rows = rows_of(&local_from_pixel(pose));
         }
-        let gradient = frame.grid_from_world * self.light.gradient_per_m;
         let origin_in_world = frame.grid_from_world.inverse() * frame.origin_in_grid;
+        let (factor, gradient_per_m) = match &self.lamplight {
+            None => (self.light.factor_at(origin_in_world), self.light.gradient_per_m),
+            Some(field) => {
+                let below = path.middle.translation.vector.xy();
+                let (factor, gradient_per_m) = field.near(below);
+                (factor * gradient_per_m.dot(&(origin_in_world - below)).exp(), gradient_per_m)
+            }
+        };
+        let gradient = frame.grid_from_world * gradient_per_m;
         // A matt surface of albedo 1 under E has the luminance E/π.
-        let light_at_origin =
-            view.illuminance_at_floor_lux * self.light.factor_at(origin_in_world) / std::f64::consts::PI;
+        let light_at_origin = view.illuminance_at_floor_lux * factor / std::f64::consts::PI;
         let [cu, cv] = view.intrinsics.principal_point_px;
         let tiles = self.tiled.as_ref().map(|(tiles, _)| tiles);
         Ok(ViewOnDevice {

@@ -7,8 +7,9 @@ use nalgebra::{Vector2, vector};
 
 use super::local::LocalFrame;
 use crate::{
+    building::covering_albedo,
     drawn::LaidTiles,
-    scene::{Room, Stray, Tiles},
+    scene::{Region, Room, Stray, Tiles},
 };
 
 /// Albedo of a floor without tiles: grey screed.
@@ -182,6 +183,25 @@ impl TileWindow<'_> {
             ..BandInstance::between(from, to, self.tiles.joint_width_m, [seen.margin_m(direction), 0.0])
         }
     }
+}
+
+/// Carpets and other coverings in view, as flat bands.
+pub(super) fn coverings_in_view<'a>(
+    regions: &'a [Region],
+    frame: &'a LocalFrame,
+    seen: &'a Footprint,
+) -> impl Iterator<Item = BandInstance> + 'a {
+    regions.iter().filter_map(|region| {
+        let albedo = covering_albedo(region.covering?);
+        let middle_y_m = (region.y_m[0] + region.y_m[1]) / 2.0;
+        let [from, to] = region.x_m.map(|x_m| frame.place(vector![x_m, middle_y_m]));
+        let width_m = region.y_m[1] - region.y_m[0];
+        let margin_m = seen.widest_margin_m();
+        let reach = Vector2::repeat(width_m / 2.0 + margin_m);
+        let (low, high) = (from.inf(&to) - reach, from.sup(&to) + reach);
+        (low < seen.high && high > seen.low)
+            .then(|| BandInstance { albedo: albedo as f32, ..BandInstance::between(from, to, width_m, [margin_m; 2]) })
+    })
 }
 
 /// Wires and tape in view.

@@ -1,0 +1,28 @@
+//! What the papers compare themselves with, and what they print: point methods and the printed contractor, to stand beside our boxes.
+
+mod icp;
+mod least_squares;
+mod printed_table_iv;
+
+use crate::{
+    Contractor, PoseBox,
+    contractor::Landmark,
+    methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver},
+};
+
+pub use icp::closest_points;
+pub use least_squares::least_squares;
+pub use printed_table_iv::printed_table_iv;
+
+/// The solvers of the planar pose that a run tabulates, by name.
+pub const SOLVERS: [(&str, Solver); 4] = [
+    ("table_iv", Solver::TableIv),
+    ("polar", Solver::Polar),
+    ("one_shot", Solver::OneShot),
+    ("sivia", Solver::Sivia { resolution: 0.05 }),
+];
+
+/// Boxes of all poses in `prior` that carry each landmark's second box into its first, by one solver.
+pub fn solve(solver: Solver, landmarks: &[Landmark], prior: &PoseBox) -> Vec<PoseBox> {
+    PoseFromLandmarks::new(landmarks.to_vec(), 0, Freedom::Full, solver).branches(prior)
+}

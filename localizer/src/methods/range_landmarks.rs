@@ -1,0 +1,157 @@
+//! Paper 3: where am I, by coded landmarks whose places nobody has told me?
+//!
+//! **Constraint.** A landmark at a in the world and at b in the robot frame has a = t + R(θ)·b, Eq. (16) turned around. The world
+//! frame is that of the start pose: the first reading says where the landmarks are, and each later pose is solved against the
+//! landmarks, never against the pose before. What a landmark's place is known by only ever shrinks, so that poses stay as narrow
+//! as their own view allows, however long the way.
+//! **Sound.** A landmark's box is the intersection of t + R(θ)·b over boxes that contain the true t, θ and b.
+//! **Wrong correspondences.** At most `q_items` sightings of a reading are taken for the wrong landmark: the pose is what all but
+//! so many allow. A landmark learns by windows of `wrong_spacing + 1` uses of its code, of which at most one is wrong, hence
+//! from their 1-relaxed intersection.
+//! **Loop closure.** Key frames keep raw sightings and the motion from one to the next. A sweep contracts the pose of each against
+//! all landmarks and against its neighbours, and the landmarks by the poses: what is known at the end of a loop reaches its middle.
+//! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame as its section II asks.
+
+mod atlas;
+mod keyframes;
+mod sight;
+mod solver;
+
+use crate::{
+    Interval, PoseUnion, Reading, RobotModel,
+    method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
+    reading::LandmarkId,
+};
+
+use atlas::Atlas;
+use keyframes::KeyFrames;
+pub use sight::{Seen, Sensor};
+pub use solver::{Freedom, PoseFromLandmarks, Solver};
+
+/// The declared bounds that a reading of landmarks stands on.
+const RELIES_ON: [Assumption; 12] = [
+    "range_camera.focal",
+    "range_camera.baseline",
+    "range_camera.position",
+    "range_camera.yaw",
+    "range_camera.tilt",
+    "range_camera.height_span",
+    "range_camera.stamp",
+    "body.tilt",
+    "reach.speed",
+    "reach.turn_rate",
+    "range_landmarks.q_items",
+    "range_landmarks.wrong_spacing",
+];
+
+/// Localization by coded landmarks that no map names.
+pub struct RangeLandmarks {
+    sensor: Sensor,
+    q_items: usize,
+    freedom: Freedom,
+    solver: Solver,
+    atlas: Atlas,
+    keyframes: KeyFrames,
+    /// The reading last constrained: its stamp and what it saw.
+    latest: Option<(f64, Vec<Seen>)>,
+    n_learnt: usize,
+}
+
+/// Readings between two sweeps over the key frames.
+const SWEEP_EVERY: usize = 10;
+
+impl RangeLandmarks {
+    /// The method for this robot; `None` if it has no range camera.
+    pub fn new(robot: &RobotModel, freedom: Freedom, solver: Solver) -> Option<Self> {
+        let camera = robot.range_camera.as_ref()?;
+        Some(RangeLandmarks {
+            sensor: Sensor::new(robot)?,
+            q_items: camera.q_items,
+            atlas: Atlas::new(camera.q_items, camera.wrong_spacing),
+            freedom,
+            solver,
+            keyframes: KeyFrames::default(),
+            latest: None,
+            n_learnt: 0,
+        })
+    }
+
+    /// Landmark boxes in the world beside those in the robot frame, for each sighting of a known landmark.
+    fn pairs(&self, seen: &[Seen]) -> Vec<([Interval; 2], [Interval; 2])> {
+        seen.iter().filter_map(|seen| Some((self.atlas.place(seen.landmark)?, seen.in_robot_m))).collect()
+    }
+}
+
+impl Method for RangeLandmarks {
+    fn name(&self) -> &'static str {
+        "range_landmarks"
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Range { .. })
+    }
+
+    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+        let Reading::Range { measured_s, sightings, .. } = reading else { return None };
+        let seen: Vec<Seen> = sightings.iter().map(|one| self.sensor.seen(one)).filter(Seen::is_bounded).collect();
+        if seen.is_empty() {
+            return None;
+        }
+        let pairs = self.pairs(&seen);
+        let decides = pairs.len() >= 2 + self.q_items;
+        let claim = |seen: &Seen| Claim::Landmark { landmark: seen.landmark, in_robot_m: seen.in_robot_m };
+        let claims = seen.iter().map(claim).collect();
+        self.latest = Some((*measured_s, seen));
+        Some(Constraint {
+            method: self.name(),
+            stamp_s: *measured_s,
+            on_pose: Box::new(PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver)),
+            relies_on: RELIES_ON.to_vec(),
+            claims,
+            q_items: self.q_items,
+            rejected_px: Vec::new(),
+            decides,
+        })
+    }
+
+    fn learn(&mut self, posterior: &PoseUnion, motion: MotionBetween) {
+        let Some((stamp_s, seen)) = self.latest.take() else { return };
+        if posterior.is_empty() {
+            return;
+        }
+        for seen in &seen {
+            self.atlas.learn(stamp_s, seen.landmark, in_world(posterior, seen));
+        }
+        self.n_learnt += 1;
+        // A single wrong match may be among the raw sightings of any key frame, so that sweeps are for right ones only.
+        if self.q_items > 0 {
+            return;
+        }
+        self.keyframes.keep(stamp_s, posterior.hull(), seen, motion);
+        if self.n_learnt.is_multiple_of(SWEEP_EVERY) {
+            self.keyframes.sweep(stamp_s, &mut self.atlas, self.freedom);
+        }
+    }
+
+    fn forget_since(&mut self, since_s: f64) {
+        self.atlas.forget_since(since_s);
+        self.keyframes.forget_since(since_s);
+    }
+
+    fn clock_set_back(&mut self) {
+        self.atlas.settle();
+        self.keyframes.settle();
+    }
+
+    fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
+        self.atlas.places()
+    }
+}
+
+/// Where a landmark is, seen from any branch.
+fn in_world(poses: &PoseUnion, seen: &Seen) -> [Interval; 2] {
+    poses.branches.iter().fold([Interval::EMPTY; 2], |hull, pose| {
+        let place = seen.in_world(pose);
+        [hull[0].hull(place[0]), hull[1].hull(place[1])]
+    })
+}

@@ -1,0 +1,104 @@
+//! Landmarks as learnt so far: boxes in the world that only ever shrink, except when what was learnt is unlearnt.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use crate::{Interval, IntervalBox, contractor::q_intersection, reading::LandmarkId};
+
+/// How far back something can be unlearnt: a doubt reaches no further.
+const UNLEARN_S: f64 = 5.0;
+
+/// Where landmarks are.
+#[derive(Clone, Debug)]
+pub(super) struct Atlas {
+    entries: BTreeMap<LandmarkId, Entry>,
+    /// Uses of one code of which at most one is wrong; 1 when none is ever wrong.
+    window: usize,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Entry {
+    /// Box of world x and y; none before enough has been seen.
+    place: Option<[Interval; 2]>,
+    /// Stamped places of the uses of its code since the last full window.
+    waiting: Vec<(f64, [Interval; 2])>,
+    /// What `place` was before a stamp changed it.
+    before: VecDeque<(f64, Option<[Interval; 2]>)>,
+}
+
+impl Atlas {
+    /// Nothing known. With `q_items` wrong matches in a reading, at least `wrong_spacing` right ones lie between two wrong ones of a code.
+    pub(super) fn new(q_items: usize, wrong_spacing: usize) -> Self {
+        Atlas { entries: BTreeMap::new(), window: if q_items == 0 { 1 } else { wrong_spacing + 1 } }
+    }
+
+    /// Where a landmark is, if known.
+    pub(super) fn place(&self, landmark: LandmarkId) -> Option<[Interval; 2]> {
+        self.entries.get(&landmark)?.place
+    }
+
+    /// All known landmarks, in the order of their codes.
+    pub(super) fn places(&self) -> Vec<(LandmarkId, [Interval; 2])> {
+        self.entries.iter().filter_map(|(landmark, entry)| Some((*landmark, entry.place?))).collect()
+    }
+
+    /// Takes note of a place at which a landmark was seen.
+    ///
+    /// Of a whole window of uses at most one is wrong, so the landmark is where all but one of them say.
+    pub(super) fn learn(&mut self, stamp_s: f64, landmark: LandmarkId, seen_at: [Interval; 2]) {
+        let window = self.window;
+        let entry = self.entries.entry(landmark).or_default();
+        if window == 1 {
+            entry.narrow(stamp_s, seen_at);
+            return;
+        }
+        entry.waiting.push((stamp_s, seen_at));
+        if entry.waiting.len() >= window {
+            let uses: Vec<IntervalBox<2>> = entry.waiting.drain(..).map(|(_, place)| IntervalBox::new(place)).collect();
+            entry.narrow(stamp_s, q_intersection(&uses, 1).components());
+        }
+    }
+
+    /// A landmark that is known lies also in `place`.
+    pub(super) fn narrow(&mut self, stamp_s: f64, landmark: LandmarkId, place: [Interval; 2]) {
+        if let Some(entry) = self.entries.get_mut(&landmark) {
+            entry.narrow(stamp_s, place);
+        }
+    }
+
+    /// Takes back all that was learnt from stamps later than `since_s`.
+    pub(super) fn forget_since(&mut self, since_s: f64) {
+        for entry in self.entries.values_mut() {
+            entry.waiting.retain(|(stamp_s, _)| *stamp_s <= since_s);
+            if let Some(first) = entry.before.iter().position(|(stamp_s, _)| *stamp_s > since_s) {
+                entry.place = entry.before[first].1;
+                entry.before.truncate(first);
+            }
+        }
+    }
+
+    /// What is known stays for good.
+    pub(super) fn settle(&mut self) {
+        for entry in self.entries.values_mut() {
+            entry.before.clear();
+            entry.waiting.iter_mut().for_each(|(stamp_s, _)| *stamp_s = f64::NEG_INFINITY);
+        }
+    }
+}
+
+impl Entry {
+    fn narrow(&mut self, stamp_s: f64, seen_at: [Interval; 2]) {
+        let narrower = match self.place {
+            Some(place) => [place[0].intersect(seen_at[0]), place[1].intersect(seen_at[1])],
+            None => seen_at,
+        };
+        // Nothing in common: an assumption failed, and the pose will tell. A place is never forgotten for it.
+        if narrower.iter().any(|axis| axis.is_empty()) || self.place == Some(narrower) {
+            return;
+        }
+        self.before.push_back((stamp_s, self.place));
+        while self.before.front().is_some_and(|(before_s, _)| *before_s < stamp_s - UNLEARN_S) {
+            self.before.pop_front();
+        }
+        self.place = Some(narrower);
+    }
+}

@@ -1,0 +1,180 @@
+//! The pose from landmarks: which equations, and which contractor for them.
+
+use crate::{
+    Contractor, IntervalBox, Outcome, PoseBox,
+    contractor::{Landmark, LinearPose, QRelaxed, RelaxedPose, RigidPlanar, RigidPolar, RigidTable, Translated},
+    paving,
+};
+
+/// What the landmarks contract of the pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Freedom {
+    /// World x alone, with y and heading as known before: the paper's Table II.
+    Line,
+    /// World x and y, with the heading as known before: Table III.
+    Translation,
+    /// x, y and heading: Table IV.
+    #[default]
+    Full,
+}
+
+/// How the equations of the full motion are solved. All are sound; they differ in time and in width.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Solver {
+    /// Linear elimination of all landmarks at once, [`RigidPlanar`] and [`LinearPose`]; [`RelaxedPose`] when some may be wrong.
+    #[default]
+    OneShot,
+    /// Directions between landmarks, then each in polar coordinates, [`RigidPolar`].
+    Polar,
+    /// The paper's forward-backward contractor with all branches, [`RigidTable`].
+    TableIv,
+    /// The paper's bisection over x, y and heading around [`RigidPlanar`]; the answer is the hull of the leaves.
+    Sivia {
+        /// Leaves are at most this wide, in metres and in radians.
+        resolution: f64,
+    },
+}
+
+/// All but `q` landmarks carry the robot frame into the world: a contractor on x, y, heading.
+///
+/// Sound: each solver is, and what is left is dropped only when more than q landmarks, seen from all of it, miss their places. When
+/// exactly q > 0 miss them, those are the wrong ones, and what is left is contracted by all the others at once. A theorem about boxes, not
+/// about landmarks: a wrong one may well stay hidden.
+pub struct PoseFromLandmarks {
+    landmarks: Vec<Landmark>,
+    q: usize,
+    freedom: Freedom,
+    solver: Solver,
+    contractor: Box<dyn Contractor<3> + Send + Sync>,
+}
+
+/// Slices of heading of the one-shot solver: what is lost by linearising falls with their square.
+const N_SLICES: usize = 4;
+/// A fixpoint is worth another pass while a width shrinks by more than this share.
+const SIGNIFICANT: f64 = 0.05;
+/// Contractions of one bisection at most: some milliseconds.
+const MOST_BOXES: usize = 2000;
+
+const CAUSE: &str = "the landmarks in view do not fit those known";
+
+impl PoseFromLandmarks {
+    /// Landmarks as boxes of the world and of the robot frame, of which at most `q` are wrong.
+    pub fn new(landmarks: Vec<Landmark>, q: usize, freedom: Freedom, solver: Solver) -> Self {
+        let contractor = contractor(&landmarks, q, freedom, solver);
+        PoseFromLandmarks { landmarks, q, freedom, solver, contractor }
+    }
+
+    /// Whether a landmark seen from the box can be in its place.
+    fn fits(pose: &PoseBox, (place, seen): &Landmark) -> bool {
+        let (cosine, sine) = (pose[2].cos(), pose[2].sin());
+        (pose[0] + (cosine * seen[0] - sine * seen[1])).overlaps(place[0])
+            && (pose[1] + (sine * seen[0] + cosine * seen[1])).overlaps(place[1])
+    }
+
+    /// What is left of a box when the landmarks that surely miss their places are counted.
+    fn counted(&self, pose: PoseBox) -> Vec<PoseBox> {
+        let right: Vec<Landmark> = self.landmarks.iter().filter(|one| Self::fits(&pose, one)).copied().collect();
+        let n_wrong = self.landmarks.len() - right.len();
+        if n_wrong > self.q {
+            return Vec::new();
+        }
+        if self.q == 0 || n_wrong < self.q {
+            return vec![pose];
+        }
+        PoseFromLandmarks::new(right, 0, self.freedom, self.solver).branches(&pose)
+    }
+}
+
+impl Contractor<3> for PoseFromLandmarks {
+    fn contract(&self, domain: &mut PoseBox) -> Outcome {
+        *domain = paving::hull(&self.branches(domain));
+        if domain.is_empty() { Outcome::Empty(CAUSE) } else { Outcome::Feasible }
+    }
+
+    fn branches(&self, domain: &PoseBox) -> Vec<PoseBox> {
+        if domain.is_empty() {
+            return Vec::new();
+        }
+        if self.landmarks.len() <= self.q {
+            return vec![*domain];
+        }
+        self.contractor.branches(domain).into_iter().flat_map(|branch| self.counted(branch)).collect()
+    }
+}
+
+fn contractor(
+    landmarks: &[Landmark],
+    q: usize,
+    freedom: Freedom,
+    solver: Solver,
+) -> Box<dyn Contractor<3> + Send + Sync> {
+    match (freedom, solver) {
+        (Freedom::Line, _) => Box::new(Translated::<1> { landmarks: landmarks.to_vec(), q }),
+        (Freedom::Translation, _) => Box::new(Translated::<2> { landmarks: landmarks.to_vec(), q }),
+        (Freedom::Full, Solver::OneShot) if q == 0 => Box::new(OneShot { motion: RigidPlanar::new(landmarks) }),
+        (Freedom::Full, Solver::OneShot) => Box::new(RelaxedPose { landmarks: landmarks.to_vec(), q }),
+        (Freedom::Full, Solver::Polar) => relaxed(landmarks, q, RigidPolar::new),
+        (Freedom::Full, Solver::TableIv) => relaxed(landmarks, q, RigidTable::new),
+        (Freedom::Full, Solver::Sivia { resolution }) => {
+            Box::new(Bisection { contractor: relaxed(landmarks, q, RigidPlanar::new), resolution })
+        }
+    }
+}
+
+/// Elimination over all landmarks, turn by turn.
+struct OneShot {
+    motion: RigidPlanar,
+}
+
+impl Contractor<3> for OneShot {
+    fn contract(&self, domain: &mut PoseBox) -> Outcome {
+        *domain = paving::hull(&self.branches(domain));
+        if domain.is_empty() { Outcome::Empty(CAUSE) } else { Outcome::Feasible }
+    }
+
+    fn branches(&self, domain: &PoseBox) -> Vec<PoseBox> {
+        let pose = LinearPose { motion: self.motion.clone(), n_slices: N_SLICES };
+        let both = (&self.motion).then(pose).fixpoint(SIGNIFICANT);
+        let mut turns: Vec<PoseBox> = self
+            .motion
+            .turns(domain[2])
+            .into_iter()
+            .map(|heading| IntervalBox::new([domain[0], domain[1], heading]))
+            .collect();
+        turns.iter_mut().for_each(|turn| drop(both.contract(turn)));
+        turns.retain(|turn| !turn.is_empty());
+        turns
+    }
+}
+
+/// A contractor of all landmarks; when q may be wrong, of each alone and of disjoint pairs, of which q at most are spoilt.
+fn relaxed<Exact>(
+    landmarks: &[Landmark],
+    q: usize,
+    exact: impl Fn(&[Landmark]) -> Exact,
+) -> Box<dyn Contractor<3> + Send + Sync>
+where
+    Exact: Contractor<3> + Send + Sync + 'static,
+{
+    if q == 0 {
+        return Box::new(exact(landmarks));
+    }
+    let boxed = |some: &[Landmark]| -> Box<dyn Contractor<3> + Send + Sync> { Box::new(exact(some)) };
+    let each = QRelaxed { contractors: landmarks.chunks(1).map(boxed).collect(), q };
+    let pairs = QRelaxed { contractors: landmarks.chunks_exact(2).map(boxed).collect(), q };
+    Box::new(each.then(pairs).fixpoint(SIGNIFICANT))
+}
+
+/// SIVIA around a contractor, with bounded work.
+struct Bisection {
+    contractor: Box<dyn Contractor<3> + Send + Sync>,
+    resolution: f64,
+}
+
+impl Contractor<3> for Bisection {
+    fn contract(&self, domain: &mut PoseBox) -> Outcome {
+        let leaves = paving::cover_at_most(&self.contractor, *domain, &[0, 1, 2], self.resolution, MOST_BOXES);
+        *domain = paving::hull(&leaves);
+        if domain.is_empty() { Outcome::Empty(CAUSE) } else { Outcome::Feasible }
+    }
+}

@@ -1,0 +1,121 @@
+//! Turn rates to an enclosure of the turn between two stamps.
+//!
+//! A reading r averages ω = (r − bias − noise)/scale over the period before its stamp. Bias and scale are the same in all readings and
+//! so act on sums; noise is bounded for each reading, so its bound adds up.
+
+use std::collections::VecDeque;
+
+use crate::{
+    Interval,
+    robot::{GyroModel, Reach, WheelModel},
+};
+
+/// Recent turn rates.
+#[derive(Clone, Debug)]
+pub struct GyroHistory {
+    model: GyroModel,
+    /// Stamp and rate.
+    readings: VecDeque<(f64, f64)>,
+    keep_s: f64,
+}
+
+/// Stamps closer than this are the same instant: periods are decimal, stamps binary.
+const SAME_S: f64 = 1e-9;
+
+impl GyroHistory {
+    /// A history that forgets what is older than `keep_s`.
+    pub fn new(model: GyroModel, keep_s: f64) -> Self {
+        GyroHistory { model, readings: VecDeque::new(), keep_s }
+    }
+
+    /// Span that a reading averages over.
+    pub(super) fn period_s(&self) -> f64 {
+        self.model.period_s
+    }
+
+    /// Adds a reading; one no later than the last is a duplicate and is dropped.
+    pub fn push(&mut self, time_s: f64, rate_rad_per_s: f64) {
+        if self.readings.back().is_some_and(|(latest_s, _)| time_s <= latest_s + SAME_S) {
+            return;
+        }
+        self.readings.push_back((time_s, rate_rad_per_s));
+        while self.readings.front().is_some_and(|(first_s, _)| *first_s < time_s - self.keep_s) {
+            self.readings.pop_front();
+        }
+    }
+
+    /// Turn from `from_s` to `to_s` while turn rates change by at most `change_rad_per_s2`; `None` where no reading is near.
+    ///
+    /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. Time that no reading covers is
+    /// turned at the rate of the reading beside it, give or take what that can have changed by since.
+    pub fn turn(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
+        let period_s = self.model.period_s;
+        let bend_rad = change_rad_per_s2 * period_s * period_s / 8.0;
+        let mut covered = Covered::default();
+        let mut beside = Interval::ZERO;
+        let mut done_s = from_s;
+        let first = self.readings.partition_point(|(end_s, _)| *end_s <= from_s + SAME_S);
+        let mut latest = first.checked_sub(1).and_then(|idx| self.readings.get(idx)).map(|(_, rate)| *rate);
+        for &(end_s, rate) in self.readings.iter().skip(first) {
+            let begin_s = end_s - period_s;
+            latest = Some(rate);
+            if begin_s >= to_s - SAME_S {
+                break;
+            }
+            beside += self.beside(rate, begin_s - done_s, change_rad_per_s2);
+            let span_s = end_s.min(to_s) - begin_s.max(done_s);
+            covered.add(rate, span_s);
+            if span_s < period_s - SAME_S {
+                covered.bent_rad += bend_rad;
+            }
+            done_s = end_s.min(to_s);
+        }
+        beside += self.beside(latest?, to_s - done_s, change_rad_per_s2);
+        Some(covered.turn(&self.model) + beside)
+    }
+
+    /// Turn in a span beside the period of a reading.
+    fn beside(&self, rate: f64, span_s: f64, change_rad_per_s2: f64) -> Interval {
+        if span_s <= SAME_S {
+            return Interval::ZERO;
+        }
+        let changed = change_rad_per_s2 * (span_s + self.model.period_s);
+        true_rate(rate, &self.model).inflate(changed) * span_s
+    }
+}
+
+/// Sums over the time that readings cover.
+#[derive(Clone, Copy, Debug, Default)]
+struct Covered {
+    turned_rad: f64,
+    lasted_s: f64,
+    /// Bound of what chords leave out.
+    bent_rad: f64,
+    /// Σ |r|·T, for the rounding of the sums.
+    size_rad: f64,
+}
+
+impl Covered {
+    fn add(&mut self, rate: f64, span_s: f64) {
+        self.turned_rad += rate * span_s;
+        self.lasted_s += span_s;
+        self.size_rad += rate.abs() * span_s;
+    }
+
+    /// (Σ r·T − bias·ΣT ± noise·ΣT)/scale ± what chords leave out.
+    fn turn(&self, model: &GyroModel) -> Interval {
+        // Stamps themselves are rounded, by far less than `SAME_S` for each reading.
+        let rounding_rad = 1e-12 * (self.size_rad + self.lasted_s);
+        let turned = Interval::point(self.turned_rad) - model.bias_rad_per_s * self.lasted_s;
+        (turned.inflate(model.noise_rad_per_s * self.lasted_s + rounding_rad) / model.scale).inflate(self.bent_rad)
+    }
+}
+
+fn true_rate(rate: f64, model: &GyroModel) -> Interval {
+    (Interval::point(rate) - model.bias_rad_per_s).inflate(model.noise_rad_per_s) / model.scale
+}
+
+/// Greatest change of the turn rate while each wheel accelerates by at most its bound: (a + a)/W.
+pub(super) fn greatest_change_rad_per_s2(wheels: &WheelModel, reach: &Reach) -> f64 {
+    2.0 * reach.acceleration_m_per_s2 / wheels.track_m.lo()
+}

@@ -1,0 +1,126 @@
+//! The building as geometry: flat rectangles with their materials, from what a scene states.
+
+mod body;
+mod coverings;
+mod panel;
+mod upright_box;
+mod wall_things;
+mod walls;
+
+pub use body::{BodyMesh, BodyVertex, UprightBody, body_mesh};
+pub(crate) use coverings::covering_albedo;
+pub use panel::{Material, Panel, Part, Texture};
+pub use upright_box::UprightBox;
+pub use walls::Enclosure;
+
+use nalgebra::{Point3, Vector3, vector};
+
+use crate::{
+    drawn::{Drawn, LaidTiles},
+    scene::{Scene, Tiles},
+};
+
+/// What lies on something, or in the same plane, is drawn so far above it that the depth buffer tells them apart.
+const LAYER_M: f64 = 0.001;
+
+/// Everything about a building that stands still.
+#[derive(Clone, Debug)]
+pub struct Building {
+    /// Rooms: the one that the robot drives in, then the further ones.
+    pub rooms: Vec<Enclosure>,
+    /// All faces that can be seen, boxes included.
+    pub panels: Vec<Panel>,
+    /// The first ones, without frames and bars, which nobody misses in a puddle.
+    pub n_large_panels: usize,
+    /// Furniture, which casts shadows.
+    pub boxes: Vec<UprightBox>,
+    /// The tiles as they were laid.
+    pub tiles: Option<(Tiles, LaidTiles)>,
+    /// Retro-reflective dots.
+    pub dots: Vec<RetroDot>,
+}
+
+/// A round retro-reflective dot that faces down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RetroDot {
+    /// Centre, world.
+    pub centre: Point3<f64>,
+    /// Radius.
+    pub radius_m: f64,
+    /// Coefficient of retroreflection.
+    pub retroreflection_cd_per_lux_m2: f64,
+}
+
+impl Building {
+    /// The building of a scene.
+    pub fn new(scene: &Scene, drawn: &Drawn) -> Building {
+        Building::furnished(scene, drawn, scene.furniture.iter().map(UprightBox::from).collect())
+    }
+
+    /// The building of a scene with these boxes instead of the scene's furniture.
+    pub fn furnished(scene: &Scene, drawn: &Drawn, boxes: Vec<UprightBox>) -> Building {
+        let mut building = Building {
+            rooms: walls::enclosures(scene),
+            panels: Vec::new(),
+            n_large_panels: 0,
+            boxes,
+            tiles: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
+            dots: dots(scene),
+        };
+        let mut panels = walls::wall_panels(scene, &building.rooms);
+        panels.extend(coverings::floor_panels(scene, &building));
+        panels.extend(walls::ceiling_panels(scene, &building.rooms));
+        for piece in &building.boxes {
+            panels.extend(piece.panels(building.room_at(piece.middle())));
+        }
+        panels.extend(wall_things::pictures(scene, &building));
+        building.n_large_panels = panels.len();
+        for trim in wall_things::trim(scene, &building) {
+            panels.extend(trim.panels(building.room_at(trim.middle())));
+        }
+        building.panels = panels;
+        building
+    }
+
+    /// Upright faces of the rooms.
+    pub fn walls(&self) -> impl Iterator<Item = &Panel> {
+        self.panels.iter().filter(|panel| panel.part == Part::Wall)
+    }
+
+    /// The room in which a place is, or else the first.
+    pub fn room_at(&self, at: Point3<f64>) -> usize {
+        self.rooms.iter().position(|room| room.contains(at)).unwrap_or(0)
+    }
+
+    /// A place moved onto the nearest wall that faces along `facing`.
+    pub fn on_wall(&self, at: Point3<f64>, facing: Vector3<f64>) -> Point3<f64> {
+        let sides = self.rooms.iter().flat_map(Enclosure::sides);
+        let nearest = sides
+            .filter(|side| side.inward.dot(&facing) > 0.9)
+            .map(|side| (side.inward, side.inward.dot(&(at - side.from))))
+            .min_by(|one, other| one.1.abs().total_cmp(&other.1.abs()));
+        nearest.map_or(at, |(inward, before_m)| at - inward * before_m)
+    }
+}
+
+fn dots(scene: &Scene) -> Vec<RetroDot> {
+    let stated = scene.building.dots.iter();
+    stated
+        .map(|dot| RetroDot {
+            // Stuck on the ceiling, above which nothing is to be seen of it.
+            centre: Point3::new(dot.x_m, dot.y_m, dot.height_m.unwrap_or(scene.building.ceiling_height_m - 0.001)),
+            radius_m: dot.radius_m,
+            retroreflection_cd_per_lux_m2: dot.retroreflection_cd_per_lux_m2,
+        })
+        .collect()
+}
+
+/// A place on the floor, raised.
+fn raised([x, y]: [f64; 2], height_m: f64) -> Point3<f64> {
+    Point3::new(x, y, height_m)
+}
+
+/// A direction on the floor.
+pub(crate) fn level(heading_rad: f64) -> Vector3<f64> {
+    vector![heading_rad.cos(), heading_rad.sin(), 0.0]
+}

@@ -1,0 +1,126 @@
+//! People, as simple bodies of human proportions.
+
+use nalgebra::{Point3, Vector3, vector};
+
+use super::level;
+use crate::scene::Person;
+
+/// A person who stands or walks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UprightBody {
+    /// World x and y of the middle.
+    pub middle_m: [f64; 2],
+    /// Direction of the face from world x.
+    pub heading_rad: f64,
+    /// Height.
+    pub height_m: f64,
+    /// Half of the width over the shoulders.
+    pub radius_m: f64,
+    /// Where in a pair of steps the legs are, from 0 to 1; 0 with both legs side by side.
+    pub stride: f64,
+}
+
+impl UprightBody {
+    /// A person at the start of the walk, who faces the next place to walk to.
+    pub fn at_start(person: &Person) -> Option<UprightBody> {
+        let [x_m, y_m] = *person.waypoints_m.first()?;
+        let next_m = person.waypoints_m.get(1).copied().unwrap_or([x_m + 1.0, y_m]);
+        Some(UprightBody {
+            middle_m: [x_m, y_m],
+            heading_rad: (next_m[1] - y_m).atan2(next_m[0] - x_m),
+            height_m: person.height_m,
+            radius_m: person.radius_m,
+            stride: 0.0,
+        })
+    }
+}
+
+/// One corner of a body's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyVertex {
+    /// Where, world.
+    pub at: Point3<f64>,
+    /// Outward.
+    pub normal: Vector3<f64>,
+    /// Visible and infrared.
+    pub albedo: [f64; 2],
+}
+
+/// The surface of a body.
+#[derive(Clone, Debug, Default)]
+pub struct BodyMesh {
+    /// Its corners.
+    pub corners: Vec<BodyVertex>,
+    /// Corners of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[usize; 3]>,
+}
+
+/// Rings of a limb or trunk: height, half width across and half depth along the heading, all as shares; offset across.
+type Rings<'a> = &'a [[f64; 3]];
+
+/// Corners of a body's side around each ring.
+const AROUND: usize = 12;
+
+/// The surface of a body.
+pub fn body_mesh(body: &UprightBody) -> BodyMesh {
+    const TROUSERS: [f64; 2] = [0.12, 0.35];
+    const SHIRT: [f64; 2] = [0.35, 0.55];
+    const SKIN: [f64; 2] = [0.35, 0.5];
+    const HAIR: [f64; 2] = [0.06, 0.2];
+    let swing = (body.stride * std::f64::consts::TAU).sin();
+    // Heights as shares of the body's, widths as shares of the half width over the shoulders.
+    let leg: Rings = &[[0.0, 0.26, 0.5], [0.04, 0.2, 0.3], [0.27, 0.26, 0.32], [0.48, 0.36, 0.46]];
+    let trunk: Rings = &[
+        [0.46, 0.68, 0.45],
+        [0.56, 0.66, 0.44],
+        [0.7, 0.8, 0.5],
+        [0.8, 0.92, 0.48],
+        [0.83, 0.5, 0.35],
+        [0.85, 0.22, 0.24],
+    ];
+    let arm: Rings = &[[0.42, 0.14, 0.16], [0.6, 0.17, 0.18], [0.8, 0.2, 0.22], [0.83, 0.1, 0.1]];
+    let neck: Rings = &[[0.84, 0.22, 0.24], [0.88, 0.22, 0.24]];
+    let head: Rings = &[[0.87, 0.2, 0.25], [0.9, 0.3, 0.38], [0.94, 0.34, 0.44]];
+    let hair: Rings = &[[0.94, 0.35, 0.45], [0.97, 0.32, 0.42], [0.99, 0.2, 0.28], [1.0, 0.02, 0.02]];
+    let mut mesh = BodyMesh::default();
+    let mut part = |rings: Rings, across: f64, lean: f64, pivot: f64, albedo: [f64; 2]| {
+        limb(&mut mesh, body, rings, across, lean, pivot, albedo);
+    };
+    for side in [-1.0, 1.0] {
+        part(leg, 0.36 * side, 0.35 * swing * side, 0.5, TROUSERS);
+        part(arm, 0.9 * side, -0.25 * swing * side, 0.82, SHIRT);
+    }
+    part(trunk, 0.0, 0.0, 0.5, SHIRT);
+    part(neck, 0.0, 0.0, 0.5, SKIN);
+    part(head, 0.0, 0.0, 0.5, SKIN);
+    part(hair, 0.0, 0.0, 0.5, HAIR);
+    mesh
+}
+
+/// A stack of elliptic rings, moved aside by `across` and leaning forward about the height `pivot`.
+fn limb(mesh: &mut BodyMesh, body: &UprightBody, rings: Rings, across: f64, lean: f64, pivot: f64, albedo: [f64; 2]) {
+    let ahead = level(body.heading_rad);
+    let left = vector![-ahead.y, ahead.x, 0.0];
+    let corner = |ring: &[f64; 3], index: usize| {
+        let (sin, cos) = (index as f64 / AROUND as f64 * std::f64::consts::TAU).sin_cos();
+        let forward_m = (pivot - ring[0]) * lean * body.height_m + ring[2] * cos * body.radius_m;
+        let left_m = (across + ring[1] * sin) * body.radius_m;
+        let at = super::raised(body.middle_m, ring[0] * body.height_m) + ahead * forward_m + left * left_m;
+        // Of an ellipse with half axes a and b: (cos/a, sin/b).
+        let normal = (ahead * (cos / ring[2]) + left * (sin / ring[1])).normalize();
+        BodyVertex { at, normal, albedo }
+    };
+    let first = mesh.corners.len();
+    mesh.corners.extend(
+        rings
+            .iter()
+            .flat_map(|ring| (0..AROUND).map(move |index| (ring, index)))
+            .map(|(ring, index)| corner(ring, index)),
+    );
+    for (ring, index) in (1..rings.len()).flat_map(|ring| (0..AROUND).map(move |index| (ring, index))) {
+        let at = |ring: usize, index: usize| first + ring * AROUND + index % AROUND;
+        let (a, b) = (at(ring - 1, index), at(ring - 1, index + 1));
+        let (c, d) = (at(ring, index + 1), at(ring, index));
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+    }
+}

@@ -1,0 +1,61 @@
+//! Floors: what each room's is made of, and what covers it in places.
+
+use nalgebra::{Point3, vector};
+
+use super::{Building, LAYER_M, Material, Panel, Part, Texture};
+use crate::scene::{Covering, Scene};
+
+/// The floors of all rooms and the coverings of regions upon them.
+pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
+    let base = match &scene.floor.tiles {
+        Some(tiles) => Material::matt(tiles.tile_albedo).with(Texture::Tiles).glossy(0.03, 0.035),
+        None => material(scene.floor.covering, 0),
+    };
+    let mut panels: Vec<Panel> = building
+        .rooms
+        .iter()
+        .enumerate()
+        .map(|(room, enclosure)| {
+            let [along, up] = enclosure.axes();
+            let corner = enclosure.corner - vector![0.0, 0.0, LAYER_M * room as f64];
+            Panel { corner, along, up, material: base, part: Part::Floor, room }
+        })
+        .collect();
+    let covered =
+        scene.floor.regions.iter().enumerate().filter_map(|(index, region)| Some((index, region, region.covering?)));
+    for (index, region, covering) in covered {
+        let ([x0, x1], [y0, y1]) = (region.x_m, region.y_m);
+        panels.push(Panel {
+            corner: Point3::new(x0, y0, LAYER_M * (index + 1) as f64),
+            along: vector![x1 - x0, 0.0, 0.0],
+            up: vector![0.0, y1 - y0, 0.0],
+            // Water shows what is below it.
+            material: if covering == Covering::Wet { wet(base) } else { material(covering, index as u32) },
+            part: Part::Floor,
+            room: building.room_at(Point3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0)),
+        });
+    }
+    panels
+}
+
+/// Mean visible albedo of a covering.
+pub(crate) fn covering_albedo(covering: Covering) -> f64 {
+    material(covering, 0).albedo[0]
+}
+
+/// Water over another covering, which shows through and around it. What is mirrored at right incidence is that of most varnishes
+/// too: ((1.33 − 1)/(1.33 + 1))² = 0.02.
+fn wet(below: Material) -> Material {
+    Material { texture: Texture::Wet, mirrored: below.mirrored.max(0.02), seed: below.texture as u32, ..below }
+}
+
+fn material(covering: Covering, seed: u32) -> Material {
+    let matt = |albedo: f64, texture| Material { seed, ..Material::matt(albedo).with(texture) };
+    match covering {
+        Covering::Screed => matt(0.4, Texture::Plain),
+        Covering::Concrete => matt(0.4, Texture::Concrete).glossy(0.03, 0.08),
+        Covering::Wood => matt(0.35, Texture::Wood).glossy(0.04, 0.05),
+        Covering::Carpet => matt(0.22, Texture::Carpet),
+        Covering::Wet => matt(0.28, Texture::Wet).glossy(0.02, 0.0),
+    }
+}

@@ -1,0 +1,110 @@
+//! A box that stands upright: furniture, door leaves, frames.
+
+use nalgebra::{Point3, Vector3, vector};
+
+use super::{Material, Panel, Part, level, raised};
+use crate::scene::Furniture;
+
+/// A box with vertical sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UprightBox {
+    /// World x and y of its middle.
+    pub middle_m: [f64; 2],
+    /// Direction of its length from world x.
+    pub heading_rad: f64,
+    /// Length along the heading and width across it.
+    pub size_m: [f64; 2],
+    /// Heights of its lower and its upper face.
+    pub between_m: [f64; 2],
+    /// What it is made of.
+    pub material: Material,
+}
+
+impl From<&Furniture> for UprightBox {
+    fn from(piece: &Furniture) -> UprightBox {
+        UprightBox {
+            middle_m: [piece.x_m, piece.y_m],
+            heading_rad: piece.rotation_deg.to_radians(),
+            size_m: piece.size_m,
+            between_m: [0.0, piece.height_m],
+            material: Material::matt(piece.albedo),
+        }
+    }
+}
+
+impl UprightBox {
+    /// Its middle.
+    pub fn middle(&self) -> Point3<f64> {
+        raised(self.middle_m, (self.between_m[0] + self.between_m[1]) / 2.0)
+    }
+
+    /// Its corners: the four of the lower face in order, then those of the upper one.
+    pub fn corners(&self) -> [Point3<f64>; 8] {
+        let [half_length, half_width] = self.half_sides();
+        std::array::from_fn(|index| {
+            let (s, t) = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)][index % 4];
+            raised(self.middle_m, self.between_m[index / 4]) + half_length * s + half_width * t
+        })
+    }
+
+    fn half_sides(&self) -> [Vector3<f64>; 2] {
+        let ahead = level(self.heading_rad);
+        [ahead * (self.size_m[0] / 2.0), vector![-ahead.y, ahead.x, 0.0] * (self.size_m[1] / 2.0)]
+    }
+
+    /// Its faces; one that stands on the floor has no lower one.
+    pub fn panels(&self, room: usize) -> Vec<Panel> {
+        let corners = self.corners();
+        let height = vector![0.0, 0.0, self.between_m[1] - self.between_m[0]];
+        let face = |corner: Point3<f64>, along: Vector3<f64>, up: Vector3<f64>| Panel {
+            corner,
+            along,
+            up,
+            material: self.material,
+            part: Part::Thing,
+            room,
+        };
+        let mut faces: Vec<Panel> =
+            (0..4).map(|side| face(corners[side], corners[(side + 1) % 4] - corners[side], height)).collect();
+        faces.push(face(corners[4], corners[5] - corners[4], corners[7] - corners[4]));
+        if self.between_m[0] > 0.0 {
+            faces.push(face(corners[0], corners[3] - corners[0], corners[1] - corners[0]));
+        }
+        faces
+    }
+
+    /// Whether the straight way between two places goes through it (slabs).
+    pub fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
+        let (start, end) = (self.in_own_frame(from), self.in_own_frame(to));
+        let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+        for axis in 0..3 {
+            let way = end[axis] - start[axis];
+            if way.abs() < 1e-12 {
+                if start[axis].abs() >= 1.0 {
+                    return false;
+                }
+                continue;
+            }
+            let (one, other) = ((-1.0 - start[axis]) / way, (1.0 - start[axis]) / way);
+            enter = enter.max(one.min(other));
+            leave = leave.min(one.max(other));
+        }
+        enter < leave
+    }
+
+    /// Whether a place is inside.
+    pub fn contains(&self, at: Point3<f64>) -> bool {
+        self.in_own_frame(at).iter().all(|coordinate| coordinate.abs() < 1.0)
+    }
+
+    /// From −1 to 1 along each of its axes inside of it.
+    fn in_own_frame(&self, at: Point3<f64>) -> [f64; 3] {
+        let [half_length, half_width] = self.half_sides();
+        let from_middle = at - self.middle();
+        [
+            from_middle.dot(&half_length) / half_length.norm_squared(),
+            from_middle.dot(&half_width) / half_width.norm_squared(),
+            from_middle.z * 2.0 / (self.between_m[1] - self.between_m[0]),
+        ]
+    }
+}

@@ -1,0 +1,183 @@
+//! Rooms and their walls: no wall where another room is, and holes where doors stand open.
+
+use nalgebra::{Point3, Vector3, vector};
+
+use super::{LAYER_M, Material, Panel, Part, Texture, level, raised};
+use crate::scene::{Door, Scene};
+
+/// How far from a wall's foot a door may stand and still belong to it.
+const DOOR_TO_WALL_M: f64 = 0.15;
+
+/// A rectangular room.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Enclosure {
+    /// A corner, world, on the floor.
+    pub corner: Point3<f64>,
+    /// Direction of the side of length `width_m`; the other one is to its left.
+    pub heading_rad: f64,
+    /// Length of the first side.
+    pub width_m: f64,
+    /// Length of the second side.
+    pub depth_m: f64,
+    /// Height of the ceiling.
+    pub height_m: f64,
+}
+
+/// One side of a room on the floor, the room on its left.
+pub(super) struct Side {
+    pub(super) from: Point3<f64>,
+    pub(super) to: Point3<f64>,
+    pub(super) inward: Vector3<f64>,
+}
+
+impl Enclosure {
+    /// Whether a place is within the room's walls, at any height.
+    pub fn contains(&self, at: Point3<f64>) -> bool {
+        // What is on a wall is inside, however its coordinates are rounded.
+        self.sides().all(|side| side.inward.dot(&(at - side.from)) >= -1e-9)
+    }
+
+    pub(super) fn axes(&self) -> [Vector3<f64>; 2] {
+        let along = level(self.heading_rad);
+        [along * self.width_m, vector![-along.y, along.x, 0.0] * self.depth_m]
+    }
+
+    pub(super) fn sides(&self) -> impl Iterator<Item = Side> + use<> {
+        let [along, across] = self.axes();
+        let corners = [self.corner, self.corner + along, self.corner + along + across, self.corner + across];
+        (0..4).map(move |index| {
+            let (from, to) = (corners[index], corners[(index + 1) % 4]);
+            let direction = (to - from).normalize();
+            Side { from, to, inward: vector![-direction.y, direction.x, 0.0] }
+        })
+    }
+
+    /// Shares of a side, from 0 to 1, that lie within the room.
+    fn covers(&self, side: &Side) -> Option<[f64; 2]> {
+        let (mut low, mut high) = (0.0_f64, 1.0_f64);
+        for own in self.sides() {
+            let (start, end) = (own.inward.dot(&(side.from - own.from)), own.inward.dot(&(side.to - own.from)));
+            // A side that only touches the room is not inside of it.
+            const TOUCH_M: f64 = 1e-6;
+            let (start, end) = (start - TOUCH_M, end - TOUCH_M);
+            match (start > 0.0, end > 0.0) {
+                (true, true) => {}
+                (false, false) => return None,
+                (true, false) => high = high.min(start / (start - end)),
+                (false, true) => low = low.max(start / (start - end)),
+            }
+        }
+        (low < high).then_some([low, high])
+    }
+}
+
+/// The rooms of a scene, the robot's own first.
+pub(super) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
+    let height_m = scene.building.ceiling_height_m;
+    let own = Enclosure {
+        corner: Point3::origin(),
+        heading_rad: 0.0,
+        width_m: scene.room.width_m,
+        depth_m: scene.room.depth_m,
+        height_m,
+    };
+    let further = scene.building.rooms.iter().map(|room| Enclosure {
+        corner: raised([room.x_m, room.y_m], 0.0),
+        heading_rad: room.heading_deg.to_radians(),
+        width_m: room.width_m,
+        depth_m: room.depth_m,
+        height_m,
+    });
+    std::iter::once(own).chain(further).collect()
+}
+
+/// Walls with their skirting.
+pub(super) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
+    let mut panels = Vec::new();
+    for (index, room) in rooms.iter().enumerate() {
+        for side in room.sides() {
+            let mut gaps: Vec<[f64; 2]> = others(rooms, index).filter_map(|other| other.covers(&side)).collect();
+            let doors: Vec<(&Door, [f64; 2])> = scene
+                .building
+                .doors
+                .iter()
+                .filter(|door| door.open)
+                .filter_map(|door| Some((door, on_side(door, &side)?)))
+                .collect();
+            for (door, shares) in &doors {
+                panels.extend(face(scene, &side, *shares, [door.height_m, room.height_m], index));
+            }
+            gaps.extend(doors.iter().map(|(_, shares)| *shares));
+            for shares in remaining(gaps) {
+                panels.extend(face(scene, &side, shares, [0.0, room.height_m], index));
+            }
+        }
+    }
+    panels
+}
+
+/// Ceilings.
+pub(super) fn ceiling_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
+    let material = Material::matt(scene.building.ceiling_albedo).with(Texture::Plaster);
+    let panel = |(room, enclosure): (usize, &Enclosure)| {
+        let [along, across] = enclosure.axes();
+        // Where rooms overlap, the first one's ceiling is the one that is seen.
+        let corner = enclosure.corner + vector![0.0, 0.0, enclosure.height_m + LAYER_M * room as f64];
+        // Across before along: seen from below.
+        Panel { corner, along: across, up: along, material, part: Part::Ceiling, room }
+    };
+    rooms.iter().enumerate().map(panel).collect()
+}
+
+fn others(rooms: &[Enclosure], index: usize) -> impl Iterator<Item = &Enclosure> {
+    rooms.iter().enumerate().filter(move |(other, _)| *other != index).map(|(_, room)| room)
+}
+
+/// The shares of a side between a door's jambs, if the door stands on it.
+fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
+    let along = side.to - side.from;
+    let shares = [door.from_m, door.to_m].map(|jamb| {
+        let from_corner = raised(jamb, 0.0) - side.from;
+        let beside_m = side.inward.dot(&from_corner).abs();
+        (from_corner.dot(&along) / along.norm_squared(), beside_m)
+    });
+    let stands = shares.iter().all(|(share, beside_m)| *beside_m <= DOOR_TO_WALL_M && (0.0..=1.0).contains(share));
+    stands.then(|| [shares[0].0.min(shares[1].0), shares[0].0.max(shares[1].0)])
+}
+
+/// What is left of 0 to 1 without the gaps.
+fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    gaps.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    let (mut left, mut at) = (Vec::new(), 0.0);
+    for [from, to] in gaps {
+        if from > at {
+            left.push([at, from]);
+        }
+        at = to.max(at);
+    }
+    if at < 1.0 {
+        left.push([at, 1.0]);
+    }
+    left
+}
+
+/// Part of a wall between two heights: its skirting, if it reaches the floor, and what is above.
+fn face(scene: &Scene, side: &Side, shares: [f64; 2], between_m: [f64; 2], room: usize) -> Vec<Panel> {
+    let building = &scene.building;
+    let way = side.to - side.from;
+    // Backwards along the side, so that the panel faces inwards.
+    let strip = |low_m: f64, high_m: f64, material: Material| Panel {
+        corner: side.from + way * shares[1] + vector![0.0, 0.0, low_m],
+        along: way * (shares[0] - shares[1]),
+        up: vector![0.0, 0.0, high_m - low_m],
+        material,
+        part: Part::Wall,
+        room,
+    };
+    let paint = Material::matt(building.wall_albedo).with(Texture::Plaster);
+    if between_m[0] > 0.0 || building.skirting_height_m == 0.0 {
+        return vec![strip(between_m[0], between_m[1], paint)];
+    }
+    let skirting = Material::matt(building.skirting_albedo).glossy(0.03, 0.1);
+    vec![strip(0.0, building.skirting_height_m, skirting), strip(building.skirting_height_m, between_m[1], paint)]
+}

@@ -1,0 +1,81 @@
+//! The range camera and the gyroscope against what was drawn and what was true.
+
+use std::collections::BTreeMap;
+
+use localizer::reading::LandmarkId;
+
+use crate::{check::verdict::Violation, run::RunRecord, scene::Scene};
+
+use super::{Monitor, constant};
+
+/// Violations of the bounds of both sensors.
+pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+    let mut found: Vec<Violation> = gyro(scene, record).into_iter().flatten().collect();
+    found.extend(range_camera(scene, record));
+    found
+}
+
+fn gyro(scene: &Scene, record: &RunRecord) -> [Option<Violation>; 3] {
+    let (Some(gyro), Some(drawn)) = (&scene.robot.gyro, &record.drawn.gyro) else { return [None, None, None] };
+    [
+        constant(record, "gyro.bias", gyro.bias_tolerance_deg_per_s.to_radians(), drawn.bias_rad_per_s.abs()),
+        constant(record, "gyro.scale", gyro.scale_tolerance, (drawn.scale - 1.0).abs()),
+        constant(record, "gyro.noise", gyro.noise_deg_per_s.to_radians(), record.greatest_gyro_noise_rad_per_s),
+    ]
+}
+
+fn range_camera(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+    let (Some(camera), Some(mount)) = (&scene.robot.range_camera, &record.drawn.range_camera) else {
+        return Vec::new();
+    };
+    let position_error_m =
+        (mount.position_m[0] - camera.forward_m).abs().max((mount.position_m[1] - camera.left_m).abs());
+    let farthest_m =
+        scene.landmarks.iter().map(|landmark| (landmark.height_m - camera.height_m).abs()).fold(0.0, f64::max);
+    let focal_error_px = (mount.focal_px - camera.focal_px).abs();
+    let baseline_error_m = (mount.baseline_m - camera.baseline_m).abs();
+    let yaw_error_rad = (mount.yaw_rad - camera.yaw_deg.to_radians()).abs();
+    let tilt_rad = mount.tilt_rad[0].hypot(mount.tilt_rad[1]);
+    let mut found: Vec<Violation> = [
+        constant(record, "range_camera.focal", camera.focal_px * camera.focal_tolerance, focal_error_px),
+        constant(record, "range_camera.baseline", camera.baseline_m * camera.baseline_tolerance, baseline_error_m),
+        constant(record, "range_camera.position", camera.position_tolerance_m, position_error_m),
+        constant(record, "range_camera.yaw", camera.yaw_tolerance_deg.to_radians(), yaw_error_rad),
+        constant(record, "range_camera.tilt", camera.tilt_tolerance_deg.to_radians(), tilt_rad),
+        constant(record, "range_camera.height_span", camera.height_span_m, farthest_m),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let mut stamp = Monitor::new("range_camera.stamp");
+    for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
+        let span_s = [reading.truth.time_s, reading.arrived_s];
+        stamp.watch(span_s, camera.stamp_tolerance_s, (reading.measured_s - reading.truth.time_s).abs());
+    }
+    found.extend(stamp.finish());
+    found.extend(wrong_codes(record, camera.q_items, camera.wrong_spacing));
+    found
+}
+
+/// Codes given wrongly: how many in a reading, and how many right uses of a code are missing between two wrong ones; none is the bound.
+fn wrong_codes(record: &RunRecord, q_items: usize, wrong_spacing: usize) -> Vec<Violation> {
+    let (mut items, mut spacing) =
+        (Monitor::new("range_landmarks.q_items"), Monitor::new("range_landmarks.wrong_spacing"));
+    // Right uses of each code since its last wrong one.
+    let mut right_since: BTreeMap<LandmarkId, usize> = BTreeMap::new();
+    for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
+        let span_s = [reading.truth.time_s, reading.arrived_s];
+        let n_wrong = reading.codes.iter().filter(|(_, is_own)| !is_own).count();
+        items.watch(span_s, q_items as f64, n_wrong as f64);
+        for (code, is_own) in &reading.codes {
+            if *is_own {
+                right_since.entry(*code).and_modify(|count| *count += 1);
+            } else if let Some(count) = right_since.insert(*code, 0) {
+                spacing.watch(span_s, 0.0, wrong_spacing.saturating_sub(count) as f64);
+            }
+        }
+    }
+    // Where no match is said to be wrong, nothing is said of how far apart wrong ones are.
+    let spacing = if q_items > 0 { spacing.finish() } else { Vec::new() };
+    items.finish().into_iter().chain(spacing).collect()
+}

@@ -1,0 +1,42 @@
+//! Landmarks as a method learnt them, against where they are.
+
+use std::collections::BTreeMap;
+
+use localizer::{Interval, Status, reading::LandmarkId};
+
+use crate::{run::RunRecord, scene::Scene};
+
+/// Figures of what was learnt; none when nothing was.
+///
+/// `landmarks_outside` counts boxes without their landmark, `landmarks_grown` boxes that are no subset of the same landmark's box one
+/// reading earlier, except after a doubt, which takes back what was learnt. Both are 0 or something is wrong.
+pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
+    let mut before: BTreeMap<LandmarkId, [Interval; 2]> = BTreeMap::new();
+    let (mut outside, mut grown) = (0, 0);
+    for reading in record.images.iter().filter(|reading| !reading.landmarks.is_empty()) {
+        for (landmark, place) in &reading.landmarks {
+            let Some(truth) = scene.landmarks.get(landmark.0 as usize) else { continue };
+            outside += usize::from(!(place[0].contains(truth.x_m) && place[1].contains(truth.y_m)));
+            let is_subset = |old: &[Interval; 2]| (0..2).all(|axis| place[axis].is_subset_of(old[axis]));
+            let is_taken_back = was_in_doubt(record, reading.measured_s);
+            grown += usize::from(!is_taken_back && before.get(landmark).is_some_and(|old| !is_subset(old)));
+        }
+        before = reading.landmarks.iter().copied().collect();
+    }
+    if before.is_empty() {
+        return BTreeMap::new();
+    }
+    let widths = before.values().map(|place| place[0].width().max(place[1].width()));
+    BTreeMap::from([
+        ("landmarks_known".to_owned(), before.len() as f64),
+        ("landmarks_outside".to_owned(), outside as f64),
+        ("landmarks_grown".to_owned(), grown as f64),
+        ("landmark_width_m".to_owned(), widths.sum::<f64>() / before.len() as f64),
+    ])
+}
+
+/// Whether an assumption was doubted in the second before.
+fn was_in_doubt(record: &RunRecord, time_s: f64) -> bool {
+    let recent = record.estimates.iter().rev().skip_while(|estimate| estimate.time_s > time_s + 0.5);
+    recent.take_while(|estimate| estimate.time_s > time_s - 1.0).any(|estimate| estimate.status == Status::Recovering)
+}

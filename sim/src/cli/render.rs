@@ -1,0 +1,134 @@
+//! `wherein render`: pictures of a robot that stands still.
+
+use std::{fs, path::Path, str::FromStr};
+
+use localizer::Pose;
+
+use super::{CommandError, RenderArguments, print};
+use crate::{
+    drawn::Drawn,
+    frames::{Column, contact_sheet, tone_mapped},
+    render::{RenderedWorld, Renderer},
+    scene::{Scene, SceneFile},
+    still::{CameraName, Still, take},
+};
+
+/// A place and a heading on the command line: `1.5,2,90`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct At {
+    x_m: f64,
+    y_m: f64,
+    heading_deg: f64,
+}
+
+/// The lights of a contact sheet on the command line: `lux=0.1,1,10`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lights {
+    lux: Vec<f64>,
+}
+
+impl FromStr for At {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[x_m, y_m, heading_deg]) if [x_m, y_m, heading_deg].iter().all(|number| number.is_finite()) => {
+                Ok(At { x_m, y_m, heading_deg })
+            }
+            _ => Err("expected x, y in metres and a heading in degrees, such as 1.5,2,90".to_owned()),
+        }
+    }
+}
+
+impl FromStr for Lights {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let lux = text.strip_prefix("lux=").and_then(|list| {
+            let numbers: Option<Vec<f64>> = list.split(',').map(|part| illuminance(part).ok()).collect();
+            numbers
+        });
+        lux.map(|lux| Lights { lux }).ok_or_else(|| {
+            "expected lux= and illuminances from 0 to 100000 lx, such as lux=0.1,1,10,100,1000".to_owned()
+        })
+    }
+}
+
+/// An illuminance at the floor on the command line.
+pub(super) fn illuminance(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.trim().parse().ok();
+    number
+        .filter(|lux| (0.0..=100_000.0).contains(lux))
+        .ok_or_else(|| "expected an illuminance at the floor from 0 to 100000 lx".to_owned())
+}
+
+/// Renders what was asked for and names the files.
+pub(super) fn render(arguments: &RenderArguments) -> Result<(), CommandError> {
+    let mut files = SceneFile::load_all(std::slice::from_ref(&arguments.scene))?;
+    if files.len() != 1 {
+        return Err(CommandError::SeveralScenes { path: arguments.scene.clone(), count: files.len() });
+    }
+    let file = files.remove(0);
+    let cameras = cameras(arguments.camera, &file)?;
+    let pose = pose(arguments.at, &file)?;
+    let drawn = Drawn::draw(&file.scene, arguments.seed);
+    let mut renderer = Renderer::new()?;
+    let world = renderer.upload_room(&file.scene, &drawn)?;
+    let folder = arguments.out.join(&file.name);
+    fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;
+    let mut take_in = |lux: Option<f64>| -> Result<Column, CommandError> {
+        let lux = lux.unwrap_or_else(|| stated_lux(&file.scene, &world));
+        let stills = take(&mut renderer, &world, &file.scene, &drawn, pose, lux, (cameras.as_slice(), arguments.seed))?;
+        Ok(Column { illuminance_at_floor_lux: lux, stills })
+    };
+    if let Some(lights) = &arguments.contact_sheet {
+        let columns: Vec<Column> = lights.lux.iter().map(|lux| take_in(Some(*lux))).collect::<Result<_, _>>()?;
+        let title = format!(
+            "{}   at {:.2} m, {:.2} m, {:.0}°   seed {}",
+            file.name,
+            pose.x_m,
+            pose.y_m,
+            pose.heading_rad.to_degrees(),
+            arguments.seed
+        );
+        let sheet = contact_sheet(&title, &columns);
+        return save(&folder.join("contact_sheet.png"), |path| sheet.save(path));
+    }
+    for Still { camera, image, .. } in take_in(arguments.lux)?.stills {
+        save(&folder.join(format!("{}.png", camera.as_str())), |path| image.save(path))?;
+        let toned = tone_mapped(&image);
+        save(&folder.join(format!("{}_tone_mapped.png", camera.as_str())), |path| toned.save(path))?;
+    }
+    Ok(())
+}
+
+/// What the scene's lamps give at the floor.
+fn stated_lux(scene: &Scene, world: &RenderedWorld) -> f64 {
+    world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
+}
+
+fn cameras(wanted: Option<CameraName>, file: &SceneFile) -> Result<Vec<CameraName>, CommandError> {
+    let fitted = CameraName::fitted(&file.scene);
+    match wanted {
+        None if fitted.is_empty() => Err(CommandError::NoCamera { scene: file.path.clone(), wanted: None }),
+        None => Ok(fitted),
+        Some(camera) if fitted.contains(&camera) => Ok(vec![camera]),
+        Some(camera) => Err(CommandError::NoCamera { scene: file.path.clone(), wanted: Some(camera.as_str()) }),
+    }
+}
+
+/// The pose asked for, which must be within the room, or the scene's start.
+fn pose(at: Option<At>, file: &SceneFile) -> Result<Pose, CommandError> {
+    let Some(at) = at else { return Ok(file.scene.nominal_start()) };
+    let room = &file.scene.room;
+    if !(0.0..=room.width_m).contains(&at.x_m) || !(0.0..=room.depth_m).contains(&at.y_m) {
+        return Err(CommandError::OutsideRoom { at_m: [at.x_m, at.y_m], room_m: [room.width_m, room.depth_m] });
+    }
+    Ok(Pose { x_m: at.x_m, y_m: at.y_m, heading_rad: at.heading_deg.to_radians() })
+}
+
+fn save(path: &Path, write: impl FnOnce(&Path) -> image::ImageResult<()>) -> Result<(), CommandError> {
+    write(path).map_err(|error| CommandError::Picture(path.to_owned(), std::io::Error::other(error)))?;
+    print(&format!("{}\n", path.display()))
+}

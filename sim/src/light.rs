@@ -1,0 +1,98 @@
+//! Light in a building: lamps, what of their light arrives where, and what bounces on from there.
+//!
+//! Everything here is double precision on the processor and free of graphics; the renderer reads the result from light maps.
+//!
+//! Unit: light is counted by its photons. An *equivalent* lumen, lux or candela of a band is that number of photons which a
+//! lumen, lux or candela of 555 nm has, so that one conversion to electrons serves all spectra and both bands.
+
+mod bounce;
+mod floor_field;
+mod lightmap;
+mod occlusion;
+mod source;
+mod spectrum;
+
+pub use bounce::{Bounce, opposite_rectangles_view_factor};
+pub use floor_field::FloorField;
+pub use lightmap::{LightMap, Patch, bake};
+pub use occlusion::Occluders;
+pub use source::{Shape, Source, polygon_irradiance};
+pub use spectrum::{EQUIVALENT_LUMENS_PER_WATT_850_NM, Photons};
+
+use nalgebra::{Point3, Vector3};
+
+use crate::{building::Building, scene::Scene};
+
+/// Lamps of a scene in its building, with what is in the way.
+#[derive(Clone, Debug)]
+pub struct Lighting {
+    /// Sources that do not move.
+    pub sources: Vec<Source>,
+    /// What casts shadows.
+    pub occluders: Occluders,
+    /// Light that arrives by way of walls, floor and ceiling, by room.
+    pub bounces: Vec<Bounce>,
+    /// Factor on everything, so that the scene's illuminance comes out.
+    pub dimming: f64,
+}
+
+/// Light that arrives somewhere: photometric, and by the photons of the visible and of the infrared band.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Illuminance {
+    /// As a luxmeter reads it.
+    pub lux: f64,
+    /// Equivalent lux in the visible and in the infrared band.
+    pub by_band: [f64; 2],
+}
+
+impl Illuminance {
+    /// `self + share·photons`, the light of a spectrum.
+    fn add(&mut self, lux: f64, photons: Photons) {
+        self.lux += lux;
+        self.by_band[0] += lux * photons.visible;
+        self.by_band[1] += lux * photons.infrared;
+    }
+
+    /// Sum with another one times a factor.
+    pub fn plus(self, factor: f64, other: Illuminance) -> Illuminance {
+        Illuminance {
+            lux: self.lux + factor * other.lux,
+            by_band: [0, 1].map(|band| self.by_band[band] + factor * other.by_band[band]),
+        }
+    }
+
+    /// All of it times a factor.
+    pub fn times(self, factor: f64) -> Illuminance {
+        Illuminance::default().plus(factor, self)
+    }
+}
+
+impl Lighting {
+    /// The scene's lamps, undimmed and without what bounces.
+    pub fn direct(scene: &Scene, building: &Building) -> Lighting {
+        Lighting {
+            sources: source::sources(scene, building),
+            occluders: Occluders::new(building),
+            bounces: Vec::new(),
+            dimming: 1.0,
+        }
+    }
+
+    /// Direct light at a point of a surface, shadows included; `samples` on each lamp along each of its sides.
+    pub fn direct_at(&self, at: Point3<f64>, normal: Vector3<f64>, samples: usize) -> Illuminance {
+        let mut sum = Illuminance::default();
+        for source in &self.sources {
+            let unshadowed = source.illuminance(at, normal);
+            if unshadowed > 0.0 {
+                sum.add(unshadowed * self.occluders.visible_share(source, at, normal, samples), source.photons);
+            }
+        }
+        sum.times(self.dimming)
+    }
+
+    /// All light at a point of a surface in a room; `samples` as in [`Lighting::direct_at`].
+    pub fn at(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize, samples: usize) -> Illuminance {
+        let direct = self.direct_at(at, normal, samples);
+        self.bounces.get(room).map_or(direct, |bounce| direct.plus(self.dimming, bounce.onto(normal)))
+    }
+}

@@ -1,0 +1,205 @@
+//! Panels, lamps and discs of a building in the form in which the device reads them.
+
+use std::ops::Range;
+
+use bytemuck::{Pod, Zeroable};
+use nalgebra::{Point3, Vector3};
+
+use super::pipelines::Kind;
+use crate::{
+    building::Building,
+    light::{Lighting, Patch, Shape},
+    scene::Pattern,
+};
+
+/// Faces are cut into cells no longer than this, within which a row of a rolling shutter is interpolated linearly.
+const CELL_M: f64 = 0.5;
+/// Albedo of a lamp's diffuser, as in lamp.wgsl.
+const DIFFUSER_ALBEDO: f64 = 0.7;
+/// Albedo of a retro-reflective dot in light that does not come from the camera.
+const DOT_ALBEDO: f32 = 0.3;
+
+/// `Surface` of world.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct SurfaceOnDevice {
+    corner: [f32; 4],
+    along: [f32; 4],
+    up: [f32; 4],
+    nodes: [f32; 4],
+    size: [f32; 4],
+}
+
+/// `Node` of surface.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct NodeOnDevice {
+    surface: u32,
+    share: [f32; 2],
+}
+
+/// `Lamp` of world.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct LampOnDevice {
+    centre: [f32; 4],
+    side_u: [f32; 4],
+    side_v: [f32; 4],
+    normal: [f32; 4],
+}
+
+/// `Disc` of disc.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct DiscOnDevice {
+    centre: [f32; 3],
+    radius_m: f32,
+    retroreflection: f32,
+    matt: f32,
+}
+
+/// `Grid` of world.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+pub(super) struct GridOnDevice {
+    turn: [f32; 2],
+    edge_m: [f32; 2],
+    phase_m: [f32; 2],
+    joint_width_m: f32,
+    joint_albedo: f32,
+    first: [i32; 2],
+    count: [i32; 2],
+    pattern_contrast: f32,
+    mean_albedo: f32,
+    padding: [u32; 2],
+}
+
+/// Panels with the albedo of one band.
+pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> Vec<SurfaceOnDevice> {
+    let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
+    let surface = |(panel, patch): (&crate::building::Panel, &Patch)| {
+        let [along_m, up_m] = panel.size_m();
+        SurfaceOnDevice {
+            corner: with(panel.corner.coords, panel.material.albedo[band]),
+            along: with(panel.along, panel.material.mirrored),
+            up: with(panel.up, panel.material.roughness_rad),
+            nodes: [patch.first[0], patch.first[1], patch.count[0] - 1, patch.count[1] - 1].map(|number| number as f32),
+            size: [along_m as f32, up_m as f32, panel.material.seed as f32, 0.0],
+        }
+    };
+    building.panels.iter().zip(patches).map(surface).collect()
+}
+
+/// All panels cut into cells.
+pub(super) struct Cells {
+    /// Corners.
+    pub(super) nodes: Vec<NodeOnDevice>,
+    /// Three nodes to a triangle.
+    pub(super) indices: Vec<u32>,
+    /// Which of the indices belong to each kind of surface.
+    pub(super) ranges: Vec<(Kind, Range<u32>)>,
+}
+
+/// Cuts the panels of a building into cells.
+pub(super) fn cells(building: &Building) -> Cells {
+    let (mut nodes, mut indices, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
+    let kind_of = |index: usize| Kind::of(&building.panels[index].material);
+    let mut order: Vec<usize> = (0..building.panels.len()).collect();
+    order.sort_by_key(|index| kind_of(*index));
+    for group in order.chunk_by(|one, other| kind_of(*one) == kind_of(*other)) {
+        let start = indices.len() as u32;
+        for &surface in group {
+            let [columns, rows] =
+                building.panels[surface].size_m().map(|side_m| (side_m / CELL_M).ceil().max(1.0) as u32);
+            let first = nodes.len() as u32;
+            for (j, i) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (j, i))) {
+                let share = [i as f32 / columns as f32, j as f32 / rows as f32];
+                nodes.push(NodeOnDevice { surface: surface as u32, share });
+            }
+            for (j, i) in (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i))) {
+                let at = |i: u32, j: u32| first + j * (columns + 1) + i;
+                indices.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+        ranges.push((kind_of(group[0]), start..indices.len() as u32));
+    }
+    Cells { nodes, indices, ranges }
+}
+
+/// Lamps with their luminance in one band, rectangles first; to their own light comes what the room throws on them.
+pub(super) fn lamps(building: &Building, lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
+    let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
+    let lamp = |source: &crate::light::Source| {
+        let own = source.luminance() * [source.photons.visible, source.photons.infrared][band];
+        let thrown = source.shape.normal().map_or(0.0, |normal| {
+            let at = source.shape.place(0.0, 0.0) + normal * 0.01;
+            let light = lighting.at(at, normal, building.room_at(at), 4).by_band[band];
+            DIFFUSER_ALBEDO * light / lighting.dimming.max(1e-30) / std::f64::consts::PI
+        });
+        let luminance = own + thrown;
+        match source.shape {
+            Shape::Rectangle { centre, half_u, half_v } => LampOnDevice {
+                centre: with(centre.coords, luminance),
+                side_u: with(half_u.normalize(), half_u.norm()),
+                side_v: with(half_v.normalize(), half_v.norm()),
+                normal: with(half_u.cross(&half_v).normalize(), 0.0),
+            },
+            Shape::Point { at, radius_m } => LampOnDevice {
+                centre: with(at.coords, luminance),
+                side_u: [0.0; 4],
+                side_v: [0.0; 4],
+                normal: with(Vector3::zeros(), radius_m),
+            },
+        }
+    };
+    let rectangles_first =
+        |bulbs: bool| lighting.sources.iter().filter(move |source| source.shape.normal().is_none() == bulbs);
+    rectangles_first(false).chain(rectangles_first(true)).map(lamp).collect()
+}
+
+/// Retro-reflective dots, lit as their place is, and bulbs.
+pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Vec<DiscOnDevice> {
+    let single = |at: Point3<f64>| [at.x as f32, at.y as f32, at.z as f32];
+    let dots = building.dots.iter().map(|dot| {
+        let room = building.room_at(dot.centre);
+        let light = lighting.at(dot.centre, -Vector3::z(), room, 4).by_band[band];
+        DiscOnDevice {
+            centre: single(dot.centre),
+            radius_m: dot.radius_m as f32,
+            // A dot that does not shine back at all would be taken for a bulb.
+            retroreflection: (dot.retroreflection_cd_per_lux_m2 as f32).max(1e-6),
+            matt: light as f32 / lighting.dimming.max(1e-30) as f32 * DOT_ALBEDO,
+        }
+    });
+    let bulbs = lighting.sources.iter().filter_map(|source| match source.shape {
+        Shape::Point { at, radius_m } => Some(DiscOnDevice {
+            centre: single(at),
+            radius_m: radius_m as f32,
+            retroreflection: 0.0,
+            matt: (source.luminance() * [source.photons.visible, source.photons.infrared][band]) as f32,
+        }),
+        Shape::Rectangle { .. } => None,
+    });
+    dots.chain(bulbs).collect()
+}
+
+/// The tiles' grid and the albedo of each; edges of 0 when there are none.
+pub(super) fn grid(building: &Building) -> (GridOnDevice, Vec<f32>) {
+    let Some((tiles, laid)) = &building.tiles else { return (GridOnDevice::zeroed(), vec![1.0]) };
+    let (sin, cos) = tiles.rotation_deg.to_radians().sin_cos();
+    let plain = matches!(tiles.pattern, Pattern::Plain);
+    let grid = GridOnDevice {
+        turn: [cos as f32, sin as f32],
+        edge_m: [tiles.edge_x_m as f32, tiles.edge_y_m as f32],
+        phase_m: [tiles.phase_x_m as f32, tiles.phase_y_m as f32],
+        joint_width_m: tiles.joint_width_m as f32,
+        joint_albedo: tiles.joint_albedo as f32,
+        first: laid.first,
+        count: laid.count.map(|count| count as i32),
+        pattern_contrast: if plain { 0.0 } else { tiles.pattern_contrast as f32 },
+        // Textures are factors on their surface's mean albedo; black tiles stay black by that.
+        mean_albedo: tiles.tile_albedo.max(1e-3) as f32,
+        padding: [0; 2],
+    };
+    (grid, laid.tile_albedo.clone())
+}

@@ -1,0 +1,152 @@
+//! A building on the device: faces, lamps, light maps, once per scene and seed.
+
+use std::ops::Range;
+
+use bytemuck::Pod;
+
+use super::{
+    faces::{self, Cells},
+    pipelines::{Kind, Pipelines},
+};
+use crate::{
+    building::Building,
+    drawn::Drawn,
+    light::{FloorField, LightMap, Lighting, bake},
+    render::device::Graphics,
+    scene::Scene,
+};
+
+/// Everything of a building that stands still.
+#[derive(Debug)]
+pub(in crate::render) struct RoomWorld {
+    pub(super) building: Building,
+    pub(super) lighting: Lighting,
+    map: LightMap,
+    pub(super) nodes: wgpu::Buffer,
+    pub(super) indices: wgpu::Buffer,
+    pub(super) ranges: Vec<(Kind, Range<u32>)>,
+    /// Rectangles come before bulbs.
+    pub(super) first_bulb: u32,
+    pub(super) lamp_count: u32,
+    pub(super) mirrored_count: u32,
+    pub(super) disc_count: u32,
+    /// Visible and infrared.
+    bindings: [wgpu::BindGroup; 2],
+    discs: [wgpu::Buffer; 2],
+}
+
+impl RoomWorld {
+    pub(super) fn new(graphics: &Graphics, pipelines: &Pipelines, scene: &Scene, drawn: &Drawn) -> RoomWorld {
+        let building = Building::new(scene, drawn);
+        let (lighting, map) = bake(scene, &building);
+        let Cells { nodes, indices, ranges } = faces::cells(&building);
+        let discs = [0, 1].map(|band| faces::discs(&building, &lighting, band));
+        let bindings = [0, 1].map(|band| bind(graphics, pipelines, &building, &lighting, &map, band));
+        RoomWorld {
+            nodes: buffer(graphics, "nodes", wgpu::BufferUsages::VERTEX, &nodes),
+            indices: buffer(graphics, "indices", wgpu::BufferUsages::INDEX, &indices),
+            ranges,
+            first_bulb: lighting.sources.iter().filter(|source| source.shape.normal().is_some()).count() as u32,
+            lamp_count: lighting.sources.len() as u32,
+            mirrored_count: building.n_large_panels as u32,
+            disc_count: discs[0].len() as u32,
+            bindings,
+            discs: discs.map(|discs| buffer(graphics, "discs", wgpu::BufferUsages::VERTEX, &discs)),
+            building,
+            lighting,
+            map,
+        }
+    }
+
+    pub(super) fn kinds(&self) -> impl Iterator<Item = Kind> {
+        self.ranges.iter().map(|(kind, _)| *kind)
+    }
+
+    pub(super) fn bindings(&self, band: usize) -> &wgpu::BindGroup {
+        &self.bindings[band]
+    }
+
+    pub(super) fn discs(&self, band: usize) -> &wgpu::Buffer {
+        &self.discs[band]
+    }
+
+    /// Light over the floor of the robot's room.
+    pub(in crate::render) fn floor_field(&self) -> Option<FloorField> {
+        FloorField::new(&self.building, &self.map)
+    }
+
+    /// As the scene's lamps give it.
+    pub(in crate::render) fn mean_at_floor_lux(&self) -> f64 {
+        self.map.mean_at_floor.lux * self.lighting.dimming
+    }
+}
+
+fn bind(
+    graphics: &Graphics,
+    pipelines: &Pipelines,
+    building: &Building,
+    lighting: &Lighting,
+    map: &LightMap,
+    band: usize,
+) -> wgpu::BindGroup {
+    let storage = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::STORAGE, bytes);
+    let surfaces = storage("surfaces", bytemuck::cast_slice(&faces::surfaces(building, &map.patches, band)));
+    let lamps = storage("lamps", bytemuck::cast_slice(&faces::lamps(building, lighting, band)));
+    let (grid, albedo) = faces::grid(building);
+    let grid = storage("grid", bytemuck::bytes_of(&grid));
+    let albedo = storage("tiles", bytemuck::cast_slice(&albedo));
+    let light = light_texture(graphics, map, band);
+    graphics.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("room world"),
+        layout: &pipelines.world_layout,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: surfaces.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: lamps.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 2, resource: grid.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 3, resource: albedo.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::TextureView(&light) },
+        ],
+    })
+}
+
+/// One band of the light map.
+fn light_texture(graphics: &Graphics, map: &LightMap, band: usize) -> wgpu::TextureView {
+    let [width, height] = map.size.map(|count| count as u32);
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = graphics.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("light map"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let nodes: Vec<f32> = map.nodes.iter().map(|bands| bands[band]).collect();
+    graphics.queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&nodes),
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
+        size,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// A buffer that holds `content`, or a few bytes where there is none.
+pub(super) fn buffer<T: Pod>(
+    graphics: &Graphics,
+    label: &str,
+    usage: wgpu::BufferUsages,
+    content: &[T],
+) -> wgpu::Buffer {
+    let bytes: &[u8] = bytemuck::cast_slice(content);
+    let buffer = graphics.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: (bytes.len() as u64).next_multiple_of(4).max(256),
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    graphics.queue.write_buffer(&buffer, 0, bytes);
+    buffer
+}

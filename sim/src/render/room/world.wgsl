@@ -1,0 +1,57 @@
+// What every pass over a room knows of the world.
+
+struct Surface {
+    // First corner, and albedo.
+    corner: vec4<f32>,
+    // Side to the second corner, and mirrored share.
+    along: vec4<f32>,
+    // Side to the last corner, and roughness (rad).
+    up: vec4<f32>,
+    // In the light map: column and row of the first node, and how many further to the last.
+    nodes: vec4<f32>,
+    // Lengths of both sides, and the seed of the texture.
+    size: vec4<f32>,
+}
+
+struct Lamp {
+    // Middle, and luminance.
+    centre: vec4<f32>,
+    // Unit vectors along both sides, each with half of its side's length; of a bulb 0.
+    side_u: vec4<f32>,
+    side_v: vec4<f32>,
+    // Where a rectangle shines to, and 0; or the radius of a bulb.
+    normal: vec4<f32>,
+}
+
+struct Grid {
+    // From world to grid: cosine and sine; then edges.
+    turn: vec2<f32>,
+    edge_m: vec2<f32>,
+    phase_m: vec2<f32>,
+    joint_width_m: f32,
+    joint_albedo: f32,
+    // Of the array of albedos.
+    first: vec2<i32>,
+    count: vec2<i32>,
+    pattern_contrast: f32,
+    mean_albedo: f32,
+    padding_a: u32,
+    padding_b: u32,
+}
+
+@group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
+@group(1) @binding(1) var<storage, read> lamps: array<Lamp>;
+@group(1) @binding(2) var<storage, read> grid: Grid;
+@group(1) @binding(3) var<storage, read> tile_albedo: array<f32>;
+@group(1) @binding(4) var light_map: texture_2d<f32>;
+// Equivalent lux of the map between its nodes, linear in both directions.
+fn mapped_lux(place: vec2<f32>) -> f32 {
+    let cell = floor(place);
+    let f = place - cell;
+    let at = vec2<i32>(cell);
+    let limit = vec2<i32>(textureDimensions(light_map)) - 1;
+    let next = min(at + 1, limit);
+    let low = mix(textureLoad(light_map, at, 0).x, textureLoad(light_map, vec2(next.x, at.y), 0).x, f.x);
+    let high = mix(textureLoad(light_map, vec2(at.x, next.y), 0).x, textureLoad(light_map, next, 0).x, f.x);
+    return mix(low, high, f.y);
+}

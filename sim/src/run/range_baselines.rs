@@ -1,0 +1,171 @@
+//! Beside `range_landmarks`: the same readings given to point methods, and the same problems to every solver.
+
+use std::{collections::BTreeMap, time::Instant};
+
+use localizer::{
+    Claim, Interval, IntervalBox, Pose, PoseBox,
+    baselines::{SOLVERS, closest_points, least_squares, printed_table_iv, solve},
+    contractor,
+    localizer::Account,
+    reading::LandmarkId,
+};
+
+/// Problems are put to the solvers at every so many readings of a drive; set inversion would take most of its time otherwise.
+const EVERY: usize = 10;
+
+/// How much wider than the answer a solver's prior is, to each side: as after a kidnapping to the next room's corner.
+const PRIOR_M: f64 = 0.5;
+/// See `PRIOR_M`.
+const PRIOR_RAD: f64 = 0.5;
+
+/// What point methods and solvers made of a run.
+#[derive(Clone, Debug, Default)]
+pub struct RangeBaselines {
+    /// Pose by least squares with correspondences, at each step; empty when nothing was measured.
+    pub svd: Vec<Pose>,
+    /// Pose by iterative closest point without correspondences, at each step.
+    pub icp: Vec<Pose>,
+    /// Each solver's answers, by its name; and the printed Table IV's.
+    pub solvers: BTreeMap<&'static str, Answers>,
+    n_readings: usize,
+    with_codes: PointMap,
+    without_codes: PointMap,
+    boxes: BTreeMap<LandmarkId, [Interval; 2]>,
+}
+
+/// Answers of one solver.
+#[derive(Clone, Debug, Default)]
+pub struct Answers {
+    /// Problems put to it.
+    pub problems: usize,
+    /// Answers with the truth in one of their boxes.
+    pub contained: usize,
+    /// Hulls of the answers, empty ones left out.
+    pub hulls: Vec<PoseBox>,
+    /// Wall-clock time spent.
+    pub spent_s: f64,
+}
+
+/// A point map and the pose against it, carried on by odometry.
+#[derive(Clone, Debug, Default)]
+struct PointMap {
+    places: BTreeMap<LandmarkId, [f64; 2]>,
+    /// Pose at the last reading, and what odometry said then.
+    fixed: Option<[Pose; 2]>,
+}
+
+impl RangeBaselines {
+    /// Takes note of a reading: `odometry` at its stamp, and where the robot truly was.
+    pub(super) fn observe(&mut self, account: &Account, start: Pose, odometry: Pose, truth: Pose, every_one: bool) {
+        let seen: Vec<(LandmarkId, [Interval; 2])> = account
+            .claims
+            .iter()
+            .filter_map(|claim| match claim {
+                Claim::Landmark { landmark, in_robot_m } => Some((*landmark, *in_robot_m)),
+                Claim::FloorJoint { .. } | Claim::Marker { .. } => None,
+            })
+            .collect();
+        self.with_codes.fix(&seen, start, odometry, |map, points, _| {
+            let pairs = points.iter().filter_map(|(code, b)| Some((*map.get(code)?, *b))).collect::<Vec<_>>();
+            least_squares(&pairs)
+        });
+        self.without_codes.fix(&seen, start, odometry, |map, points, guess| {
+            let places: Vec<[f64; 2]> = map.values().copied().collect();
+            let view: Vec<[f64; 2]> = points.iter().map(|(_, b)| *b).collect();
+            (places.len() >= 2).then(|| closest_points(&places, &view, guess))
+        });
+        if account.q_items == 0 && (every_one || self.n_readings.is_multiple_of(EVERY)) {
+            self.put_to_solvers(&seen, &account.posterior.hull(), truth);
+        }
+        self.n_readings += 1;
+        self.boxes = account.landmarks.iter().copied().collect();
+    }
+
+    /// The robot was put elsewhere: the maps stay, the poses do not.
+    pub(super) fn restart(&mut self) {
+        self.with_codes.fixed = None;
+        self.without_codes.fixed = None;
+    }
+
+    /// Takes note of a step.
+    pub(super) fn step(&mut self, odometry: Pose) {
+        if self.n_readings > 0 {
+            self.svd.push(self.with_codes.pose(odometry));
+            self.icp.push(self.without_codes.pose(odometry));
+        }
+    }
+
+    fn put_to_solvers(&mut self, seen: &[(LandmarkId, [Interval; 2])], posterior: &PoseBox, truth: Pose) {
+        let pairs: Vec<contractor::Landmark> =
+            seen.iter().filter_map(|(code, b)| Some((*self.boxes.get(code)?, *b))).collect();
+        if pairs.len() < 2 || posterior.is_empty() {
+            return;
+        }
+        let prior = IntervalBox::from([
+            posterior[0].inflate(PRIOR_M),
+            posterior[1].inflate(PRIOR_M),
+            posterior[2].inflate(PRIOR_RAD),
+        ]);
+        for (name, solver) in SOLVERS {
+            self.solvers.entry(name).or_default().note(truth, || solve(solver, &pairs, &prior));
+        }
+        let printed = self.solvers.entry("table_iv_printed").or_default();
+        printed.note(truth, || vec![printed_table_iv(&pairs, &prior)]);
+    }
+}
+
+impl Answers {
+    fn note(&mut self, truth: Pose, work: impl FnOnce() -> Vec<PoseBox>) {
+        let began = Instant::now();
+        let boxes = work();
+        self.spent_s += began.elapsed().as_secs_f64();
+        self.problems += 1;
+        self.contained += usize::from(boxes.iter().any(|one| one.contains(&truth.to_array())));
+        let hull = localizer::paving::hull(&boxes);
+        if !hull.is_empty() {
+            self.hulls.push(hull);
+        }
+    }
+}
+
+impl PointMap {
+    /// Solves the pose against the map and puts landmarks that are new on it.
+    fn fix(
+        &mut self,
+        seen: &[(LandmarkId, [Interval; 2])],
+        start: Pose,
+        odometry: Pose,
+        solved: impl FnOnce(&BTreeMap<LandmarkId, [f64; 2]>, &[(LandmarkId, [f64; 2])], Pose) -> Option<Pose>,
+    ) {
+        let points: Vec<(LandmarkId, [f64; 2])> =
+            seen.iter().map(|(code, b)| (*code, [b[0].mid(), b[1].mid()])).collect();
+        let guess = if self.fixed.is_some() { self.pose(odometry) } else { start };
+        let pose = match solved(&self.places, &points, guess) {
+            // The turn nearest to odometry: headings are on the real line.
+            Some(pose) => Pose { heading_rad: unwrapped(pose.heading_rad, odometry.heading_rad), ..pose },
+            None => guess,
+        };
+        for (code, b) in points {
+            self.places.entry(code).or_insert_with(|| place(pose, b));
+        }
+        self.fixed = Some([pose, odometry]);
+    }
+
+    /// The pose when odometry says `odometry`.
+    fn pose(&self, odometry: Pose) -> Pose {
+        let Some([pose, then]) = self.fixed else { return odometry };
+        let (sin, cos) = then.heading_rad.sin_cos();
+        let (x_m, y_m) = (odometry.x_m - then.x_m, odometry.y_m - then.y_m);
+        let [x_m, y_m] = place(pose, [cos * x_m + sin * y_m, cos * y_m - sin * x_m]);
+        Pose { x_m, y_m, heading_rad: pose.heading_rad + odometry.heading_rad - then.heading_rad }
+    }
+}
+
+fn place(pose: Pose, [forward_m, left_m]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = pose.heading_rad.sin_cos();
+    [pose.x_m + cos * forward_m - sin * left_m, pose.y_m + sin * forward_m + cos * left_m]
+}
+
+fn unwrapped(angle_rad: f64, near_rad: f64) -> f64 {
+    angle_rad - ((angle_rad - near_rad) / std::f64::consts::TAU).round() * std::f64::consts::TAU
+}

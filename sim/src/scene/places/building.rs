@@ -1,0 +1,90 @@
+//! Lamps, doors and lenses that cannot be.
+
+use crate::{
+    scene::{Lamp, LampKind, LensKeys, Scene, parse::Contradiction},
+    sensors::lens::Lens,
+};
+
+/// How far outside of the robot's room a lamp or a door may be when there are further rooms.
+const SITE_M: f64 = 200.0;
+
+/// Everything about building and cameras in which `scene` contradicts itself.
+pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
+    for (index, lamp) in scene.lamps.iter().enumerate() {
+        found.extend(
+            lamp_problem(scene, lamp)
+                .map(|(key, expected)| Contradiction { key: format!("lamp[{index}].{key}"), expected }),
+        );
+    }
+    for (index, door) in scene.building.doors.iter().enumerate() {
+        if door.from_m == door.to_m {
+            let expected = "expected another place than `from_m`, as a door has a width".to_owned();
+            found.push(Contradiction { key: format!("building.door[{index}].to_m"), expected });
+        }
+        if door.height_m >= scene.building.ceiling_height_m {
+            let expected = format!("expected less than the ceiling's height, {} m", scene.building.ceiling_height_m);
+            found.push(Contradiction { key: format!("building.door[{index}].height_m"), expected });
+        }
+    }
+    for (index, picture) in scene.building.pictures.iter().enumerate() {
+        if picture.from_m == picture.to_m {
+            let expected = "expected another place than `from_m`, as a picture has a width".to_owned();
+            found.push(Contradiction { key: format!("building.picture[{index}].to_m"), expected });
+        }
+    }
+    if scene.light.illuminance_at_camera_lux.is_some() && scene.robot.forward_camera.is_none() {
+        let expected = "stands without `[robot.forward_camera]`, at whose lens it is measured".to_owned();
+        found.push(Contradiction { key: "light.illuminance_at_camera_lux".to_owned(), expected });
+    }
+    lenses(scene, found);
+}
+
+fn lamp_problem(scene: &Scene, lamp: &Lamp) -> Option<(&'static str, String)> {
+    let ceiling_m = scene.building.ceiling_height_m;
+    if lamp.lumens.is_some() && lamp.illuminance_at_floor_lux.is_some() {
+        return Some(("illuminance_at_floor_lux", "stands beside `lumens`, expected one of the two".to_owned()));
+    }
+    if lamp.height_m.is_some_and(|height_m| height_m >= ceiling_m) {
+        return Some(("height_m", format!("expected less than the ceiling's height, {ceiling_m} m")));
+    }
+    let (middle_m, [_, height_m]) = (lamp.height_m.unwrap_or(1.5), lamp.size_m.unwrap_or([1.4, 1.2]));
+    if lamp.kind == LampKind::Window && (middle_m + height_m / 2.0 > ceiling_m || middle_m < height_m / 2.0) {
+        return Some(("size_m", format!("the window reaches beyond its wall, which ends at 0 and {ceiling_m} m")));
+    }
+    let room_m = [scene.room.width_m, scene.room.depth_m];
+    let least_m = if scene.building.rooms.is_empty() { 0.0 } else { -SITE_M };
+    for (key, at_m, extent_m) in [("x_m", lamp.x_m, room_m[0]), ("y_m", lamp.y_m, room_m[1])] {
+        if at_m < least_m || at_m > extent_m - least_m {
+            return Some((
+                key,
+                format!("outside the building, expected a number from {} to {}", least_m, extent_m - least_m),
+            ));
+        }
+    }
+    None
+}
+
+/// A distortion that folds the image over is found at its corners and edges first.
+fn lenses(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let robot = &scene.robot;
+    let forward = robot.forward_camera.as_ref().map(|camera| {
+        let focal_px = crate::sensors::lens::forward_focal_px(camera);
+        ("robot.forward_camera", Lens::ideal([camera.width_px, camera.height_px], focal_px), &camera.lens)
+    });
+    let ceiling = robot.ceiling_camera.as_ref().map(|camera| {
+        let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
+        let lens = Lens { focal_px: camera.focal_px, principal_point_px: camera.principal_point_px, ..ideal };
+        ("robot.ceiling_camera", lens, &camera.lens)
+    });
+    for (key, lens, LensKeys { distortion, .. }) in forward.into_iter().chain(ceiling) {
+        let lens = Lens { distortion: *distortion, ..lens };
+        let [width, height] = lens.size_px.map(|size| f64::from(size) - 1.0);
+        let places = [0.0, 0.25, 0.5, 0.75, 1.0];
+        let folds = places.iter().any(|s| places.iter().any(|t| lens.ray([s * width, t * height]).is_none()));
+        if folds {
+            let expected =
+                "folds the image over within its edges, expected a distortion that grows outwards".to_owned();
+            found.push(Contradiction { key: format!("{key}.lens.distortion"), expected });
+        }
+    }
+}

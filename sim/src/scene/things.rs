@@ -1,0 +1,100 @@
+//! What stands and walks in the room: furniture, people, coded landmarks.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// An upright box on the floor: a cupboard, a table with a cloth, a partition wall. Robots and rays stop at it.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Furniture {
+    /// What it is, for messages and maps.
+    #[serde(default)]
+    pub name: String,
+    /// World x of its middle.
+    pub x_m: f64,
+    /// World y of its middle.
+    pub y_m: f64,
+    /// Length and width.
+    #[schemars(inner(range(min = 0.01, max = 100.0)))]
+    pub size_m: [f64; 2],
+    /// Height.
+    #[serde(default = "default_furniture_height_m")]
+    #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0.0))]
+    pub height_m: f64,
+    /// Direction of its length from world x, counter-clockwise. Any angle.
+    #[serde(default)]
+    pub rotation_deg: f64,
+    /// Share of the light that it throws back, as a matt surface.
+    #[serde(default = "default_furniture_albedo")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub albedo: f64,
+}
+
+/// Somebody who walks to and fro along a polyline and stands still while the robot is in the way.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Person {
+    /// Places to walk to, one after the other and back again.
+    #[schemars(length(min = 1))]
+    pub waypoints_m: Vec<[f64; 2]>,
+    /// Walking speed.
+    #[serde(default = "default_walking_speed")]
+    #[schemars(range(min = 0.0, max = 3.0))]
+    pub speed_m_per_s: f64,
+    /// Radius of the upright cylinder that stands for the body.
+    #[serde(default = "default_person_radius_m")]
+    #[schemars(range(min = 0.05, max = 1.0))]
+    pub radius_m: f64,
+    /// Height.
+    #[serde(default = "default_person_height_m")]
+    #[schemars(range(min = 0.2, max = 2.5))]
+    pub height_m: f64,
+}
+
+/// A coded landmark. The localizer is not told where it is.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Landmark {
+    /// World x.
+    pub x_m: f64,
+    /// World y.
+    pub y_m: f64,
+    /// Height above the floor.
+    #[serde(default = "default_landmark_height_m")]
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub height_m: f64,
+}
+
+impl Furniture {
+    /// Distance of a place from the box's footprint; 0 inside.
+    pub fn distance_m(&self, place_m: [f64; 2]) -> f64 {
+        let (sin, cos) = self.rotation_deg.to_radians().sin_cos();
+        let (x_m, y_m) = (place_m[0] - self.x_m, place_m[1] - self.y_m);
+        let beyond = |along_m: f64, extent_m: f64| (along_m.abs() - 0.5 * extent_m).max(0.0);
+        beyond(cos * x_m + sin * y_m, self.size_m[0]).hypot(beyond(cos * y_m - sin * x_m, self.size_m[1]))
+    }
+}
+
+fn default_furniture_height_m() -> f64 {
+    0.75
+}
+
+fn default_furniture_albedo() -> f64 {
+    0.4
+}
+
+fn default_walking_speed() -> f64 {
+    0.8
+}
+
+fn default_person_radius_m() -> f64 {
+    0.25
+}
+
+fn default_person_height_m() -> f64 {
+    1.7
+}
+
+fn default_landmark_height_m() -> f64 {
+    0.5
+}

@@ -1,0 +1,63 @@
+//! The gyroscope: turn of the body since the last reading, read through scale, bias and noise.
+
+use localizer::Reading;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+
+use crate::{
+    drawn::{Drawn, DrawnGyro},
+    randomness,
+    scene::{Gyro, Scene},
+    truth::Truth,
+};
+
+use super::Observation;
+
+/// A gyroscope that averages over each period.
+pub struct GyroSensor {
+    gyro: Gyro,
+    calibration: DrawnGyro,
+    noise: ChaCha8Rng,
+    n_readings: u64,
+    before: Option<Truth>,
+}
+
+impl GyroSensor {
+    /// The scene's gyroscope, or `None` if the robot has none.
+    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
+        let (gyro, calibration) = (scene.robot.gyro.clone()?, drawn.gyro?);
+        Some(GyroSensor {
+            gyro,
+            calibration,
+            noise: randomness::stream(seed, "gyro.noise"),
+            n_readings: 0,
+            before: None,
+        })
+    }
+
+    /// Looks at one physics step; answers with a reading at the end of each period.
+    pub fn observe(&mut self, truth: &Truth) -> Option<Observation> {
+        if truth.time_s + 0.0005 < self.n_readings as f64 * self.gyro.period_s {
+            return None;
+        }
+        self.n_readings += 1;
+        let before = self.before.replace(*truth)?;
+        let turned_rad = truth.pose.heading_rad - before.pose.heading_rad;
+        let true_rad_per_s = turned_rad / (truth.time_s - before.time_s);
+        let gyro_noise_rad_per_s = self.draw_noise_rad_per_s();
+        let rate_rad_per_s =
+            self.calibration.scale * true_rad_per_s + self.calibration.bias_rad_per_s + gyro_noise_rad_per_s;
+        let reading = Reading::Gyro { measured_s: truth.time_s, arrived_s: truth.time_s, rate_rad_per_s };
+        Some(Observation { gyro_noise_rad_per_s, ..Observation::new(reading, *truth) })
+    }
+
+    /// Normal with a third of the bound as standard deviation, drawn again when beyond the bound.
+    fn draw_noise_rad_per_s(&mut self) -> f64 {
+        loop {
+            let deviations: f64 = StandardNormal.sample(&mut self.noise);
+            if deviations.abs() <= 3.0 {
+                return self.gyro.noise_deg_per_s.to_radians() * deviations / 3.0;
+            }
+        }
+    }
+}

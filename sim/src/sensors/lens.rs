@@ -1,0 +1,182 @@
+//! Lenses of cameras that look ahead or up: projection with distortion, and where such a camera truly is.
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
+
+use super::camera::{Intrinsics, world_from_body};
+use crate::{
+    drawn::DrawnCamera,
+    light::EQUIVALENT_LUMENS_PER_WATT_850_NM,
+    scene::{Band, CeilingCamera, ForwardCamera, LensKeys},
+    truth::Truth,
+};
+
+/// A lens before a sensor: how it projects and what else it does to the light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lens {
+    /// Image width and height.
+    pub size_px: [u32; 2],
+    /// Focal lengths along u and v.
+    pub focal_px: [f64; 2],
+    /// Where the optical axis meets the image.
+    pub principal_point_px: [f64; 2],
+    /// Brown and Conrady's k1, k2, p1, p2, k3.
+    pub distortion: [f64; 5],
+    /// Whether light falls off by the fourth power of the cosine.
+    pub vignetting: bool,
+    /// Diameter of the disc into which a point is blurred.
+    pub defocus_px: f64,
+    /// From the start of one row's exposure to that of the next.
+    pub row_time_s: f64,
+    /// What passes the filter.
+    pub band: Band,
+    /// Intensity of a ring of diodes around the lens, in equivalent candela of the infrared band.
+    pub ring_candela: f64,
+}
+
+impl Lens {
+    /// An ideal lens of one focal length before the middle of the image, without vignetting.
+    pub fn ideal(size_px: [u32; 2], focal_px: f64) -> Lens {
+        Lens {
+            size_px,
+            focal_px: [focal_px; 2],
+            principal_point_px: size_px.map(|size| (f64::from(size) - 1.0) / 2.0),
+            distortion: [0.0; 5],
+            vignetting: false,
+            defocus_px: 0.0,
+            row_time_s: 0.0,
+            band: Band::Visible,
+            ring_candela: 0.0,
+        }
+    }
+
+    /// The forward camera's, as drawn.
+    pub fn forward(camera: &ForwardCamera, drawn: &DrawnCamera) -> Lens {
+        let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
+        Lens { band: camera.band, ..ideal.with(&camera.lens, drawn) }
+    }
+
+    /// The ceiling camera's, as drawn.
+    pub fn ceiling(camera: &CeilingCamera, drawn: &DrawnCamera) -> Lens {
+        let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
+        let ring_candela = if camera.band == Band::Infrared {
+            camera.ring_intensity_w_per_sr * EQUIVALENT_LUMENS_PER_WATT_850_NM
+        } else {
+            0.0
+        };
+        Lens { band: camera.band, ring_candela, ..ideal.with(&camera.lens, drawn) }
+    }
+
+    fn with(self, keys: &LensKeys, drawn: &DrawnCamera) -> Lens {
+        Lens {
+            focal_px: drawn.focal_px,
+            principal_point_px: drawn.principal_point_px,
+            distortion: keys.distortion,
+            vignetting: keys.vignetting,
+            defocus_px: keys.defocus_px,
+            row_time_s: keys.row_time_s,
+            ..self
+        }
+    }
+
+    /// The same image size without a lens, for the sensor's part of a view.
+    pub fn intrinsics(&self) -> Intrinsics {
+        Intrinsics { size_px: self.size_px, focal_px: self.focal_px[0], principal_point_px: self.principal_point_px }
+    }
+
+    /// Time from the start of the first row's exposure to that of the last.
+    pub fn readout_s(&self) -> f64 {
+        self.row_time_s * f64::from(self.size_px[1] - 1)
+    }
+
+    /// Whether the lens bends what a pinhole would show.
+    pub fn bends(&self) -> bool {
+        self.distortion != [0.0; 5]
+    }
+
+    /// Image of a point of the plane at depth 1 (Brown 1966, in OpenCV's terms):
+    /// x' = x·(1 + k1·r² + k2·r⁴ + k3·r⁶) + 2·p1·x·y + p2·(r² + 2x²), and y' likewise with p1 and p2 exchanged.
+    pub fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [k1, k2, p1, p2, k3] = self.distortion;
+        let r2 = x * x + y * y;
+        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+        let bent = [
+            x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+        ];
+        [0, 1].map(|axis| self.focal_px[axis] * bent[axis] + self.principal_point_px[axis])
+    }
+
+    /// The point of the plane at depth 1 that a pixel shows, by Newton's method; `None` where the polynomial folds back.
+    pub fn ray(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
+        let pinhole = [0, 1].map(|axis| (pixel[axis] - self.principal_point_px[axis]) / self.focal_px[axis]);
+        let mut at = pinhole;
+        for _ in 0..30 {
+            let seen = self.pixel(at);
+            let off = [seen[0] - pixel[0], seen[1] - pixel[1]];
+            if off[0].hypot(off[1]) < 1e-7 {
+                return Some(at);
+            }
+            let [[a, b], [c, d]] = self.slope(at);
+            let determinant = a * d - b * c;
+            if determinant <= 0.0 {
+                return None;
+            }
+            at = [at[0] - (d * off[0] - b * off[1]) / determinant, at[1] - (a * off[1] - c * off[0]) / determinant];
+        }
+        None
+    }
+
+    /// ∂pixel/∂point, row by row.
+    fn slope(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+        let [k1, k2, p1, p2, k3] = self.distortion;
+        let r2 = x * x + y * y;
+        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+        let growth = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
+        let mixed = x * y * growth + 2.0 * p1 * x + 2.0 * p2 * y;
+        let [fu, fv] = self.focal_px;
+        [
+            [fu * (radial + x * x * growth + 2.0 * p1 * y + 6.0 * p2 * x), fu * mixed],
+            [fv * mixed, fv * (radial + y * y * growth + 6.0 * p1 * y + 2.0 * p2 * x)],
+        ]
+    }
+}
+
+/// Pose of a camera as it is truly mounted on the body's true posture.
+pub fn world_from_camera(truth: &Truth, drawn: &DrawnCamera) -> Isometry3<f64> {
+    world_from_body(truth) * drawn.body_from_camera
+}
+
+/// Nominal pose of the forward camera: image right is robot right (−y), image down is robot down, tilted up about the image's u axis.
+pub(crate) fn body_from_forward_camera(camera: &ForwardCamera) -> Isometry3<f64> {
+    // Columns are the camera's axes in the body's frame.
+    let level = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera.yaw_deg.to_radians());
+    let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), camera.tilt_up_deg.to_radians());
+    Isometry3::from_parts(
+        Translation3::new(camera.forward_m, camera.left_m, camera.height_m),
+        yaw * attitude(level) * tilt,
+    )
+}
+
+/// Nominal pose of the ceiling camera: image right is robot right (−y), image down is robot forward, forward is up.
+pub(crate) fn body_from_ceiling_camera(camera: &CeilingCamera) -> Isometry3<f64> {
+    let upward = Matrix3::new(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    Isometry3::from_parts(Translation3::new(camera.forward_m, camera.left_m, camera.height_m), attitude(upward))
+}
+
+/// Focal lengths of the forward camera by its angle of view: half the width over the tangent of half the angle.
+pub(crate) fn forward_focal_px(camera: &ForwardCamera) -> f64 {
+    f64::from(camera.width_px) / 2.0 / (camera.horizontal_view_deg.to_radians() / 2.0).tan()
+}
+
+/// A small turn about the camera's own axes.
+pub(crate) fn turned(pose: Isometry3<f64>, turn_rad: [f64; 3], shift_m: [f64; 3]) -> Isometry3<f64> {
+    let [x, y, z] = turn_rad;
+    let turn = UnitQuaternion::from_scaled_axis(vector![x, y, z]);
+    let shift = Translation3::from(Vector3::from(shift_m));
+    Isometry3::from_parts(shift * pose.translation, pose.rotation * turn)
+}
+
+fn attitude(columns: Matrix3<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
+}

@@ -1,0 +1,67 @@
+//! What stands between two points: walls, furniture, people.
+
+use nalgebra::Point3;
+use rapier3d_f64::{
+    parry::{
+        query::{Ray, RayCast},
+        shape::{Cuboid, Cylinder, SharedShape},
+    },
+    prelude::{Pose, Vector},
+};
+
+use crate::{scene::Scene, world::Bystander};
+
+/// A landmark is fixed to a surface: what is this near to it hides nothing of it.
+const ON_SURFACE_M: f64 = 0.005;
+
+/// Everything in a scene that hides what is behind it and stays where it is.
+pub(super) struct Obstacles {
+    room_m: [f64; 2],
+    boxes: Vec<(Pose, SharedShape)>,
+}
+
+impl Obstacles {
+    /// Walls and furniture of a scene.
+    pub(super) fn new(scene: &Scene) -> Self {
+        let boxes = scene
+            .furniture
+            .iter()
+            .map(|piece| {
+                let half = Vector::new(0.5 * piece.size_m[0], 0.5 * piece.size_m[1], 0.5 * piece.height_m);
+                let place = Vector::new(piece.x_m, piece.y_m, half.z);
+                let pose = Pose::new(place, Vector::new(0.0, 0.0, piece.rotation_deg.to_radians()));
+                (pose, SharedShape::new(Cuboid::new(half)))
+            })
+            .collect();
+        Obstacles { room_m: [scene.room.width_m, scene.room.depth_m], boxes }
+    }
+
+    /// Whether the way from an eye to a landmark is free.
+    pub(super) fn leave_free(&self, eye: Point3<f64>, landmark: Point3<f64>, people: &[Bystander]) -> bool {
+        let inside = |point: &Point3<f64>| {
+            (0..2).all(|axis| (-ON_SURFACE_M..=self.room_m[axis] + ON_SURFACE_M).contains(&point[axis]))
+        };
+        // A room is convex: between two points inside of it there is no wall.
+        if !inside(&eye) || !inside(&landmark) {
+            return false;
+        }
+        let way = landmark - eye;
+        let ray = Ray::new(vector(eye), vector(Point3::from(way)));
+        let reach = (1.0 - ON_SURFACE_M / way.norm().max(ON_SURFACE_M)).max(0.0);
+        let person = |person: &Bystander| {
+            let half_m = 0.5 * person.height_m;
+            // parry's cylinders stand along y.
+            let pose = Pose::new(
+                Vector::new(person.place_m[0], person.place_m[1], half_m),
+                Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0),
+            );
+            Cylinder::new(half_m, person.radius_m).cast_ray(&pose, &ray, reach, true).is_some()
+        };
+        let piece = |(pose, shape): &(Pose, SharedShape)| shape.cast_ray(pose, &ray, reach, true).is_some();
+        !self.boxes.iter().any(piece) && !people.iter().any(person)
+    }
+}
+
+fn vector(point: Point3<f64>) -> Vector {
+    Vector::new(point.x, point.y, point.z)
+}

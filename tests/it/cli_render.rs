@@ -1,0 +1,56 @@
+use std::fs;
+
+use crate::command::{blind_scene, folder, outcome, wherein};
+
+#[test]
+fn one_picture_and_its_tone_mapped_twin_per_camera() {
+    let folder = folder("render_one");
+    let keys = "[robot.forward_camera]\nwidth_px = 96\nheight_px = 64\n[robot.ceiling_camera]\nwidth_px = 80\n\
+                height_px = 64\nprincipal_point_px = [39.5, 31.5]\nfocal_px = [60.0, 60.0]\n";
+    fs::write(folder.join("room.toml"), blind_scene(1.0, keys)).unwrap();
+    let (code, printed, error) =
+        outcome(&mut wherein(&folder, &["render", "room.toml", "--at", "1.2,1,-30", "--lux", "80", "--out", "out"]));
+    assert_eq!(code, 0, "{error}");
+    for (camera, size) in [("forward", (96, 64)), ("ceiling", (80, 64))] {
+        for name in [format!("{camera}.png"), format!("{camera}_tone_mapped.png")] {
+            assert!(printed.contains(&name), "{printed}");
+            assert_eq!(image::image_dimensions(folder.join("out/room").join(name)).unwrap(), size);
+        }
+    }
+    assert!(!folder.join("out/room/floor.png").exists(), "the robot has no floor camera");
+}
+
+#[test]
+fn a_contact_sheet_is_one_picture() {
+    let folder = folder("render_sheet");
+    let keys = "[robot.forward_camera]\nwidth_px = 96\nheight_px = 64\n";
+    fs::write(folder.join("room.toml"), blind_scene(1.0, keys)).unwrap();
+    let (code, printed, error) =
+        outcome(&mut wherein(&folder, &["render", "room.toml", "--contact-sheet", "lux=1,100", "--out", "out"]));
+    assert_eq!(code, 0, "{error}");
+    assert_eq!(printed.trim(), "out/room/contact_sheet.png");
+    let (width, height) = image::image_dimensions(folder.join("out/room/contact_sheet.png")).unwrap();
+    assert!(width > 800 && height > 250, "{width} × {height}");
+}
+
+#[test]
+fn what_cannot_be_rendered_is_refused_with_its_reason() {
+    let folder = folder("render_refused");
+    fs::write(folder.join("blind.toml"), blind_scene(1.0, "")).unwrap();
+    fs::write(folder.join("seeing.toml"), blind_scene(1.0, "[robot.forward_camera]\n")).unwrap();
+    let cases: [(&[&str], &str); 8] = [
+        (&["render", "blind.toml"], "its robot has no camera"),
+        (&["render", "seeing.toml", "--camera", "ceiling"], "its robot has no ceiling camera"),
+        (&["render", "seeing.toml", "--camera", "side"], "expected one of floor, forward, ceiling"),
+        (&["render", "seeing.toml", "--at", "1,1"], "such as 1.5,2,90"),
+        (&["render", "seeing.toml", "--at", "1,1,inf"], "such as 1.5,2,90"),
+        (&["render", "seeing.toml", "--at", "9,1,0"], "expected x from 0 to 3 and y from 0 to 2"),
+        (&["render", "seeing.toml", "--lux", "-1"], "from 0 to 100000 lx"),
+        (&["render", "seeing.toml", "--contact-sheet", "0.1,1"], "such as lux=0.1,1,10,100,1000"),
+    ];
+    for (arguments, reason) in cases {
+        let (code, _, error) = outcome(&mut wherein(&folder, arguments));
+        assert_eq!(code, 2, "{arguments:?}");
+        assert!(error.contains(reason), "{arguments:?}: {error}");
+    }
+}

@@ -1,0 +1,137 @@
+//! The gyroscope's turn against turns integrated much finer, with bias, scale and noise at the corners of their bounds.
+
+use localizer::{
+    Interval,
+    motion::{GyroHistory, WheelHistory},
+    robot::{GyroModel, Reach, WheelModel},
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const PERIOD_S: f64 = 0.01;
+const CHANGE_RAD_PER_S2: f64 = 6.0;
+
+fn model() -> GyroModel {
+    GyroModel {
+        bias_rad_per_s: Interval::centred(0.0, 0.002),
+        scale: Interval::centred(1.0, 0.003),
+        noise_rad_per_s: 0.004,
+        period_s: PERIOD_S,
+    }
+}
+
+fn corner(rng: &mut ChaCha8Rng) -> f64 {
+    if rng.random::<f64>() < 0.5 { [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-1.0..1.0) }
+}
+
+/// Headings every 0.1 ms of a turn whose rate bends as fast as allowed, and the readings of it.
+fn turned(rng: &mut ChaCha8Rng, lasts_s: f64) -> (Vec<f64>, Vec<(f64, f64)>) {
+    let (bias, scale) = (0.002 * corner(rng), 1.0 + 0.003 * corner(rng));
+    let (mut heading, mut rate, mut bend) = (0.0, rng.random_range(-1.0..1.0), 0.0);
+    let mut headings = vec![heading];
+    let mut readings = Vec::new();
+    for step in 1..=(lasts_s * 1e4) as usize {
+        if step % 37 == 1 {
+            bend = CHANGE_RAD_PER_S2 * corner(rng);
+        }
+        heading += (rate + 0.5 * bend * 1e-4) * 1e-4;
+        rate += bend * 1e-4;
+        headings.push(heading);
+        if step % 100 == 0 {
+            let mean = (heading - headings[step - 100]) / PERIOD_S;
+            readings.push((step as f64 * 1e-4, scale * mean + bias + 0.004 * corner(rng)));
+        }
+    }
+    (headings, readings)
+}
+
+#[test]
+fn the_turn_is_inside_for_any_two_stamps() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let (mut widest, mut n) = (0.0_f64, 0);
+    for _ in 0..60 {
+        let (headings, readings) = turned(&mut rng, 1.0);
+        let mut history = GyroHistory::new(model(), 10.0);
+        readings.iter().for_each(|(time_s, rate)| history.push(*time_s, *rate));
+        for _ in 0..200 {
+            let from = rng.random_range(100..headings.len() - 1);
+            // Up to half a period beyond the last reading, too.
+            let to = rng.random_range(from..headings.len());
+            let (from_s, to_s) = (from as f64 * 1e-4, to as f64 * 1e-4);
+            let turn = history.turn(from_s, to_s, CHANGE_RAD_PER_S2).unwrap();
+            let truth = headings[to] - headings[from];
+            assert!(turn.contains(truth), "{truth} is not in {turn:?} from {from_s} to {to_s}");
+            widest = widest.max(turn.width());
+            n += 1;
+        }
+    }
+    // Over a second: 2·(0.002 + 0.004) of bias and noise, 0.6 % of what is turned, and twice a chord's bend.
+    assert!(widest < 0.012 + 0.006 * 4.0 + 0.001, "{widest} rad after {n} turns");
+}
+
+#[test]
+fn a_missing_reading_is_bridged_by_what_the_rate_can_have_become() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    for _ in 0..100 {
+        let (headings, readings) = turned(&mut rng, 0.4);
+        let lost = rng.random_range(5..30);
+        let mut history = GyroHistory::new(model(), 10.0);
+        let kept = readings.iter().enumerate().filter(|(idx, _)| !(lost..lost + 3).contains(idx));
+        kept.for_each(|(_, (time_s, rate))| history.push(*time_s, *rate));
+        let turn = history.turn(0.02, 0.38, CHANGE_RAD_PER_S2).unwrap();
+        let truth = headings[3800] - headings[200];
+        assert!(turn.contains(truth), "{truth} is not in {turn:?} with readings {lost} to {} lost", lost + 2);
+    }
+}
+
+#[test]
+fn a_duplicate_and_a_latecomer_are_dropped_and_silence_is_no_answer() {
+    let mut history = GyroHistory::new(model(), 10.0);
+    assert!(history.turn(0.0, 0.01, CHANGE_RAD_PER_S2).is_none());
+    history.push(0.01, 0.5);
+    history.push(0.02, 0.5);
+    let before = history.turn(0.0, 0.02, CHANGE_RAD_PER_S2).unwrap();
+    history.push(0.02, 9.0);
+    history.push(0.015, 9.0);
+    assert_eq!(history.turn(0.0, 0.02, CHANGE_RAD_PER_S2).unwrap(), before);
+    // 0.02 s at 0.5 rad/s.
+    assert!(before.contains(0.01) && before.width() < 0.0005, "{before:?}");
+}
+
+/// Wheels of which each may slip by 2 %, rolled straight on for a second, and a gyroscope beside them.
+fn rolled(gyro_rad_per_s: f64) -> Option<localizer::motion::Motion> {
+    let wheels = WheelModel {
+        radius_m: [Interval::centred(0.1, 0.0001); 2],
+        track_m: Interval::centred(0.33, 0.001),
+        ticks_per_turn: 19_150.0,
+        slip_ratio: 0.02,
+        slip_floor_m: 0.0001,
+        side_slip_ratio: 0.003,
+        side_slip_floor_m: 0.00005,
+        slip_window_s: 0.2,
+    };
+    let reach = Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 1.0 };
+    let mut history = WheelHistory::new(10.0).with_gyro(model());
+    for step in 0..=100 {
+        let time_s = f64::from(step) * 0.01;
+        let ticks = (0.3 * time_s / 0.1 / std::f64::consts::TAU * 19_150.0) as i64;
+        history.push_rate(time_s, gyro_rad_per_s);
+        history.push(time_s, [ticks; 2]);
+    }
+    history.motion(0.1, 0.9, &wheels, &reach)
+}
+
+#[test]
+fn wheels_and_gyroscope_are_intersected() {
+    let motion = rolled(0.0).unwrap();
+    // The wheels alone: 0.24 m with 2 % on each side over 0.33 m is ±29 mrad; the gyroscope ±(0.002 + 0.004)·0.8 s.
+    assert!(motion[2].contains(0.0) && motion[2].width() < 2.0 * 0.0051, "{:?}", motion[2]);
+    assert!(motion[0].contains(0.24) && motion[0].width() < 0.013, "{:?}", motion[0]);
+    // A narrower heading bounds the way to the side, too: 0.24 m times half of the turn, and what side slip allows.
+    assert!(motion[1].contains(0.0) && motion[1].width() < 0.24 * 0.0104 + 0.0035, "{:?}", motion[1]);
+}
+
+#[test]
+fn a_gyroscope_that_contradicts_the_wheels_leaves_nothing() {
+    assert!(rolled(0.3).is_none_or(|motion| motion.is_empty()));
+}

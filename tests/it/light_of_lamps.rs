@@ -1,0 +1,216 @@
+use std::f64::consts::PI;
+
+use nalgebra::{Point3, Vector3, vector};
+use sim::{
+    building::{Building, Material, Part, UprightBox},
+    drawn::Drawn,
+    light::{LightMap, Lighting, Photons, Shape, Source, bake, opposite_rectangles_view_factor, polygon_irradiance},
+    scene::{Scene, Spectrum},
+};
+
+/// A room of 4 m by 3 m whose walls and ceiling are black, so that only direct light is there.
+pub(crate) fn black_room(more: &str) -> Scene {
+    let text = format!(
+        "[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.0\nceiling_albedo = 0.0\n\
+         skirting_albedo = 0.0\n[start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n{more}"
+    );
+    Scene::parse(&text, "room.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+}
+
+/// The floor's illuminance in lux; visible light of 555 nm is its own equivalent.
+fn at_floor(map: &LightMap, building: &Building, x_m: f64, y_m: f64) -> f64 {
+    let floor = building.panels.iter().position(|panel| panel.part == Part::Floor).unwrap();
+    map.at(floor, x_m / 4.0, y_m / 3.0, 0)
+}
+
+fn baked(scene: &Scene, boxes: &[UprightBox]) -> (Building, Lighting, LightMap) {
+    let building = Building::furnished(scene, &Drawn::draw(scene, 0), boxes.to_vec());
+    let (lighting, map) = bake(scene, &building);
+    (building, lighting, map)
+}
+
+fn close(value: f64, expected: f64, share: f64) {
+    assert!((value / expected - 1.0).abs() < share, "{value}, expected {expected}");
+}
+
+const BULB: &str =
+    "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\nspectrum = \"monochrome\"\n";
+
+#[test]
+fn a_bulb_follows_the_inverse_square_and_the_cosine() {
+    let (building, _, map) = baked(&black_room(BULB), &[]);
+    // 1256.637 lm all around are 100 cd; straight below at 2 m: 100/4.
+    close(at_floor(&map, &building, 1.0, 1.5), 25.0, 0.01);
+    // 2 m aside: d² = 8, cos = 2/√8.
+    close(at_floor(&map, &building, 3.0, 1.5), 100.0 / 8.0 * (2.0 / 8_f64.sqrt()), 0.01);
+    // 2.9 m and 1.4 m aside: d² = 4 + 8.41 + 1.96.
+    close(at_floor(&map, &building, 3.9, 2.9), 100.0 * 2.0 / 14.37_f64.powf(1.5), 0.01);
+}
+
+#[test]
+fn a_panel_gives_what_the_closed_form_of_a_rectangle_says() {
+    let panel = "[[lamp]]\nkind = \"panel\"\nx_m = 2.0\ny_m = 1.5\nheight_m = 1.5\nsize_m = [1.2, 0.6]\n\
+                 lumens = 3000\nspectrum = \"monochrome\"\n";
+    let (building, _, map) = baked(&black_room(panel), &[]);
+    let luminance = 3000.0 / (PI * 1.2 * 0.6);
+    // Below a corner of a parallel rectangle a × b at height h:
+    // E = L/2·(a/√(a² + h²)·atan(b/√(a² + h²)) + b/√(b² + h²)·atan(a/√(b² + h²))).
+    let corner = |a: f64, b: f64, h: f64| {
+        let (along, across) = (a.hypot(h), b.hypot(h));
+        0.5 * luminance * (a / along * (b / along).atan() + b / across * (a / across).atan())
+    };
+    close(at_floor(&map, &building, 2.0, 1.5), 4.0 * corner(0.6, 0.3, 1.5), 0.01);
+    close(at_floor(&map, &building, 2.6, 1.8), corner(1.2, 0.6, 1.5), 0.01);
+    // 1 m beyond the panel's end on its axis: the long rectangle less the short one, twice.
+    let beyond = 2.0 * (corner(2.2, 0.3, 1.5) - corner(1.0, 0.3, 1.5));
+    close(at_floor(&map, &building, 3.6, 1.5), beyond, 0.01);
+}
+
+#[test]
+fn an_upright_surface_sees_only_what_is_before_it() {
+    // A rectangle overhead, half of it behind the surface: E = L/2·(atan(b/h) − h/√(a² + h²)·atan(b/√(a² + h²)))
+    // for each corner rectangle a deep and b wide in front of the surface at depth h below.
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| vector![x, y, 1.5]);
+    let (a, b, h) = (1.0_f64, 1.0_f64, 1.5_f64);
+    let one = 0.5 * ((b / h).atan() - h / a.hypot(h) * (b / a.hypot(h)).atan());
+    close(polygon_irradiance(&corners, Vector3::x()), 2.0 * one, 1e-9);
+    close(polygon_irradiance(&corners, -Vector3::y()), 2.0 * one, 1e-9);
+    assert_eq!(polygon_irradiance(&corners, -Vector3::z()), 0.0);
+}
+
+#[test]
+fn a_large_rectangle_close_by_gives_pi_times_its_luminance() {
+    let corners = [[-1e4, -1e4], [1e4, -1e4], [1e4, 1e4], [-1e4, 1e4]].map(|[x, y]| vector![x, y, 1.0]);
+    close(polygon_irradiance(&corners, Vector3::z()), PI, 1e-6);
+}
+
+#[test]
+fn a_lamp_given_in_lux_gives_them_at_the_floor_below() {
+    let tube = "[[lamp]]\nkind = \"tube\"\nx_m = 2.0\ny_m = 1.0\nheading_deg = 90\nilluminance_at_floor_lux = 120\n\
+                spectrum = \"monochrome\"\n";
+    let (building, lighting, map) = baked(&black_room(tube), &[]);
+    close(at_floor(&map, &building, 2.0, 1.0) * lighting.dimming, 120.0, 0.01);
+    let window = "[[lamp]]\nkind = \"window\"\nx_m = 2.0\ny_m = 0.0\nheading_deg = 90\n\
+                  illuminance_at_floor_lux = 200\nspectrum = \"monochrome\"\n";
+    let (building, lighting, map) = baked(&black_room(window), &[]);
+    // 1 m before its wall.
+    close(at_floor(&map, &building, 2.0, 1.004) * lighting.dimming, 200.0, 0.01);
+}
+
+#[test]
+fn lamps_without_output_give_what_the_light_states() {
+    let lamps = "[light]\nilluminance_at_floor_lux = 40\n[[lamp]]\nkind = \"panel\"\nx_m = 1.0\ny_m = 1.0\n\
+                 spectrum = \"monochrome\"\n";
+    let (_, lighting, map) = baked(&black_room(lamps), &[]);
+    close(map.mean_at_floor.lux * lighting.dimming, 40.0, 1e-9);
+}
+
+#[test]
+fn illuminance_at_the_camera_is_that_on_an_upright_plane_at_its_lens() {
+    // The bulb is 1.12 m ahead of the start less the lens's 0.12 m, and 2 m − 0.25 m above: E = I·cos θ/d².
+    let scene = black_room(&format!(
+        "{}[light]\nilluminance_at_camera_lux = 0.1\n[robot.forward_camera]\n[floor.tiles]\n\
+         tile_albedo = 0.0\njoint_albedo = 0.0\n",
+        BULB.replace("x_m = 1.0", "x_m = 3.12")
+    ));
+    let (_, lighting, _) = baked(&scene, &[]);
+    let candela = 100.0 * lighting.dimming;
+    let square: f64 = 1.0 + 1.75 * 1.75;
+    close(candela / square * (1.0 / square.sqrt()), 0.1, 0.01);
+}
+
+#[test]
+fn shadow_edges_are_where_similar_triangles_put_them() {
+    // The bulb at x = 1, 2 m up; a board 1 m up from x = 1.5 to 1.9: its shadow reaches from x = 2.0 to 2.8.
+    let board = UprightBox {
+        middle_m: [1.7, 1.5],
+        heading_rad: 0.0,
+        size_m: [0.4, 1.0],
+        between_m: [0.999, 1.0],
+        material: Material::matt(0.5),
+    };
+    let (building, _, map) = baked(&black_room(BULB), &[board]);
+    let (open, _, lit_map) = baked(&black_room(BULB), &[]);
+    let share = |x: f64| at_floor(&map, &building, x, 1.5) / at_floor(&lit_map, &open, x, 1.5);
+    assert!(share(1.85) > 0.99 && share(2.4) < 0.01 && share(2.95) > 0.99);
+    let crossing = |from: f64, to: f64| {
+        let place = |index: i32| from + (to - from) * f64::from(index) / 2000.0;
+        place((0..2000).find(|index| (share(place(*index)) - 0.5).signum() != (share(from) - 0.5).signum()).unwrap())
+    };
+    // Nodes are 0.05 m apart.
+    for (edge, expected) in [(crossing(1.85, 2.4), 2.0), (crossing(2.4, 2.95), 2.8)] {
+        assert!((edge - expected).abs() < 0.01, "{edge}, expected {expected}");
+    }
+}
+
+#[test]
+fn half_a_panel_behind_a_board_gives_half_its_light_below_the_edge() {
+    // A long board under half of the panel, seen from straight below its edge.
+    let panel = Source {
+        shape: Shape::Rectangle {
+            centre: Point3::new(0.0, 0.0, 2.0),
+            half_u: vector![0.3, 0.0, 0.0],
+            half_v: vector![0.0, -0.3, 0.0],
+        },
+        lumens: 1000.0,
+        photons: Photons { visible: 1.0, infrared: 0.0 },
+    };
+    let scene = black_room("");
+    let board = UprightBox {
+        middle_m: [-5.0, 0.0],
+        heading_rad: 0.0,
+        size_m: [10.0, 20.0],
+        between_m: [1.0, 1.001],
+        material: Material::matt(0.5),
+    };
+    let building = Building::furnished(&scene, &Drawn::draw(&scene, 0), vec![board]);
+    let lighting = Lighting { sources: vec![panel], ..Lighting::direct(&scene, &building) };
+    let shadowed = lighting.direct_at(Point3::origin(), Vector3::z(), 8).lux;
+    let open = lighting.sources[0].illuminance(Point3::origin(), Vector3::z());
+    close(shadowed, 0.5 * open, 0.01);
+}
+
+#[test]
+fn view_factors_are_the_published_ones() {
+    // Howell's catalog, C-11, unit cube: 0.1998.
+    close(opposite_rectangles_view_factor(1.0, 1.0), 0.19982, 1e-4);
+}
+
+#[test]
+fn light_bounces_as_in_an_integrating_sphere() {
+    // In a cube whose six faces are alike, direct light E on the floor alone: the mean exitance is
+    // ρ·(E/6)/(1 − ρ), whatever the view factors are.
+    let text = "[room]\nwidth_m = 2.6\ndepth_m = 2.6\n[building]\nwall_albedo = 0.4\nceiling_albedo = 0.4\n\
+                skirting_height_m = 0.0\n[start]\nx_m = 1.3\ny_m = 1.3\n[[route.waypoint]]\nx_m = 1.3\ny_m = 1.3\n\
+                [light]\nilluminance_at_floor_lux = 100\n";
+    let (building, _, map) = baked(&Scene::parse(text, "cube.toml").unwrap(), &[]);
+    // The sum of direct and bounced illuminance over the room times albedo is the exitance; lamps give Φ in all.
+    let mean = |part: Part| {
+        let panels = || building.panels.iter().enumerate().filter(|(_, panel)| panel.part == part);
+        let sum: f64 = panels()
+            .map(|(index, _)| {
+                let places = (0..400).map(|k| (f64::from(k % 20) / 20.0 + 0.025, f64::from(k / 20) / 20.0 + 0.025));
+                places.map(|(s, t)| map.at(index, s, t, 0)).sum::<f64>() / 400.0
+            })
+            .sum();
+        sum / panels().count() as f64
+    };
+    let mean_illuminance = (mean(Part::Floor) + 4.0 * mean(Part::Wall) + mean(Part::Ceiling)) / 6.0;
+    // The only lamp gives 1000 lm before dimming; every face takes 1 − ρ of what arrives.
+    let area_m2 = 6.0 * 2.6 * 2.6;
+    close(mean_illuminance, 1000.0 / (area_m2 * (1.0 - 0.4)), 0.02);
+}
+
+#[test]
+fn photons_of_a_lux_are_those_of_published_conversions() {
+    // A lux of 555 nm is 4.091e15 photons a second and square metre, that is 6.793e-3 µmol.
+    let micromoles = |spectrum: Spectrum| Photons::of(spectrum).visible * 4.0908e15 / 6.02214e17;
+    // Thimijan and Heins (HortScience 18, 1983): 54 lx a µmol for sunlight, 74 for cool white tubes, 50 for incandescent.
+    close(micromoles(Spectrum::Daylight), 1.0 / 54.0, 0.05);
+    close(micromoles(Spectrum::Tube), 1.0 / 74.0, 0.08);
+    close(micromoles(Spectrum::Incandescent), 1.0 / 50.0, 0.05);
+    // White diodes lie between tubes and sunlight, and have nothing in the infrared.
+    let led = Photons::of(Spectrum::Led);
+    assert!((1.0 / 80.0..1.0 / 55.0).contains(&micromoles(Spectrum::Led)) && led.infrared < 0.01);
+    assert!(Photons::of(Spectrum::Incandescent).infrared > 1.0);
+}

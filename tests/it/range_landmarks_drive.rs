@@ -1,0 +1,343 @@
+//! Drives past landmarks that nobody has mapped: poses and landmarks contract each other, and neither loses the truth.
+
+use std::collections::BTreeMap;
+
+use localizer::{
+    Claim, Interval, Method, PoseUnion, Reading,
+    methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
+    motion::{Motion, moved, moved_union},
+    reading::LandmarkId,
+};
+use localizer::{IntervalBox, method::Twist};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use crate::range_landmarks_setup::{
+    Confusion, Landmark, TrueCamera, box_around, corner, landmarks, measured, random, robot,
+};
+
+const STEP_S: f64 = 0.1;
+/// What the motion between two readings is known to: forward, left, turn.
+const ODOMETRY: [f64; 3] = [0.002, 0.002, 0.003];
+
+/// Round and round a circle, or to and fro on a line when `turn_rad_per_s` is 0.
+struct Path {
+    start: [f64; 3],
+    speed_m_per_s: f64,
+    turn_rad_per_s: f64,
+}
+
+impl Path {
+    fn pose(&self, time_s: f64) -> [f64; 3] {
+        let [x_m, y_m, heading_rad] = self.start;
+        if self.turn_rad_per_s == 0.0 {
+            let along_m = 1.5 * (self.speed_m_per_s / 1.5 * time_s).sin();
+            return [x_m + along_m * heading_rad.cos(), y_m + along_m * heading_rad.sin(), heading_rad];
+        }
+        let (radius_m, turned_rad) = (self.speed_m_per_s / self.turn_rad_per_s, self.turn_rad_per_s * time_s);
+        let end_rad = heading_rad + turned_rad;
+        [
+            x_m + radius_m * (end_rad.sin() - heading_rad.sin()),
+            y_m - radius_m * (end_rad.cos() - heading_rad.cos()),
+            end_rad,
+        ]
+    }
+}
+
+/// A drive in progress, with the part of a localizer played by the test.
+struct Drive {
+    path: Path,
+    camera: TrueCamera,
+    marks: Vec<Landmark>,
+    confusion: Confusion,
+    q_items: usize,
+    method: RangeLandmarks,
+    pose: PoseUnion,
+    /// Motions as told, each to its stamp.
+    told: Vec<(f64, Motion)>,
+    time_s: f64,
+    n_false: usize,
+    rng: ChaCha8Rng,
+}
+
+impl Drive {
+    fn new(
+        (freedom, solver): Setup,
+        [q_items, wrong_spacing]: [usize; 2],
+        path: Path,
+        n_marks: u32,
+        mut rng: ChaCha8Rng,
+    ) -> Self {
+        let start = box_around(path.start, [1e-4, 1e-4, 1e-4], &mut rng);
+        Drive {
+            camera: TrueCamera::drawn(&mut rng),
+            marks: landmarks(n_marks, 4.0, &mut rng),
+            confusion: Confusion::new(q_items, wrong_spacing),
+            q_items,
+            method: RangeLandmarks::new(&robot(q_items, wrong_spacing), freedom, solver).expect("a range camera"),
+            pose: PoseUnion::single(start),
+            told: Vec::new(),
+            time_s: 0.0,
+            n_false: 0,
+            path,
+            rng,
+        }
+    }
+
+    /// The reading at a stamp, taken at most 1 ms off it.
+    fn reading(&mut self) -> Reading {
+        let seen_from = self.path.pose(self.time_s + 0.001 * corner(&mut self.rng));
+        let mut sightings: Vec<_> =
+            self.marks.iter().filter_map(|mark| self.camera.sight(seen_from, mark, &mut self.rng)).collect();
+        let codes: Vec<_> = self.marks.iter().map(|mark| mark.code).collect();
+        self.confusion.confuse(&mut sightings, &codes, 0.2, &mut self.rng);
+        Reading::Range { measured_s: self.time_s, arrived_s: self.time_s, sightings }
+    }
+
+    /// Drives on by one reading and checks everything that must hold.
+    fn step(&mut self) {
+        if self.time_s > 0.0 {
+            let (before, after) = (self.path.pose(self.time_s - STEP_S), self.path.pose(self.time_s));
+            let (sine, cosine) = before[2].sin_cos();
+            let (across, along) = (after[0] - before[0], after[1] - before[1]);
+            let motion = [cosine * across + sine * along, cosine * along - sine * across, after[2] - before[2]];
+            let told =
+                IntervalBox::from(std::array::from_fn(|axis| measured(motion[axis], ODOMETRY[axis], &mut self.rng)));
+            self.pose = moved_union(&self.pose, &told);
+            self.told.push((self.time_s, told));
+        }
+        let known = self.places();
+        let reading = self.reading();
+        if let Some(constraint) = self.method.constrain(&reading, &self.pose, &Twist::default()) {
+            self.judge(&constraint.claims);
+            let branches = self.pose.branches.iter().flat_map(|branch| constraint.on_pose.branches(branch)).collect();
+            self.pose = PoseUnion { branches }.without_repeats();
+            let told = &self.told;
+            let between = |from_s: f64, to_s: f64| {
+                let within = told.iter().filter(|(stamp_s, _)| *stamp_s > from_s + 1e-6 && *stamp_s < to_s + 1e-6);
+                Some(within.fold(IntervalBox::point(&[0.0; 3]), |way, (_, step)| moved(&way, step)))
+            };
+            self.method.learn(&self.pose, &between);
+        }
+        let truth = self.path.pose(self.time_s);
+        assert!(
+            self.pose.branches.iter().any(|branch| branch.contains(&truth)),
+            "{truth:?} lost at {} s, {:?} left",
+            self.time_s,
+            self.pose
+        );
+        self.compare(&known);
+        self.time_s += STEP_S;
+    }
+
+    /// Claims: false ones are as many as declared at most.
+    fn judge(&mut self, claims: &[Claim]) {
+        let [x_m, y_m, heading_rad] = self.path.pose(self.time_s);
+        let (sine, cosine) = heading_rad.sin_cos();
+        let is_false = |claim: &&Claim| {
+            let Claim::Landmark { landmark, in_robot_m } = claim else { return true };
+            let [mark_x, mark_y] = self.marks[landmark.0 as usize].xy();
+            let (across, along) = (mark_x - x_m, mark_y - y_m);
+            !(in_robot_m[0].contains(cosine * across + sine * along)
+                && in_robot_m[1].contains(cosine * along - sine * across))
+        };
+        let n_false = claims.iter().filter(is_false).count();
+        assert!(n_false <= self.q_items, "{n_false} false claims at {} s", self.time_s);
+        self.n_false += n_false;
+    }
+
+    fn places(&self) -> BTreeMap<LandmarkId, [Interval; 2]> {
+        self.method.landmarks().into_iter().collect()
+    }
+
+    /// Landmarks contain the truth, and have not grown.
+    fn compare(&self, before: &BTreeMap<LandmarkId, [Interval; 2]>) {
+        let now = self.places();
+        for (code, place) in &now {
+            let truth = self.marks[code.0 as usize].xy();
+            assert!(
+                place[0].contains(truth[0]) && place[1].contains(truth[1]),
+                "landmark {code:?} at {truth:?} lost at {} s: {place:?}",
+                self.time_s
+            );
+        }
+        for (code, old) in before {
+            let new = now.get(code).expect("a landmark is not forgotten");
+            assert!((0..2).all(|axis| new[axis].is_subset_of(old[axis])), "landmark {code:?} grew");
+        }
+    }
+
+    fn widths(&self) -> BTreeMap<LandmarkId, f64> {
+        self.places().into_iter().map(|(code, place)| (code, place[0].width().max(place[1].width()))).collect()
+    }
+}
+
+fn circle(rng: &mut ChaCha8Rng) -> Path {
+    Path {
+        start: [rng.random_range(-0.5..0.5), rng.random_range(-0.5..0.5), rng.random_range(-7.0..7.0)],
+        speed_m_per_s: 0.4,
+        turn_rad_per_s: [-0.5, 0.5][rng.random_range(0..2)],
+    }
+}
+
+/// How the method solves.
+type Setup = (Freedom, Solver);
+
+fn full(solver: Solver) -> Setup {
+    (Freedom::Full, solver)
+}
+
+/// Drives with a setup: 60 readings each. Answers the widths of heading at the end, and how many claims were false.
+fn drives(setup: Setup, wrong: [usize; 2], n_drives: u64, seed: u64) -> (f64, usize) {
+    let (mut width_rad, mut n_false) = (0.0, 0);
+    for drive in 0..n_drives {
+        let mut rng = random(seed + drive);
+        let path = circle(&mut rng);
+        let mut drive = Drive::new(setup, wrong, path, 120, rng);
+        (0..60).for_each(|_| drive.step());
+        width_rad += drive.pose.hull().width(2) / n_drives as f64;
+        n_false += drive.n_false;
+    }
+    println!("{setup:?}, wrong {wrong:?}: heading known to {width_rad:.4} rad after 6 s, {n_false} claims false");
+    (width_rad, n_false)
+}
+
+#[test]
+fn poses_and_landmarks_keep_the_truth_with_every_solver() {
+    for solver in [Solver::OneShot, Solver::Polar, Solver::TableIv, Solver::Sivia { resolution: 0.02 }] {
+        let (_, n_false) = drives(full(solver), [0, 0], 40, 100);
+        assert_eq!(n_false, 0);
+    }
+}
+
+#[test]
+fn poses_and_landmarks_keep_the_truth_when_correspondences_are_wrong() {
+    for wrong in [[1, 3], [1, 1], [2, 4]] {
+        let (_, n_false) = drives(full(Solver::OneShot), wrong, 40, 200);
+        assert!(n_false > 100, "only {n_false} wrong: the test says nothing");
+    }
+    for solver in [Solver::Polar, Solver::TableIv] {
+        drives(full(solver), [1, 3], 10, 300);
+    }
+}
+
+#[test]
+fn the_tables_without_a_turn_keep_the_truth_on_a_line_and_on_a_circle() {
+    for motion in [Freedom::Line, Freedom::Translation] {
+        for seed in 0..30 {
+            let mut rng = random(400 + seed);
+            let mut path = circle(&mut rng);
+            if seed % 2 == 0 {
+                path.turn_rad_per_s = 0.0;
+            }
+            let mut drive = Drive::new((motion, Solver::OneShot), [0, 0], path, 40, rng);
+            (0..60).for_each(|_| drive.step());
+        }
+    }
+}
+
+#[test]
+fn the_pose_does_not_drift_where_odometry_alone_would() {
+    let (mut early, mut late, mut without) = (0.0, 0.0, 0.0);
+    for seed in 0..10 {
+        let mut rng = random(500 + seed);
+        let path = Path { turn_rad_per_s: 0.0, ..circle(&mut rng) };
+        let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 120, rng);
+        (0..50).for_each(|_| drive.step());
+        early += drive.pose.hull().width(2) / 10.0;
+        (0..150).for_each(|_| drive.step());
+        late += drive.pose.hull().width(2) / 10.0;
+        // 199 times ±3 mrad.
+        without += 199.0 * 2.0 * ODOMETRY[2] / 10.0;
+    }
+    println!("heading known to {early:.4} rad after 5 s, {late:.4} rad after 20 s, {without:.4} rad by odometry");
+    assert!(late < early && late < 0.1 * without, "{early} rad, then {late} rad against {without} rad of odometry");
+}
+
+#[test]
+fn what_is_learnt_after_a_doubt_began_is_unlearnt_exactly() {
+    for wrong in [[0, 0], [1, 2]] {
+        let mut rng = random(600);
+        let path = circle(&mut rng);
+        let mut drive = Drive::new(full(Solver::OneShot), wrong, path, 40, rng);
+        (0..50).for_each(|_| drive.step());
+        let (since_s, known) = (drive.time_s - STEP_S, drive.places());
+        (0..30).for_each(|_| drive.step());
+        assert_ne!(drive.places(), known, "nothing was learnt: the test says nothing");
+        drive.method.forget_since(since_s + 1e-6);
+        assert_eq!(drive.places(), known);
+    }
+}
+
+#[test]
+fn nothing_remains_of_what_a_wrong_pose_taught() {
+    for seed in 0..5 {
+        let mut rng = random(610 + seed);
+        let path = circle(&mut rng);
+        let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 120, rng);
+        (0..40).for_each(|_| drive.step());
+        let (since_s, pose) = (drive.time_s - STEP_S, drive.pose.clone());
+        // Somebody carries the robot, and the method is told that it stands still for two seconds.
+        for _ in 0..20 {
+            let reading = drive.reading();
+            drive.method.constrain(&reading, &pose, &Twist::default());
+            drive.method.learn(&pose, &|_, _| Some(IntervalBox::point(&[0.0; 3])));
+            drive.time_s += STEP_S;
+        }
+        drive.method.forget_since(since_s + 1e-6);
+        // Back at the place where it was, a little later.
+        drive.time_s = since_s + STEP_S;
+        drive.pose = pose;
+        (0..60).for_each(|_| drive.step());
+    }
+}
+
+#[test]
+fn a_way_of_many_key_frames_keeps_the_truth() {
+    let mut rng = random(620);
+    let path = circle(&mut rng);
+    let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
+    // 0.4 m/s and a key frame every 0.15 m: two hundred after 75 s, when every second one goes.
+    (0..1100).for_each(|_| drive.step());
+}
+
+#[test]
+fn a_clock_set_back_keeps_what_is_known() {
+    let mut rng = random(601);
+    let path = circle(&mut rng);
+    let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 40, rng);
+    (0..50).for_each(|_| drive.step());
+    let known = drive.places();
+    drive.method.clock_set_back();
+    drive.method.forget_since(-1.0);
+    assert_eq!(drive.places(), known);
+}
+
+#[test]
+fn closing_a_loop_shrinks_landmarks_that_are_out_of_view() {
+    let (mut n_shrunk, mut n_before) = (0, 0);
+    for seed in 0..10 {
+        let mut rng = random(700 + seed);
+        let path = circle(&mut rng);
+        let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
+        // A turn takes 12.57 s. Half of it later, what the first reading saw is long out of view.
+        (0..110).for_each(|_| drive.step());
+        let before = drive.widths();
+        (0..25).for_each(|_| drive.step());
+        let after = drive.widths();
+        // Seen in the first reading or within the last ones: not in the middle.
+        let here = drive.path.pose(drive.time_s - STEP_S)[2];
+        for (code, width_m) in &before {
+            let mark = drive.marks[code.0 as usize].xy();
+            let pose = drive.path.pose(drive.time_s - 2.0);
+            let bearing = (mark[1] - pose[1]).atan2(mark[0] - pose[0]) - here;
+            if bearing.cos() > -0.3 {
+                continue;
+            }
+            n_before += 1;
+            n_shrunk += usize::from(after[code] < 0.9 * width_m);
+        }
+    }
+    assert!(n_before > 30, "only {n_before} landmarks lay behind: the test says nothing");
+    assert!(3 * n_shrunk > n_before, "{n_shrunk} of {n_before} landmarks behind the robot shrank by a tenth");
+}

@@ -1,0 +1,150 @@
+//! Every way to solve for the pose, on random scenes with known landmarks: never the truth lost, however wrong up to q of them are.
+//!
+//! `WHEREIN_LANDMARK_TRIALS` sets the number of scenes for each solver and each q.
+
+use localizer::{
+    Contractor, PoseBox,
+    contractor::Landmark as Pair,
+    methods::range_landmarks::{Freedom, PoseFromLandmarks, Sensor, Solver},
+};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use crate::range_landmarks_setup::{Confusion, TrueCamera, box_around, landmarks_in_view, measured, random, robot};
+
+fn n_trials() -> usize {
+    std::env::var("WHEREIN_LANDMARK_TRIALS").ok().and_then(|text| text.parse().ok()).unwrap_or(2000)
+}
+
+#[test]
+fn the_box_of_a_sighting_holds_its_landmark_and_not_much_more() {
+    // Columns as fine as this leave optics, mount and tilts to fill the box. The robot is where it was at the stamp.
+    const FINE_PX: [f64; 2] = [1e-3, 1e-4];
+    let mut rng = random(10);
+    let mut model = robot(0, 3);
+    let optics = model.range_camera.as_mut().expect("a range camera");
+    (optics.step_px, optics.stamp_error_s) = (FINE_PX, 0.0);
+    let sensor = Sensor::new(&model).expect("a range camera");
+    let (mut n, mut fullest) = (0, 0.0_f64);
+    while n < 20_000 {
+        let truth = [rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0), rng.random_range(-7.0..7.0)];
+        let camera = TrueCamera::drawn(&mut rng).with_steps(FINE_PX);
+        for mark in landmarks_in_view(5, truth, &mut rng) {
+            let Some(sighting) = camera.sight(truth, &mark, &mut rng) else { continue };
+            let seen = sensor.seen(&sighting).in_robot_m;
+            let (sin, cos) = f64::sin_cos(truth[2]);
+            let [x_m, y_m] = [mark.xy()[0] - truth[0], mark.xy()[1] - truth[1]];
+            let truly = [cos * x_m + sin * y_m, cos * y_m - sin * x_m];
+            for axis in 0..2 {
+                assert!(seen[axis].contains(truly[axis]), "{truly:?} is not in {seen:?}");
+                fullest = fullest.max((truly[axis] - seen[axis].mid()).abs() / (0.5 * seen[axis].width()));
+            }
+            n += 1;
+        }
+    }
+    // The bound of many errors at once is nearly reached by the worst of so many: none of its terms is idle.
+    println!("{n} boxes, filled to {:.1} %", 100.0 * fullest);
+    assert!(fullest > 0.85, "{fullest}");
+}
+
+/// One reading: places, sightings, prior and true pose.
+struct Scene {
+    truth: [f64; 3],
+    prior: PoseBox,
+    pairs: Vec<Pair>,
+}
+
+fn scene(q: usize, freedom: Freedom, rng: &mut ChaCha8Rng) -> Scene {
+    let truth = [rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0), rng.random_range(-7.0..7.0)];
+    let camera = TrueCamera::drawn(rng);
+    let sensor = Sensor::new(&robot(q, 3)).expect("a range camera");
+    let marks = landmarks_in_view(rng.random_range(3..21), truth, rng);
+    let mut sightings: Vec<_> = marks.iter().filter_map(|mark| camera.sight(truth, mark, rng)).collect();
+    let codes: Vec<_> = marks.iter().map(|mark| mark.code).collect();
+    Confusion::new(q, 0).confuse(&mut sightings, &codes, 0.5, rng);
+    let radius_m = [0.1, 0.02, 0.003][rng.random_range(0..3)];
+    let places: Vec<_> = marks.iter().map(|mark| mark.xy().map(|value| measured(value, radius_m, rng))).collect();
+    let pairs = sightings
+        .iter()
+        .map(|sighting| sensor.seen(sighting))
+        .map(|seen| (places[seen.landmark.0 as usize], seen.in_robot_m))
+        .collect();
+    // The tables without a turn take the heading from the prior: they want a narrow one to say anything, not to be right.
+    let wide = if freedom == Freedom::Full { [3.0, 3.0, std::f64::consts::PI] } else { [3.0, 3.0, 0.1] };
+    let prior = box_around(truth, [wide, [0.3, 0.3, 0.2], [0.03, 0.03, 0.02]][rng.random_range(0..3)], rng);
+    Scene { truth, prior, pairs }
+}
+
+/// Solves many scenes; answers how much narrower the heading or x got on average, as a share.
+fn never_lost(freedom: Freedom, solver: Solver, q: usize, seed: u64) -> f64 {
+    let mut rng = random(seed);
+    let mut share = 0.0;
+    for trial in 0..n_trials() {
+        let Scene { truth, prior, pairs } = scene(q, freedom, &mut rng);
+        let contractor = PoseFromLandmarks::new(pairs, q, freedom, solver);
+        let branches = contractor.branches(&prior);
+        assert!(
+            branches.iter().any(|branch| branch.contains(&truth)),
+            "{freedom:?}, {solver:?}, q = {q}, scene {trial}: {truth:?} lost, {branches:?} left of {prior:?}"
+        );
+        assert!(
+            branches.iter().all(|branch| branch.is_subset_of(&prior)),
+            "{freedom:?}, {solver:?}, scene {trial}: grew"
+        );
+        let hull = branches.iter().fold(PoseBox::EMPTY, |hull, branch| hull.hull(branch));
+        share += hull.width(0) / prior.width(0) / n_trials() as f64;
+    }
+    println!("{freedom:?}, {solver:?}, q = {q}: 0 of {} truths lost, x narrowed to {share:.3} on average", n_trials());
+    share
+}
+
+#[test]
+fn one_shot_never_loses_the_truth() {
+    assert!(never_lost(Freedom::Full, Solver::OneShot, 0, 11) < 0.4);
+}
+
+#[test]
+fn one_shot_survives_wrong_correspondences() {
+    for q in [1, 2] {
+        assert!(never_lost(Freedom::Full, Solver::OneShot, q, 12) < 0.8);
+    }
+}
+
+#[test]
+fn polar_never_loses_the_truth() {
+    assert!(never_lost(Freedom::Full, Solver::Polar, 0, 13) < 0.6);
+}
+
+#[test]
+fn polar_survives_wrong_correspondences() {
+    never_lost(Freedom::Full, Solver::Polar, 1, 14);
+}
+
+#[test]
+fn the_corrected_table_never_loses_the_truth() {
+    assert!(never_lost(Freedom::Full, Solver::TableIv, 0, 15) < 0.9);
+}
+
+#[test]
+fn the_corrected_table_survives_wrong_correspondences() {
+    never_lost(Freedom::Full, Solver::TableIv, 1, 16);
+}
+
+#[test]
+fn bisection_never_loses_the_truth() {
+    assert!(never_lost(Freedom::Full, Solver::Sivia { resolution: 0.3 }, 0, 17) < 0.5);
+}
+
+#[test]
+fn bisection_survives_wrong_correspondences() {
+    never_lost(Freedom::Full, Solver::Sivia { resolution: 1.0 }, 1, 18);
+}
+
+#[test]
+fn tables_without_a_turn_hold_for_any_motion() {
+    for freedom in [Freedom::Line, Freedom::Translation] {
+        for q in [0, 1, 2] {
+            assert!(never_lost(freedom, Solver::OneShot, q, 19) < 0.9);
+        }
+    }
+}

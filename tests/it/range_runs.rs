@@ -1,0 +1,123 @@
+//! Whole runs by landmarks that no map names: soundness, recovery, what is learnt, baselines, the same bytes.
+
+use localizer::Status;
+use sim::{
+    check::{Verdict, check},
+    run::{RunOptions, RunRecord, run},
+    scene::{Event, Scene, SceneFile},
+};
+
+use crate::command::root;
+
+fn scene(name: &str, duration_s: f64) -> Scene {
+    let path = root().join(format!("scenes/papers/rigid_transform_{name}.toml"));
+    let mut scene = SceneFile::load_all(&[path]).unwrap().remove(0).scene;
+    scene.duration_s = duration_s;
+    scene
+}
+
+fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
+    let record = run(scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let verdict = check(scene, &record);
+    (record, verdict)
+}
+
+fn assert_clean(verdict: &Verdict) {
+    let containment = &verdict.containment;
+    assert_eq!(containment.contained, containment.checks, "{containment:?}");
+    assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+    assert_eq!((verdict.metrics["landmarks_outside"], verdict.metrics["landmarks_grown"]), (0.0, 0.0));
+}
+
+#[test]
+fn a_round_among_landmarks_keeps_the_truth_and_closes() {
+    let (record, verdict) = judged(&scene("loop", 70.0), 41);
+    assert_clean(&verdict);
+    assert!(verdict.metrics["landmarks_known"] > 30.0, "{:?}", verdict.metrics);
+    // Half way round the boxes are wider than at the end of it, where the first landmarks are in view again.
+    let width_m = |time_s: f64| {
+        let at = record.estimates.iter().find(|estimate| estimate.time_s >= time_s).unwrap();
+        at.pose.hull().width(0).max(at.pose.hull().width(1))
+    };
+    let widest = (20..60).map(|second| width_m(f64::from(second))).fold(0.0, f64::max);
+    assert!(width_m(69.0) < 0.9 * widest, "{} m at the end, {widest} m on the way", width_m(69.0));
+    let table = &verdict.baselines;
+    let kept = |name: &str| table[name].containment.as_ref().map(|counts| [counts.contained, counts.checks]).unwrap();
+    for name in ["one_shot", "polar", "table_iv", "sivia"] {
+        assert_eq!(kept(name)[0], kept(name)[1], "{name}");
+    }
+    let [printed, all] = kept("table_iv_printed");
+    assert!(all > 20 && 4 * printed < all, "the printed table kept {printed} of {all}");
+    for name in ["least_squares", "closest_points", "odometry"] {
+        assert!(table[name].error.is_some(), "{name}");
+    }
+}
+
+#[test]
+fn wrong_matches_within_q_lose_nothing_and_without_q_are_found_out() {
+    let honest = scene("wrong_matches", 40.0);
+    let (record, verdict) = judged(&honest, 42);
+    assert_clean(&verdict);
+    let n_wrong: usize = record.images.iter().map(|reading| reading.claims.len()).sum();
+    assert!(n_wrong > 0 && verdict.methods["range_landmarks"].false_claims > 10, "{:?}", verdict.methods);
+    // Told that no match is wrong, the method is misled; the check then blames the bound and not the method.
+    let mut misled = honest;
+    misled.robot.range_camera.as_mut().unwrap().q_items = 0;
+    let (_, verdict) = judged(&misled, 42);
+    println!("{:?} {:?}", verdict.violations, verdict.containment);
+    assert!(verdict.violations.iter().any(|violation| violation.bound == "range_landmarks.q_items"));
+    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+}
+
+#[test]
+fn a_push_is_noticed_and_what_was_learnt_from_it_is_unlearnt() {
+    let mut scene = scene("loop", 30.0);
+    scene.events.push(Event::Push { at_s: 12.0, displacement_m: [0.0, 0.5], lasts_s: 0.3 });
+    let (record, verdict) = judged(&scene, 43);
+    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+    assert!(verdict.violations.iter().any(|violation| violation.bound == "wheels.side_slip"));
+    assert!(record.estimates.iter().any(|estimate| estimate.status == Status::Recovering), "nobody noticed");
+    let last = record.estimates.last().unwrap();
+    assert_eq!(last.status, Status::Sound);
+    assert!(last.pose.branches.iter().any(|branch| branch.contains(&record.truths.last().unwrap().pose.to_array())));
+    assert_eq!(verdict.metrics["landmarks_outside"], 0.0);
+}
+
+#[test]
+fn a_landmark_that_grows_or_leaves_its_box_is_counted() {
+    let scene = scene("loop", 12.0);
+    let (mut record, honest) = judged(&scene, 47);
+    assert_clean(&honest);
+    let n = record.images.len();
+    // What was known at the start comes back at the end: wider boxes for each landmark that has shrunk since.
+    let early = record.images[10].landmarks.clone();
+    let late: std::collections::BTreeMap<_, _> = record.images[n - 2].landmarks.iter().copied().collect();
+    let shrunk = early.iter().filter(|(code, place)| late[code] != *place).count();
+    record.images[n - 1].landmarks = early;
+    assert!(shrunk > 0);
+    assert_eq!(check(&scene, &record).metrics["landmarks_grown"], shrunk as f64);
+    for (_, place) in &mut record.images[n - 1].landmarks {
+        place[0] = place[0] + 1.0;
+    }
+    let metrics = check(&scene, &record).metrics;
+    assert_eq!(metrics["landmarks_outside"], record.images[n - 1].landmarks.len() as f64);
+}
+
+#[test]
+fn lines_and_translations_are_contained_at_every_station() {
+    for name in ["line", "translation", "full"] {
+        let (_, verdict) = judged(&scene(name, 12.0), 44);
+        assert_clean(&verdict);
+    }
+}
+
+#[test]
+fn the_same_seed_measures_and_learns_the_same() {
+    let places = |seed: u64| {
+        let (record, _) = judged(&scene("loop", 8.0), seed);
+        format!("{:?}", record.images.last().map(|reading| reading.landmarks.clone()))
+    };
+    let first = places(45);
+    assert_eq!(first, places(45));
+    assert_ne!(first, places(46));
+}

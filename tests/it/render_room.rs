@@ -1,0 +1,351 @@
+use std::f64::consts::PI;
+
+use image::GrayImage;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3, vector};
+use sim::{
+    building::UprightBody,
+    drawn::Drawn,
+    render::{NoiseKey, View},
+    scene::Scene,
+    sensors::{camera::Photosites, lens::Lens},
+};
+
+use crate::{light_of_lamps::black_room, render_studio::renderer};
+
+/// A view of half a second with hardly any noise, in which 1 cd/m² is `levels` grey levels.
+fn quiet_view(lens: Lens, poses: Vec<Isometry3<f64>>, levels: f64) -> View {
+    let photosites = Photosites {
+        pixel_pitch_m: 5e-6,
+        f_number: 2.0,
+        quantum_efficiency: 0.5,
+        read_noise_electrons: 0.0,
+        full_well_electrons: 1e9,
+    };
+    let exposure_s = 0.5;
+    View {
+        intrinsics: lens.intrinsics(),
+        photosites,
+        world_from_camera: poses,
+        exposure_s,
+        gain_levels_per_electron: levels / photosites.electrons_per_luminance(exposure_s),
+        illuminance_at_floor_lux: 0.0,
+        noise: NoiseKey { seed: 3, image: 0 },
+        lens: Some(lens),
+    }
+}
+
+/// Draws a view in the light that the scene states.
+fn draw(scene: &Scene, view: View) -> GrayImage {
+    let mut renderer = renderer();
+    let world = renderer.upload_room(scene, &Drawn::draw(scene, 0)).unwrap();
+    let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
+    renderer.draw(&world, &[View { illuminance_at_floor_lux, ..view }]).unwrap().remove(0)
+}
+
+/// Looking down from a place, image up along world y.
+fn looking_down(x: f64, y: f64, z: f64) -> Isometry3<f64> {
+    let rotation = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    Isometry3::from_parts(Translation3::new(x, y, z), rotation)
+}
+
+/// Looking up from a place, image down along world y, turned about the axis and tipped.
+fn looking_up(x: f64, y: f64, z: f64, turn: Vector3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_scaled_axis(turn))
+}
+
+fn level(image: &GrayImage, u: u32, v: u32) -> f64 {
+    f64::from(image.get_pixel(u, v).0[0])
+}
+
+/// Brown and Conrady's model as OpenCV's documentation writes it, not as the simulator does.
+fn opencv(lens: &Lens, p: Point3<f64>) -> [f64; 2] {
+    let (x, y) = (p.x / p.z, p.y / p.z);
+    let [k1, k2, p1, p2, k3] = lens.distortion;
+    let r = x.hypot(y);
+    let factor = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
+    let xd = x * factor + 2.0 * p1 * x * y + p2 * (r.powi(2) + 2.0 * x.powi(2));
+    let yd = y * factor + p1 * (r.powi(2) + 2.0 * y.powi(2)) + 2.0 * p2 * x * y;
+    [lens.focal_px[0] * xd + lens.principal_point_px[0], lens.focal_px[1] * yd + lens.principal_point_px[1]]
+}
+
+/// A dark room with dots on the ceiling, seen by the light of a ring.
+fn dots(places: &[[f64; 2]], radius_m: f64) -> Scene {
+    let keys: String = places
+        .iter()
+        .map(|[x, y]| format!("[[building.dot]]\nx_m = {x:?}\ny_m = {y:?}\nradius_m = {radius_m:?}\n"))
+        .collect();
+    black_room(&format!("[light]\nilluminance_at_floor_lux = 0.0\n{keys}"))
+}
+
+const DOT_HEIGHT_M: f64 = 2.6 - 0.001;
+
+fn ring(lens: Lens) -> Lens {
+    Lens { ring_candela: 10.0, ..lens }
+}
+
+/// Level-weighted centre and variance along u within `reach` px of a place.
+fn spot(image: &GrayImage, near: [f64; 2], reach: i32) -> ([f64; 2], f64) {
+    let [u0, v0] = near.map(|coordinate| coordinate.round() as i32);
+    let pixels = || (v0 - reach..=v0 + reach).flat_map(move |v| (u0 - reach..=u0 + reach).map(move |u| (u, v)));
+    let weight = |(u, v): (i32, i32)| level(image, u as u32, v as u32);
+    let total: f64 = pixels().map(weight).sum();
+    let mean = |value: &dyn Fn((i32, i32)) -> f64| pixels().map(|p| weight(p) * value(p)).sum::<f64>() / total;
+    let centre = [mean(&|p| f64::from(p.0)), mean(&|p| f64::from(p.1))];
+    (centre, mean(&|p| (f64::from(p.0) - centre[0]).powi(2)))
+}
+
+/// Centre of a disc's image: points of the disc weighted by the area that each takes up on the image.
+fn disc_centre(project: &dyn Fn(Point3<f64>) -> [f64; 2], centre: [f64; 2], radius_m: f64) -> [f64; 2] {
+    let at = |dx: f64, dy: f64| project(Point3::new(centre[0] + dx, centre[1] + dy, DOT_HEIGHT_M));
+    let step = 1e-5;
+    let mut sums = [0.0; 3];
+    for (i, j) in (-20..=20).flat_map(|i| (-20..=20).map(move |j| (i, j))) {
+        let (dx, dy) = (f64::from(i) / 20.0 * radius_m, f64::from(j) / 20.0 * radius_m);
+        if dx.hypot(dy) > radius_m {
+            continue;
+        }
+        let (here, right, up) = (at(dx, dy), at(dx + step, dy), at(dx, dy + step));
+        let area = ((right[0] - here[0]) * (up[1] - here[1]) - (right[1] - here[1]) * (up[0] - here[0])).abs();
+        sums = [sums[0] + area, sums[1] + area * here[0], sums[2] + area * here[1]];
+    }
+    [sums[1] / sums[0], sums[2] / sums[0]]
+}
+
+#[test]
+fn grey_levels_of_a_floor_are_its_luminance_by_hand() {
+    // 100 cd, 2 m above (1, 1.5): 25 lx below; screed has albedo 0.4, so that L = 0.4·25/π.
+    let scene = black_room(
+        "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\n\
+         spectrum = \"monochrome\"\n",
+    );
+    let view = quiet_view(Lens::ideal([64, 64], 200.0), vec![looking_down(1.0, 1.5, 1.0)], 50.0);
+    let image = draw(&scene, view);
+    let mean =
+        (28..36).flat_map(|u| (28..36).map(move |v| (u, v))).map(|(u, v)| level(&image, u, v)).sum::<f64>() / 64.0;
+    let expected = 50.0 * 0.4 * 25.0 / PI;
+    assert!((mean / expected - 1.0).abs() < 0.01, "{mean}, expected {expected}");
+}
+
+#[test]
+fn the_image_falls_off_by_the_fourth_power_of_the_cosine() {
+    // Straight below a large even light nothing else makes the corner darker: compare with the same view without fall-off.
+    let scene = black_room("[light]\nilluminance_at_floor_lux = 100\n");
+    let lens = Lens { vignetting: true, ..Lens::ideal([65, 65], 40.0) };
+    let with = draw(&scene, quiet_view(lens, vec![looking_down(2.0, 1.5, 0.5)], 15.0));
+    let without = draw(&scene, quiet_view(Lens::ideal([65, 65], 40.0), vec![looking_down(2.0, 1.5, 0.5)], 15.0));
+    // At (62, 32): 30 px off the axis at a focal length of 40 px: tan = 0.75, cos⁴ = 0.64².
+    let mean = |image: &GrayImage| (28..37).map(|v| level(image, 62, v)).sum::<f64>();
+    let ratio = mean(&with) / mean(&without);
+    assert!((ratio / 0.4096 - 1.0).abs() < 0.02, "{ratio}");
+}
+
+#[test]
+fn a_distorted_ray_comes_back_to_its_pixel() {
+    for distortion in [[-0.28, 0.09, 0.001, -0.0008, -0.012], [0.1, -0.05, -0.002, 0.001, 0.01]] {
+        let lens = Lens { distortion, ..Lens::ideal([640, 480], 417.0) };
+        for (u, v) in [(0.0, 0.0), (639.0, 0.0), (0.0, 479.0), (320.5, 13.0), (639.0, 479.0)] {
+            let [x, y] = lens.ray([u, v]).unwrap();
+            let seen = opencv(&lens, Point3::new(x, y, 1.0));
+            assert!((seen[0] - u).hypot(seen[1] - v) < 1e-3, "{seen:?}, expected {u}, {v}");
+        }
+    }
+}
+
+#[test]
+fn discs_appear_where_an_independent_projection_puts_them() {
+    let places = [[2.0, 1.5], [1.45, 1.0], [2.55, 1.9], [1.5, 2.0], [2.5, 1.05]];
+    let (radius_m, turn) = (0.012, vector![0.05, -0.08, 0.4]);
+    let scene = dots(&places, radius_m);
+    for distortion in [[0.0; 5], [-0.25, 0.08, 0.001, -0.0015, -0.01]] {
+        let lens = ring(Lens { distortion, ..Lens::ideal([640, 480], 560.0) });
+        let pose = looking_up(2.02, 1.47, 0.3, turn);
+        let image = draw(&scene, quiet_view(lens.clone(), vec![pose], 0.4));
+        let project = |point: Point3<f64>| opencv(&lens, pose.inverse_transform_point(&point));
+        for place in places {
+            let expected = disc_centre(&project, place, radius_m);
+            let (seen, _) = spot(&image, expected, 7);
+            let error_px = (seen[0] - expected[0]).hypot(seen[1] - expected[1]);
+            assert!(error_px < 0.05, "{distortion:?} {place:?}: {seen:?}, expected {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
+    let places = [[1.8, 0.75], [2.0, 1.3], [2.5, 1.9], [2.1, 2.2]];
+    let (radius_m, row_time_s, exposure_s) = (0.012, 40e-6, 0.0005);
+    let scene = dots(&places, radius_m);
+    let lens = ring(Lens { row_time_s, distortion: [-0.1, 0.02, 0.0, 0.0, 0.0], ..Lens::ideal([640, 480], 560.0) });
+    // Turning at 1.5 rad/s and driving at 0.5 m/s while 480 rows are read out in 19 ms: some 16 px and 2.3 px.
+    let total_s = exposure_s + 479.0 * row_time_s;
+    let pose_at = |time_s: f64| looking_up(2.0 + 0.5 * time_s, 1.5, 0.3, vector![0.0, 0.0, 0.3 + 1.5 * time_s]);
+    let poses = (0..=8).map(|index| pose_at(total_s * f64::from(index) / 8.0)).collect();
+    let mut view = quiet_view(lens.clone(), poses, 0.4);
+    let slower = view.exposure_s / exposure_s;
+    view.exposure_s = exposure_s;
+    view.gain_levels_per_electron *= slower;
+    view.photosites.quantum_efficiency *= slower;
+    view.gain_levels_per_electron /= slower;
+    let image = draw(&scene, view);
+    for place in places {
+        // The row's own time, by bisection on row(time) − row.
+        let centre = Point3::new(place[0], place[1], DOT_HEIGHT_M);
+        let row_at =
+            |row: f64| opencv(&lens, pose_at(0.5 * exposure_s + row * row_time_s).inverse_transform_point(&centre));
+        let (mut low, mut high) = (0.0, 479.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if row_at(middle)[1] > middle { low = middle } else { high = middle }
+        }
+        let expected = row_at(low);
+        let (seen, _) = spot(&image, expected, 8);
+        let error_px = (seen[0] - expected[0]).hypot(seen[1] - expected[1]);
+        let still = opencv(&lens, pose_at(0.5 * total_s).inverse_transform_point(&centre));
+        assert!(error_px < 0.1, "{place:?}: {seen:?}, expected {expected:?}, without rolling {still:?}");
+    }
+}
+
+#[test]
+fn blur_is_as_long_as_the_way_on_the_image() {
+    let scene = dots(&[[2.0, 1.5]], 0.005);
+    let lens = ring(Lens::ideal([256, 192], 560.0));
+    // At the depth for which sub-frames are counted, so that 4 px are three of them.
+    let depth_m = DOT_HEIGHT_M - 1.6;
+    let variance = |blur_px: f64| {
+        let way_m = blur_px / 560.0 * depth_m;
+        let poses = (0..=4)
+            .map(|index| looking_up(2.0 + (f64::from(index) / 4.0 - 0.5) * way_m, 1.5, 1.6, Vector3::zeros()))
+            .collect();
+        let image = draw(&scene, quiet_view(lens.clone(), poses, 0.07));
+        spot(&image, [127.5, 95.5], 24).1
+    };
+    let still = variance(0.0);
+    for blur_px in [4.0, 9.0, 20.0] {
+        // A steady motion adds a box of this length, whose variance is b²/12.
+        let measured_px = (12.0 * (variance(blur_px) - still)).sqrt();
+        assert!((measured_px / blur_px - 1.0).abs() < 0.02, "{measured_px} px, expected {blur_px}");
+    }
+}
+
+#[test]
+fn defocus_spreads_a_point_over_its_disc() {
+    let scene = dots(&[[2.0, 1.5]], 0.01);
+    let variance = |defocus_px: f64| {
+        let lens = ring(Lens { defocus_px, ..Lens::ideal([256, 192], 560.0) });
+        let image = draw(&scene, quiet_view(lens, vec![looking_up(2.0, 1.5, 0.3, Vector3::zeros())], 0.4));
+        spot(&image, [127.5, 95.5], 24).1
+    };
+    // Along any axis a disc of diameter d has the variance d²/16.
+    let added = variance(8.0) - variance(0.0);
+    assert!((added / 4.0 - 1.0).abs() < 0.05, "{added}, expected 4");
+}
+
+#[test]
+fn a_retro_reflector_is_as_bright_as_its_coefficient_says() {
+    let scene = dots(&[[2.0, 1.5]], 0.05);
+    let lens = Lens { ring_candela: 3.0, ..Lens::ideal([64, 64], 200.0) };
+    let image = draw(&scene, quiet_view(lens, vec![looking_up(2.0, 1.5, 0.6, Vector3::zeros())], 1.0));
+    // R_A·E⊥ with 200 cd/lx/m² and 3 cd at 1.999 m.
+    let expected = 200.0 * 3.0 / (2.6_f64 - 0.001 - 0.6).powi(2);
+    let mean =
+        (30..34).flat_map(|u| (30..34).map(move |v| (u, v))).map(|(u, v)| level(&image, u, v)).sum::<f64>() / 16.0;
+    assert!((mean / expected - 1.0).abs() < 0.01, "{mean}, expected {expected}");
+}
+
+#[test]
+fn the_same_room_gives_the_same_bytes_and_no_camera_disturbs_another() {
+    let scene = black_room(
+        "[floor]\ncovering = \"wood\"\n[[lamp]]\nkind = \"window\"\nx_m = 2.0\ny_m = 0.0\nheading_deg = 90\n\
+         [[floor.region]]\nname = \"wet\"\nx_m = [1.5, 2.5]\ny_m = [1.0, 2.0]\nfriction = 0.4\ncovering = \"wet\"\n",
+    );
+    let view = |distortion: [f64; 5]| {
+        let lens = Lens { distortion, ..Lens::ideal([160, 120], 100.0) };
+        quiet_view(lens, vec![looking_down(2.0, 1.5, 1.2)], 2.0)
+    };
+    let one = draw(&scene, view([0.0; 5]));
+    let mut renderer = renderer();
+    let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
+    let views =
+        [view([-0.1, 0.0, 0.0, 0.0, 0.0]), view([0.0; 5])].map(|view| View { illuminance_at_floor_lux, ..view });
+    let both = renderer.draw(&world, &views).unwrap();
+    assert!(both[1] == one, "beside another view, and from another upload");
+    assert!(both[0] != one, "distortion shows");
+}
+
+#[test]
+fn a_floor_camera_under_lamps_sees_the_light_that_falls_there() {
+    // The bulb at x = 1: under it 25 lx, 2 m aside 8.84 lx. Screed has no texture: the image's mean is the light.
+    let scene = black_room(
+        "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\n\
+         spectrum = \"monochrome\"\n",
+    );
+    let mut renderer = renderer();
+    let world = renderer.upload(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    let mut look = |x: f64| {
+        let view = View {
+            illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(),
+            lens: None,
+            ..quiet_view(Lens::ideal([64, 64], 64.0), vec![looking_down(x, 1.5, 0.25)], 50.0)
+        };
+        renderer.draw(&world, &[view]).unwrap().remove(0)
+    };
+    let mean = |image: &GrayImage, columns: std::ops::Range<u32>| {
+        let places = columns.clone().flat_map(|u| (0..64).map(move |v| (u, v)));
+        places.map(|(u, v)| level(image, u, v)).sum::<f64>() / (64.0 * f64::from(columns.end - columns.start))
+    };
+    for (x, lux) in [(1.0, 25.0), (3.0, 8.839)] {
+        let (seen, expected) = (mean(&look(x), 0..64), 50.0 * 0.4 * lux / PI);
+        assert!((seen / expected - 1.0).abs() < 0.01, "{seen}, expected {expected}");
+    }
+    // d ln E/dx = −3·2/(4 + 2²) at x = 3; the middles of both halves are 0.125 m apart.
+    let image = look(3.0);
+    let slope = (mean(&image, 32..64) / mean(&image, 0..32)).ln() / 0.125;
+    assert!((slope / -0.75 - 1.0).abs() < 0.05, "{slope} per metre, expected -0.75");
+}
+
+#[test]
+fn a_floor_camera_sees_the_edge_of_a_carpet() {
+    let carpet = "[light]\nunevenness_ratio = 1.0\n[[floor.region]]\nname = \"carpet\"\nx_m = [1.0, 2.0]\n\
+                  y_m = [1.0, 2.0]\nfriction = 0.7\ncovering = \"carpet\"\n";
+    let scene = black_room(carpet);
+    let mut renderer = renderer();
+    let world = renderer.upload(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    // 0.2 m wide and high, the carpet's edge at x = 2 in the middle.
+    let lens = Lens::ideal([64, 64], 80.0);
+    let view = View {
+        illuminance_at_floor_lux: 100.0,
+        lens: None,
+        ..quiet_view(lens, vec![looking_down(2.0, 1.5, 0.25)], 15.0)
+    };
+    let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+    let row: Vec<f64> = (0..64).map(|u| level(&image, u, 32)).collect();
+    // Screed has albedo 0.4, the carpet 0.22.
+    assert!((row[10] / row[53] - 0.22 / 0.4).abs() < 0.02, "{} to {}", row[10], row[53]);
+    let edge = row.iter().position(|level| *level > (row[10] + row[53]) / 2.0).unwrap();
+    assert!((31..=33).contains(&edge), "{edge}");
+}
+
+#[test]
+fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
+    let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
+    let mut renderer = renderer();
+    let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    let person = UprightBody { middle_m: [3.0, 1.5], heading_rad: PI, height_m: 1.75, radius_m: 0.23, stride: 0.0 };
+    world.place_bodies(&[person]);
+    // Looking along world x from (0.5, 1.5, 0.9), image right along −y.
+    let columns = nalgebra::Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
+    let rotation = UnitQuaternion::from_matrix(&columns);
+    let pose = Isometry3::from_parts(Translation3::new(0.5, 1.5, 0.9), rotation);
+    let lens = Lens::ideal([320, 320], 300.0);
+    let view = View { illuminance_at_floor_lux: 200.0, ..quiet_view(lens, vec![pose], 20.0) };
+    let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+    // Walls are black: the topmost lit pixel of the middle column is the crown, 0.85 m above the axis at 2.5 m.
+    let crown = (0..320).find(|v| level(&image, 159, *v) > 2.0).unwrap();
+    let expected = 159.5 - 300.0 * 0.85 / 2.5;
+    assert!((f64::from(crown) - expected).abs() < 3.0, "{crown}, expected {expected}");
+    // At the height of the shoulders only the body is lit.
+    let row = 159 - (300.0 * (0.79 * 1.75 - 0.9) / 2.5) as u32;
+    let lit = (0..320).filter(|u| level(&image, *u, row) > 2.0).count() as f64;
+    assert!((lit / (300.0 * 0.46 / 2.5) - 1.0).abs() < 0.35, "{lit} px wide");
+}
