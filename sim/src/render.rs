@@ -16,11 +16,8 @@ use crate::{
     building::{Building, UprightBody},
     drawn::Drawn,
     light::{FloorField, bake},
-    scene::Scene,
-    sensors::{
-        camera::{Intrinsics, Photosites},
-        lens::Lens,
-    },
+    scene::{BitDepth, Scene, SensorModel},
+    sensors::{camera::Intrinsics, lens::Lens},
 };
 
 mod device;
@@ -37,20 +34,23 @@ use device::Graphics;
 use floor::{Floor, FloorPass};
 use photons::PhotonPass;
 use room::{RoomPass, RoomWorld};
-use target::Target;
+use target::{Levels, Target};
+
+/// Grey levels of more than eight bits.
+pub type DeepImage = image::ImageBuffer<image::Luma<u16>, Vec<u16>>;
 
 /// One picture to take. Camera frame: x right, y down, z forward.
 #[derive(Clone, Debug)]
 pub struct View {
     /// Projection of the lens.
     pub intrinsics: Intrinsics,
-    /// What turns light into electrons.
-    pub photosites: Photosites,
+    /// What turns light into grey levels.
+    pub sensor: SensorModel,
     /// Camera poses at equal steps of time, from the first instant of the exposure to the last; one pose if nothing moves.
     pub world_from_camera: Vec<Isometry3<f64>>,
     /// Length of the exposure.
     pub exposure_s: f64,
-    /// Grey levels per electron.
+    /// Grey levels of the sensor's own depth per electron.
     pub gain_levels_per_electron: f64,
     /// Mean illuminance over the room's floor.
     pub illuminance_at_floor_lux: f64,
@@ -141,7 +141,8 @@ pub enum RenderError {
     },
 }
 
-/// The graphics device with its pipelines. Make one per process: several instances on one driver may abort.
+/// The graphics device with its pipelines. Make one per process, and siblings of it for further threads: several instances
+/// on one driver may abort.
 pub struct Renderer {
     graphics: Graphics,
     floor_pass: FloorPass,
@@ -157,7 +158,18 @@ impl Renderer {
     /// # Errors
     /// If there is no such adapter or it cannot be opened.
     pub fn new() -> Result<Renderer, RenderError> {
-        let graphics = Graphics::open()?;
+        Renderer::on(Graphics::open()?)
+    }
+
+    /// Another renderer on the same device, for another thread; none when the device does not allow several threads.
+    ///
+    /// # Errors
+    /// If the driver reported an error.
+    pub fn sibling(&self) -> Result<Option<Renderer>, RenderError> {
+        if self.graphics.allows_threads() { Renderer::on(self.graphics.clone()).map(Some) } else { Ok(None) }
+    }
+
+    fn on(graphics: Graphics) -> Result<Renderer, RenderError> {
         let floor_pass = FloorPass::new(&graphics.device);
         let room_pass = RoomPass::new(&graphics.device);
         let photon_pass = PhotonPass::new(&graphics.device);
@@ -203,11 +215,42 @@ impl Renderer {
         })
     }
 
-    /// Takes all pictures of a tick, in the order of `views`.
+    /// Takes all pictures of a tick, in the order of `views`: the eight most significant bits of each level.
     ///
     /// # Errors
     /// If a view has no pose or is larger than the device allows, or the driver reports an error or does not answer.
     pub fn draw(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<GrayImage>, RenderError> {
+        let pictures = self.read_out(world, views)?.into_iter().zip(views).map(|(levels, view)| {
+            let pixels = match levels {
+                Levels::Eight(levels) => levels,
+                Levels::Deep(levels) => {
+                    let shift = view.sensor.bits.bits() - 8;
+                    levels.into_iter().map(|level| (level >> shift) as u8).collect()
+                }
+            };
+            let [width, height] = view.intrinsics.size_px;
+            GrayImage::from_raw(width, height, pixels).ok_or(RenderError::BadView("its picture has another size"))
+        });
+        pictures.collect()
+    }
+
+    /// The same pictures with all bits that the sensors give.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_deep(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<DeepImage>, RenderError> {
+        let pictures = self.read_out(world, views)?.into_iter().zip(views).map(|(levels, view)| {
+            let pixels = match levels {
+                Levels::Eight(levels) => levels.into_iter().map(u16::from).collect(),
+                Levels::Deep(levels) => levels,
+            };
+            let [width, height] = view.intrinsics.size_px;
+            DeepImage::from_raw(width, height, pixels).ok_or(RenderError::BadView("its picture has another size"))
+        });
+        pictures.collect()
+    }
+
+    fn read_out(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<Levels>, RenderError> {
         for (index, view) in views.iter().enumerate() {
             self.prepare_target(index, view)?;
         }
@@ -249,10 +292,11 @@ impl Renderer {
                 limit: format!("{limit_px} px"),
             });
         }
-        if self.targets.get(index).is_some_and(|target| target.size_px == size_px) {
+        let deep = view.sensor.bits != BitDepth::Eight;
+        if self.targets.get(index).is_some_and(|target| target.size_px == size_px && target.deep == deep) {
             return Ok(());
         }
-        let target = Target::new(&self.graphics.device, &self.floor_pass, &self.photon_pass, size_px);
+        let target = Target::new(&self.graphics.device, &self.floor_pass, &self.photon_pass, size_px, deep);
         if index < self.targets.len() {
             self.targets[index] = target;
         } else {

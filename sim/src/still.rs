@@ -6,10 +6,10 @@ use localizer::Pose;
 use crate::{
     drawn::Drawn,
     randomness,
-    render::{NoiseKey, RenderError, RenderedWorld, Renderer, View},
-    scene::{FloorCamera, Scene},
+    render::{DeepImage, NoiseKey, RenderError, RenderedWorld, Renderer, View},
+    scene::{BitDepth, Scene, SensorModel},
     sensors::{
-        camera::{AutoExposure, Exposure, Photosites, floor_camera_intrinsics, world_from_floor_camera},
+        camera::{AutoExposure, Exposure, floor_camera_intrinsics, world_from_floor_camera},
         lens::{Lens, world_from_camera},
     },
     truth::Truth,
@@ -31,8 +31,12 @@ pub enum CameraName {
 pub struct Still {
     /// The camera that took it.
     pub camera: CameraName,
-    /// Grey levels as the sensor gave them.
+    /// The eight most significant bits of what the sensor gave, which is what the localizer gets.
     pub image: GrayImage,
+    /// Grey levels as the sensor gave them.
+    pub levels: DeepImage,
+    /// The sensor.
+    pub sensor: SensorModel,
     /// How it was exposed.
     pub exposure: Exposure,
 }
@@ -105,20 +109,30 @@ pub fn take(
         .collect();
     for image in 0..SETTLING {
         let views: Vec<View> = stations.iter().map(|(_, station)| station.exposed(image)).collect();
-        let images = renderer.draw(world, &views)?;
         if image + 1 == SETTLING {
-            let still = |((camera, station), image): ((CameraName, Station), GrayImage)| Still {
+            let still = |((camera, station), levels): ((CameraName, Station), DeepImage)| Still {
                 camera,
-                image,
+                image: most_significant(&levels, station.view.sensor.bits),
+                levels,
+                sensor: station.view.sensor,
                 exposure: station.control.exposure(),
             };
-            return Ok(stations.into_iter().zip(images).map(still).collect());
+            return Ok(stations.into_iter().zip(renderer.draw_deep(world, &views)?).map(still).collect());
         }
+        let images = renderer.draw(world, &views)?;
         for ((_, station), image) in stations.iter_mut().zip(&images) {
             station.control.meter(image);
         }
     }
     Ok(Vec::new())
+}
+
+/// The eight most significant bits of each level.
+fn most_significant(levels: &DeepImage, bits: BitDepth) -> GrayImage {
+    let shift = bits.bits() - 8;
+    GrayImage::from_fn(levels.width(), levels.height(), |u, v| {
+        image::Luma([(levels.get_pixel(u, v).0[0] >> shift) as u8])
+    })
 }
 
 impl Station {
@@ -142,30 +156,32 @@ fn station(
     seed: u64,
 ) -> Option<Station> {
     let robot = &scene.robot;
-    let (lens, electronics, pose) = match name {
-        CameraName::Floor => {
-            (None, robot.floor_camera.clone()?, world_from_floor_camera(truth, drawn.floor_camera.as_ref()?))
-        }
+    let (lens, sensor, pose) = match name {
+        CameraName::Floor => (
+            None,
+            robot.floor_camera.as_ref()?.sensor_model(),
+            world_from_floor_camera(truth, drawn.floor_camera.as_ref()?),
+        ),
         CameraName::Forward => {
             let (camera, mount) = (robot.forward_camera.as_ref()?, drawn.forward_camera.as_ref()?);
             let lens = Lens::forward(camera, mount);
-            (Some(lens), electronics(camera.exposure_s), world_from_camera(truth, mount))
+            (Some(lens), camera.sensor_model(), world_from_camera(truth, mount))
         }
         CameraName::Ceiling => {
             let (camera, mount) = (robot.ceiling_camera.as_ref()?, drawn.ceiling_camera.as_ref()?);
             let lens = Lens::ceiling(camera, mount);
-            (Some(lens), electronics(camera.exposure_s), world_from_camera(truth, mount))
+            (Some(lens), camera.sensor_model(), world_from_camera(truth, mount))
         }
     };
     let intrinsics = match (&lens, drawn.floor_camera.as_ref()) {
         (Some(lens), _) => lens.intrinsics(),
-        (None, mount) => floor_camera_intrinsics(&electronics, mount?),
+        (None, mount) => floor_camera_intrinsics(robot.floor_camera.as_ref()?, mount?),
     };
-    let control = AutoExposure::new(&electronics);
+    let control = AutoExposure::new(&sensor);
     let exposure = control.exposure();
     let view = View {
         intrinsics,
-        photosites: Photosites::from(&electronics),
+        sensor,
         world_from_camera: vec![pose],
         exposure_s: exposure.exposure_s,
         gain_levels_per_electron: exposure.gain_levels_per_electron,
@@ -174,11 +190,6 @@ fn station(
         lens,
     };
     Some(Station { view, control })
-}
-
-/// What turns light into grey levels behind the lenses of the forward and the ceiling camera: pixels of 3 µm at f/2.
-fn electronics(exposure_s: f64) -> FloorCamera {
-    FloorCamera { exposure_s, pixel_pitch_m: 3e-6, read_noise_electrons: 3.0, ..FloorCamera::default() }
 }
 
 /// The floor camera keeps the run's own seed; each other one has noise of its own.

@@ -34,6 +34,21 @@ fn a_contact_sheet_is_one_picture() {
 }
 
 #[test]
+fn twelve_bits_are_written_as_they_are() {
+    let folder = folder("render_deep");
+    let keys = "[robot.forward_camera]\nwidth_px = 96\nheight_px = 64\nsensor.preset = \"machine_vision\"\n";
+    fs::write(folder.join("room.toml"), blind_scene(1.0, keys)).unwrap();
+    let (code, _, error) = outcome(&mut wherein(&folder, &["render", "room.toml", "--out", "out"]));
+    assert_eq!(code, 0, "{error}");
+    let image::DynamicImage::ImageLuma16(levels) = image::open(folder.join("out/room/forward.png")).unwrap() else {
+        panic!("not of 16 bits");
+    };
+    let greatest = levels.as_raw().iter().max().copied().unwrap();
+    assert!((1024..4096).contains(&greatest), "{greatest}");
+    assert!(levels.as_raw().iter().any(|level| level % 16 != 0));
+}
+
+#[test]
 fn what_cannot_be_rendered_is_refused_with_its_reason() {
     let folder = folder("render_refused");
     fs::write(folder.join("blind.toml"), blind_scene(1.0, "")).unwrap();

@@ -1,7 +1,10 @@
 //! The laws of contractors on random problems with known solutions, often at a corner: the result is a subset, no solution is
 //! lost, and a fixpoint stays.
 
-use localizer::contractor::{Distance, ForwardBackward, Periodic, Pinhole, Polar, QRelaxed};
+use localizer::contractor::{
+    Distance, ForwardBackward, Landmark, Periodic, Pinhole, Polar, QRelaxed, RelaxedPose, RigidPolar, RigidTable,
+    Translated, Within,
+};
 use localizer::{Contractor, Interval, IntervalBox, Outcome};
 use proptest::prelude::*;
 
@@ -129,5 +132,53 @@ proptest! {
         });
         let relaxed = QRelaxed { contractors: contractors.collect(), q: 1 };
         check_laws(&relaxed, IntervalBox::new([around(x, s[0].0, s[0].1), around(y, s[1].0, s[1].1)]), [x, y]);
+    }
+
+    #[test]
+    fn membership_keeps_its_laws(x in -10.0..10.0f64, y in -10.0..10.0f64, s in proptest::collection::vec(surroundings(), 4)) {
+        let boxed = |value: f64, (width, share): (f64, f64)| around(value, width, share);
+        let within = Within(IntervalBox::new([boxed(x, s[0]), boxed(y, s[1])]));
+        check_laws(&within, IntervalBox::new([boxed(x, s[2]), boxed(y, s[3])]), [x, y]);
+    }
+}
+
+/// A pose, landmarks of which the last `n_wrong` are in the wrong place, and a box of poses.
+fn landmark_problem(n_wrong: usize) -> impl Strategy<Value = (Vec<Landmark>, IntervalBox<3>, [f64; 3])> {
+    let landmark =
+        ((-6.0..6.0f64, -6.0..6.0f64), proptest::collection::vec((prop_oneof![Just(0.0), 0.0..0.3], share()), 4));
+    let pose = (-3.0..3.0f64, -3.0..3.0f64, -7.0..7.0f64);
+    let landmarks = proptest::collection::vec(landmark, 2 + n_wrong..7 + n_wrong);
+    (pose, landmarks, proptest::collection::vec(surroundings(), 3)).prop_map(move |((x, y, heading), landmarks, s)| {
+        let (sin, cos) = heading.sin_cos();
+        let n_right = landmarks.len() - n_wrong;
+        let seen = landmarks.into_iter().enumerate().map(|(index, ((a, b), errors))| {
+            let (across, along) = (a - x, b - y);
+            let in_robot = [cos * across + sin * along, cos * along - sin * across];
+            let interval = |value: f64, error: usize| around(value, errors[error].0, errors[error].1);
+            let shift = if index < n_right { 0.0 } else { 4.0 };
+            ([interval(a + shift, 0), interval(b, 1)], [interval(in_robot[0], 2), interval(in_robot[1], 3)])
+        });
+        let domain =
+            IntervalBox::new([around(x, s[0].0, s[0].1), around(y, s[1].0, s[1].1), around(heading, s[2].0, s[2].1)]);
+        (seen.collect(), domain, [x, y, heading])
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn solvers_for_landmarks_keep_their_laws((landmarks, domain, pose) in landmark_problem(0)) {
+        check_laws(&RigidPolar::new(&landmarks), domain, pose);
+        check_laws(&RigidTable::new(&landmarks), domain, pose);
+        check_laws(&Translated::<1> { landmarks: landmarks.clone(), q: 0 }, domain, pose);
+        check_laws(&Translated::<2> { landmarks: landmarks.clone(), q: 0 }, domain, pose);
+        check_laws(&RelaxedPose { landmarks, q: 0 }, domain, pose);
+    }
+
+    #[test]
+    fn solvers_that_allow_wrong_landmarks_keep_their_laws((landmarks, domain, pose) in landmark_problem(2)) {
+        check_laws(&Translated::<2> { landmarks: landmarks.clone(), q: 2 }, domain, pose);
+        check_laws(&RelaxedPose { landmarks, q: 2 }, domain, pose);
     }
 }

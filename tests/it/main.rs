@@ -62,6 +62,8 @@ mod record_files;
 mod repository;
 /// Tiles as laid, against the bounds that the localizer is told.
 mod render_laid_tiles;
+/// The sensor against the linear model of EMVA 1288: dark current, non-uniformities, depth, presets, the photon budget at 0.1 lx.
+mod render_sensor;
 /// Grey levels and noise against photon counts by hand.
 mod render_photons;
 /// Rendered floor points, joints and blur against a projection derived by hand.
@@ -78,3 +80,13 @@ mod render_studio;
 mod blame;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
+/// Recordings as the `mcap` crate reads them, and the localizer on them.
+mod recordings;
+/// Sweeps: every case once, the same bytes for any number of jobs, after kills, and merged from parts.
+mod sweep_cases;
+/// Sweeps that must be refused, and what the refusal says.
+mod sweep_refusals;
+/// Reports, JUnit and annotations of a sweep, against its own table.
+mod sweep_report;
+/// `wherein compare`: planted differences found, chance not taken for one.
+mod sweep_compare;

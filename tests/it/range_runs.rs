@@ -97,7 +97,7 @@ fn a_landmark_that_grows_or_leaves_its_box_is_counted() {
     assert!(shrunk > 0);
     assert_eq!(check(&scene, &record).metrics["landmarks_grown"], shrunk as f64);
     for (_, place) in &mut record.images[n - 1].landmarks {
-        place[0] = place[0] + 1.0;
+        place[0] += 1.0;
     }
     let metrics = check(&scene, &record).metrics;
     assert_eq!(metrics["landmarks_outside"], record.images[n - 1].landmarks.len() as f64);

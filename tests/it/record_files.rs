@@ -92,3 +92,32 @@ fn frames_show_the_image_as_the_sensor_gave_it_and_a_larger_figure() {
     }
     assert!(!run.join("image_00001.png").exists());
 }
+
+#[test]
+fn a_reading_of_the_range_camera_is_drawn_where_the_landmark_is() {
+    let folder = folder("range_frames");
+    // One landmark 2 m before the robot and 0.5 m to its left, which stands at (0.6, 0.6) and looks along x.
+    let scene = blind_scene(1.0, "[localizer]\nmethods = [\"range_landmarks\"]\n[[landmark]]\nx_m = 2.6\ny_m = 1.1\n")
+        .replace("floor_camera = false", "floor_camera = false\nrange_camera = true")
+        .replace("y_m = 0.6\n", "y_m = 0.6\ntolerance_m = 0\ntolerance_deg = 0\n")
+        .replace("[[route.waypoint]]\nx_m = 2.4\ny_m = 1.2", "[[route.waypoint]]\nx_m = 0.6\ny_m = 0.6");
+    fs::write(folder.join("scene.toml"), scene).unwrap();
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml", "--frames", "every=2"]));
+    assert_eq!(code, 0, "{stderr}");
+    let run = folder.join("renders/scene/0");
+    assert!(!run.join("image_00000.png").exists(), "a range camera takes no picture");
+    let figure = image::open(run.join("figure_00002.png")).unwrap().into_rgb8();
+    // The view is 720 px high and begins 84 px below the top and 20 px from the left; 5.3 m fill 88 % of it.
+    let pixels_per_m = 720.0 * 0.88 / 5.3;
+    let at = |forward_m: f64, left_m: f64| {
+        [20.0 + 480.0 - left_m * pixels_per_m, 84.0 + 720.0 * 0.88 - forward_m * pixels_per_m].map(|place| place as u32)
+    };
+    let [u, v] = at(2.0, 0.5);
+    assert_eq!(figure.get_pixel(u, v).0, [0, 128, 92], "no green dot at {u}, {v}");
+    // At 2 m a disparity of one column is 0.1 m deep: the box is blue before and behind the dot.
+    let is_blue = |[u, v]: [u32; 2]| {
+        let [red, _, blue] = figure.get_pixel(u, v).0;
+        blue > red.saturating_add(20)
+    };
+    assert!(is_blue(at(2.03, 0.5)) && is_blue(at(1.97, 0.5)) && !is_blue(at(2.4, 0.5)) && !is_blue(at(2.0, -0.5)));
+}

@@ -53,7 +53,7 @@ fn few_electrons_are_counted_as_poisson_has_it() {
     let studio = one_tile();
     for mean_electrons in [0.8, 5.0, 25.0] {
         let mut view = studio.view(&[standing(2.5, 2.5, 0.0)], 0);
-        view.photosites.read_noise_electrons = 0.0;
+        view.sensor.read_noise_electrons = 0.0;
         view.illuminance_at_floor_lux = 300.0;
         view.exposure_s = 0.01 * mean_electrons / (16.196 * 300.0);
         // One level per electron and room for all of them.
@@ -97,13 +97,13 @@ fn noise_is_the_same_for_the_same_key_and_independent_for_another() {
 fn a_switched_lamp_spoils_two_images_at_most() {
     let studio = Studio::new(3.0, "[floor.tiles]\n");
     let camera = studio.scene.robot.floor_camera.clone().unwrap();
-    let mut control = AutoExposure::new(&camera);
+    let mut control = AutoExposure::new(&camera.sensor_model());
     let mut number = 0;
     for (lux, levels) in [(300.0, 110.0), (1000.0, 110.0), (3.0, 110.0), (100.0, 110.0), (10.0, 110.0)] {
         let mut means = Vec::new();
         for _ in 0..4 {
             let exposure = control.exposure();
-            assert!(exposure.exposure_s <= camera.exposure_s);
+            assert!(exposure.exposure_s <= camera.sensor_model().longest_exposure_s);
             let mut view = exposed(studio.view(&[standing(1.5, 1.5, 0.2)], number), exposure);
             view.illuminance_at_floor_lux = lux;
             let image = studio.draw(view);

@@ -136,7 +136,7 @@ fn blur_is_as_long_as_the_way_during_the_exposure() {
             (0..=10).map(|k| standing(1.65 + (f64::from(k) / 10.0 - 0.5) * way_m, 1.5, 0.0)).collect();
         let mut view = studio.view(&truths, 0);
         // Noise of half a level, so that the mean of a row is finer than its levels.
-        view.photosites.full_well_electrons = 1e5;
+        view.sensor.full_well_electrons = 1e5;
         view.exposure_s *= 10.0;
         view.gain_levels_per_electron /= 10.0;
         let image = studio.draw(view);

@@ -6,28 +6,29 @@ use sim::{
     building::UprightBody,
     drawn::Drawn,
     render::{NoiseKey, View},
-    scene::Scene,
-    sensors::{camera::Photosites, lens::Lens},
+    scene::{Scene, SensorModel, SensorPreset},
+    sensors::lens::Lens,
 };
 
 use crate::{light_of_lamps::black_room, render_studio::renderer};
 
 /// A view of half a second with hardly any noise, in which 1 cd/m² is `levels` grey levels.
 fn quiet_view(lens: Lens, poses: Vec<Isometry3<f64>>, levels: f64) -> View {
-    let photosites = Photosites {
+    let sensor = SensorModel {
         pixel_pitch_m: 5e-6,
         f_number: 2.0,
         quantum_efficiency: 0.5,
         read_noise_electrons: 0.0,
         full_well_electrons: 1e9,
+        ..SensorPreset::GlobalShutter.model()
     };
     let exposure_s = 0.5;
     View {
         intrinsics: lens.intrinsics(),
-        photosites,
+        sensor,
         world_from_camera: poses,
         exposure_s,
-        gain_levels_per_electron: levels / photosites.electrons_per_luminance(exposure_s),
+        gain_levels_per_electron: levels / sensor.electrons_per_luminance(exposure_s),
         illuminance_at_floor_lux: 0.0,
         noise: NoiseKey { seed: 3, image: 0 },
         lens: Some(lens),
@@ -184,7 +185,7 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
     let slower = view.exposure_s / exposure_s;
     view.exposure_s = exposure_s;
     view.gain_levels_per_electron *= slower;
-    view.photosites.quantum_efficiency *= slower;
+    view.sensor.quantum_efficiency *= slower;
     view.gain_levels_per_electron /= slower;
     let image = draw(&scene, view);
     for place in places {

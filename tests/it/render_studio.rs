@@ -9,7 +9,7 @@ use sim::{
     drawn::{Drawn, DrawnFloorCamera},
     render::{NoiseKey, Renderer, View},
     scene::Scene,
-    sensors::camera::{Exposure, Photosites, floor_camera_intrinsics, world_from_floor_camera},
+    sensors::camera::{Exposure, floor_camera_intrinsics, world_from_floor_camera},
     truth::Truth,
 };
 
@@ -48,7 +48,7 @@ impl Studio {
         let camera = self.scene.robot.floor_camera.as_ref().unwrap();
         View {
             intrinsics: floor_camera_intrinsics(camera, &self.mount),
-            photosites: Photosites::from(camera),
+            sensor: camera.sensor_model(),
             world_from_camera: self.poses(truths),
             exposure_s: 0.01,
             gain_levels_per_electron: 0.025,
@@ -61,8 +61,8 @@ impl Studio {
     /// A view whose noise is a fifth of a grey level: a well of a million electrons without read noise.
     pub(crate) fn quiet_view(&self, truths: &[Truth]) -> View {
         let mut view = self.view(truths, 0);
-        view.photosites.full_well_electrons = 1e6;
-        view.photosites.read_noise_electrons = 0.0;
+        view.sensor.full_well_electrons = 1e6;
+        view.sensor.read_noise_electrons = 0.0;
         view.exposure_s = 1.0;
         view.gain_levels_per_electron = 0.025 / 100.0;
         view

@@ -9,7 +9,7 @@ use crate::{
     drawn::Drawn,
     frames::{Column, contact_sheet, tone_mapped},
     render::{RenderedWorld, Renderer},
-    scene::{Scene, SceneFile},
+    scene::{BitDepth, Scene, SceneFile},
     still::{CameraName, Still, take},
 };
 
@@ -95,8 +95,12 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CommandError> {
         let sheet = contact_sheet(&title, &columns);
         return save(&folder.join("contact_sheet.png"), |path| sheet.save(path));
     }
-    for Still { camera, image, .. } in take_in(arguments.lux)?.stills {
-        save(&folder.join(format!("{}.png", camera.as_str())), |path| image.save(path))?;
+    for Still { camera, image, levels, sensor, .. } in take_in(arguments.lux)?.stills {
+        let raw = folder.join(format!("{}.png", camera.as_str()));
+        match sensor.bits {
+            BitDepth::Eight => save(&raw, |path| image.save(path))?,
+            BitDepth::Ten | BitDepth::Twelve => save(&raw, |path| levels.save(path))?,
+        }
         let toned = tone_mapped(&image);
         save(&folder.join(format!("{}_tone_mapped.png", camera.as_str())), |path| toned.save(path))?;
     }

@@ -78,12 +78,13 @@ pub fn contact_sheet(title: &str, columns: &[Column]) -> RgbImage {
 }
 
 fn caption(canvas: &mut Canvas, [left_px, top_px]: [f64; 2], column: &Column, still: &Still) {
-    let levels: f64 = still.image.as_raw().iter().map(|level| f64::from(*level)).sum();
-    let electrons = levels / still.image.as_raw().len() as f64 / still.exposure.gain_levels_per_electron;
+    let levels: f64 = still.levels.as_raw().iter().map(|level| f64::from(*level)).sum();
+    let mean = levels / still.levels.as_raw().len() as f64 - still.sensor.black_level;
+    let electrons = mean / still.exposure.gain_levels_per_electron;
     let lux = format!("{} lx", column.illuminance_at_floor_lux);
     canvas.text([left_px, top_px], TEXT_PX, palette::INK, &lux);
     let how = format!(
-        "{:.2} ms, {:.3} levels per electron, mean {electrons:.1}",
+        "{:.2} ms, gain {:.3}, mean {electrons:.1} e",
         still.exposure.exposure_s * 1e3,
         still.exposure.gain_levels_per_electron
     );

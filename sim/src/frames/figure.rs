@@ -1,6 +1,6 @@
 //! The figure of one image: what was seen at the left, where that puts the robot at the right, in words above and below.
 
-use image::{GrayImage, Rgb, RgbImage};
+use image::{Rgb, RgbImage};
 
 use crate::{
     run::{ImageRecord, RunRecord},
@@ -8,10 +8,11 @@ use crate::{
 };
 
 use super::{
+    Seen,
     camera_view::{self, Tones},
     canvas::{Canvas, Panel},
     map_view::MapView,
-    palette,
+    palette, range_view,
 };
 
 const MARGIN_PX: f64 = 20.0;
@@ -23,14 +24,11 @@ const TITLE_PX: f32 = 24.0;
 const TEXT_PX: f32 = 18.0;
 
 /// Draws the figure.
-pub(super) fn draw(
-    file: &SceneFile,
-    record: &RunRecord,
-    image: &ImageRecord,
-    pixels: &GrayImage,
-    exposure_s: f64,
-) -> RgbImage {
-    let aspect = f64::from(pixels.width()) / f64::from(pixels.height().max(1));
+pub(super) fn draw(file: &SceneFile, record: &RunRecord, image: &ImageRecord, seen: &Seen) -> RgbImage {
+    let aspect = match seen {
+        Seen::Image { pixels, .. } => f64::from(pixels.width()) / f64::from(pixels.height().max(1)),
+        Seen::Codes { .. } => 4.0 / 3.0,
+    };
     let view = Panel {
         left_px: MARGIN_PX,
         top_px: HEADER_PX,
@@ -45,10 +43,13 @@ pub(super) fn draw(
     let height_px = HEADER_PX + IMAGE_HEIGHT_PX + FOOTER_PX;
     let mut canvas = Canvas::new(width_px as u32, height_px as u32, palette::PAPER);
 
-    header(&mut canvas, file, record, image, pixels, exposure_s);
-    camera_view::draw(&mut canvas, view, &file.scene, record, image, pixels);
+    header(&mut canvas, file, record, image, seen);
+    match seen {
+        Seen::Image { pixels, .. } => camera_view::draw(&mut canvas, view, &file.scene, record, image, pixels),
+        Seen::Codes { camera } => range_view::draw(&mut canvas, view, &file.scene, camera, record, image),
+    }
     maps(&mut canvas, &MapView::room(room, &file.scene), &MapView::close_up(near, image), &file.scene, record, image);
-    for panel in [room, near] {
+    for panel in [view, room, near] {
         frame(&mut canvas, panel);
     }
     legend(&mut canvas, height_px - FOOTER_PX + 13.0, image);
@@ -59,9 +60,11 @@ fn maps(canvas: &mut Canvas, room: &MapView, near: &MapView, scene: &Scene, reco
     let truth = image.truth.pose;
     for view in [room, near] {
         view.draw_floor(canvas, scene, record.drawn.tiles.as_ref());
+        view.draw_things(canvas, scene);
         view.draw_trail(canvas, record, image.truth.time_s);
     }
     room.draw_robot(canvas, scene, truth);
+    room.draw_landmarks(canvas, scene, image);
     room.draw_boxes(canvas, image);
     room.draw_truth(canvas, truth, 46.0);
     near.draw_boxes(canvas, image);
@@ -70,25 +73,27 @@ fn maps(canvas: &mut Canvas, room: &MapView, near: &MapView, scene: &Scene, reco
     near.draw_scale(canvas);
 }
 
-fn header(
-    canvas: &mut Canvas,
-    file: &SceneFile,
-    record: &RunRecord,
-    image: &ImageRecord,
-    pixels: &GrayImage,
-    exposure_s: f64,
-) {
-    let title = format!("{}   seed {}   image {}   {:.2} s", file.name, record.seed, image.number, image.measured_s);
+fn header(canvas: &mut Canvas, file: &SceneFile, record: &RunRecord, image: &ImageRecord, seen: &Seen) {
+    let (kind, circumstances) = match seen {
+        Seen::Image { pixels, exposure_s } => {
+            let tones = Tones::of(pixels);
+            let light = format!(
+                "{} lx at the floor, exposed {:.1} ms, grey {} to {} shown black to white",
+                lux_at(&file.scene, image.measured_s),
+                exposure_s * 1e3,
+                tones.black,
+                tones.white,
+            );
+            ("image", light)
+        }
+        Seen::Codes { .. } => {
+            let known = format!("{} landmarks known, boxes as the range camera measured them", image.landmarks.len());
+            ("reading", known)
+        }
+    };
+    let title = format!("{}   seed {}   {kind} {}   {:.2} s", file.name, record.seed, image.number, image.measured_s);
     canvas.text([MARGIN_PX, 12.0], TITLE_PX, palette::INK, &title);
-    let tones = Tones::of(pixels);
-    let light = format!(
-        "{} lx at the floor, exposed {:.1} ms, grey {} to {} shown black to white",
-        lux_at(&file.scene, image.measured_s),
-        exposure_s * 1e3,
-        tones.black,
-        tones.white,
-    );
-    canvas.text([MARGIN_PX, 48.0], TEXT_PX, palette::FAINT_INK, &light);
+    canvas.text([MARGIN_PX, 48.0], TEXT_PX, palette::FAINT_INK, &circumstances);
     let (outcome, colour) = outcome(image);
     let right_px = f64::from(canvas.image.width()) - MARGIN_PX;
     let left_of = |size: f32, text: &str| right_px - Canvas::text_width_px(size, text);

@@ -70,6 +70,45 @@ impl MapView {
         });
     }
 
+    /// Furniture, and the ways that people walk.
+    pub(super) fn draw_things(&self, canvas: &mut Canvas, scene: &Scene) {
+        canvas.clipped(self.panel, |canvas| {
+            for piece in &scene.furniture {
+                let (sin, cos) = piece.rotation_deg.to_radians().sin_cos();
+                let corner = |along: f64, across: f64| {
+                    let (along_m, across_m) = (0.5 * along * piece.size_m[0], 0.5 * across * piece.size_m[1]);
+                    self.place([piece.x_m + along_m * cos - across_m * sin, piece.y_m + along_m * sin + across_m * cos])
+                };
+                let corners = [corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0), corner(1.0, -1.0)];
+                canvas.fill(&corners, palette::FURNITURE, 1.0);
+                canvas.outline(&corners, 1.2, palette::FAINT_INK);
+            }
+            for person in &scene.people {
+                let walk: Vec<[f64; 2]> = person.waypoints_m.iter().map(|at| self.place(*at)).collect();
+                walk.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.5, palette::FAINT_INK));
+                let radius_px = person.radius_m * self.pixels_per_m;
+                walk.iter().for_each(|at| canvas.ring(*at, radius_px, 1.0, palette::FAINT_INK));
+            }
+        });
+    }
+
+    /// Landmarks where they are, and the boxes learnt of them; red when the landmark is not in its box.
+    pub(super) fn draw_landmarks(&self, canvas: &mut Canvas, scene: &Scene, image: &ImageRecord) {
+        canvas.clipped(self.panel, |canvas| {
+            for (code, [x, y]) in &image.landmarks {
+                let Some(truth) = scene.landmarks.get(code.0 as usize) else { continue };
+                let is_inside = x.contains(truth.x_m) && y.contains(truth.y_m);
+                let colour = if is_inside { palette::BOX } else { palette::MISS };
+                let corners = self.rectangle([x.lo(), x.hi()], [y.lo(), y.hi()]);
+                canvas.fill(&corners, colour, 0.2);
+                canvas.outline(&corners, 1.2, colour);
+            }
+            for landmark in &scene.landmarks {
+                canvas.ring(self.place([landmark.x_m, landmark.y_m]), 2.5, 2.5, palette::TRUTH);
+            }
+        });
+    }
+
     /// The way that the robot has come until the image.
     pub(super) fn draw_trail(&self, canvas: &mut Canvas, record: &RunRecord, until_s: f64) {
         let places: Vec<[f64; 2]> = record

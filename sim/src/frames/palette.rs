@@ -9,6 +9,7 @@ pub(super) const WALL: Rgb<u8> = Rgb([60, 60, 66]);
 pub(super) const ROOM: Rgb<u8> = Rgb([255, 255, 255]);
 pub(super) const JOINT: Rgb<u8> = Rgb([176, 172, 164]);
 pub(super) const REGION: Rgb<u8> = Rgb([222, 214, 190]);
+pub(super) const FURNITURE: Rgb<u8> = Rgb([206, 206, 202]);
 pub(super) const ROUTE: Rgb<u8> = Rgb([150, 190, 225]);
 pub(super) const TRAIL: Rgb<u8> = Rgb([130, 130, 136]);
 

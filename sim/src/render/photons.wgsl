@@ -1,4 +1,9 @@
-// From luminance to grey levels: electrons, shot noise, full well, read noise, gain, 8 bits. Four pixels an invocation.
+// From luminance to grey levels by EMVA 1288's linear model: photons and dark current to electrons, shot noise, full well, offsets and
+// read noise, gain, black level, 8 to 12 bits. Four pixels an invocation.
+
+// Whether pixels differ in sensitivity, offset and dark current, and whether levels take two bytes.
+override UNEVEN: bool = false;
+override DEEP: bool = false;
 
 struct Readout {
     size_px: vec2<u32>,
@@ -13,17 +18,27 @@ struct Readout {
     row: u32,
     // One over the width.
     row_per_pixel: f32,
+    // Mean over the exposure.
+    dark_electrons: f32,
+    // Standard deviations of the pixels' offsets, and of their sensitivities as a share.
+    offset_electrons: f32,
+    sensitivity: f32,
+    // Black level and half a level, for rounding.
+    lifted_levels: f32,
+    greatest_level: f32,
 }
 
 // In storage for the same reason as the floor's view.
 @group(0) @binding(0) var<storage, read> readout: Readout;
 @group(0) @binding(1) var luminance: texture_2d<f32>;
-// Row-major grey levels without padding, four to a word, the first in the lowest byte.
+// Row-major grey levels without padding, four to a word or two when deep, the first in the lowest bytes.
 @group(0) @binding(2) var<storage, read_write> grey: array<u32>;
 
 // From this mean on, shot noise is taken from a normal variable by Cornish and Fisher's expansion: its distribution function
 // then departs from the Poisson law's by 5e-4 at most. Below, the Poisson law is sampled exactly.
 const EXACT_BELOW: f32 = 20.0;
+// Takes the place of an image's number in what all images share.
+const PATTERN_KEY: u32 = 0xFFFFFFFFu;
 
 @compute @workgroup_size(64)
 fn read_out(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -34,6 +49,11 @@ fn read_out(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     // Written out: a loop costs a software driver a third more.
     let index = 4u * word;
+    if (DEEP) {
+        grey[2u * word] = grey_level(index) | (grey_level(index + 1u) << 16u);
+        grey[2u * word + 1u] = grey_level(index + 2u) | (grey_level(index + 3u) << 16u);
+        return;
+    }
     grey[word] = grey_level(index)
         | (grey_level(index + 1u) << 8u)
         | (grey_level(index + 2u) << 16u)
@@ -52,7 +72,20 @@ fn place_of(index: u32) -> vec2<u32> {
 
 // A pixel past the end, in the last word, reads black.
 fn grey_level(index: u32) -> u32 {
-    let mean = textureLoad(luminance, place_of(index), 0).x * readout.electrons_per_luminance;
+    let light = textureLoad(luminance, place_of(index), 0).x * readout.electrons_per_luminance;
+    if (!UNEVEN) {
+        return level_of(light, 0.0, index);
+    }
+    // The same in every image of a seed.
+    let own = pcg4d(vec4(index, PATTERN_KEY, readout.seed));
+    let size = sqrt(-2.0 * log(unit(own.x)));
+    let turn = 6.2831853 * unit(own.y);
+    let sensitivity = max(1.0 + readout.sensitivity * size * cos(turn), 0.0);
+    return level_of(light * sensitivity + readout.dark_electrons, readout.offset_electrons * size * sin(turn), index);
+}
+
+// Grey level of a pixel that gets `mean` electrons on average and reads `offset` more.
+fn level_of(mean: f32, offset: f32, index: u32) -> u32 {
     let random = pcg4d(vec4(index, readout.image, readout.seed));
     // Box and Muller: two uniform variables give two independent normal ones.
     let radius = sqrt(-2.0 * log(unit(random.x)));
@@ -61,9 +94,10 @@ fn grey_level(index: u32) -> u32 {
     if (mean < EXACT_BELOW) {
         electrons = poisson(mean, unit(random.z));
     }
-    let collected = min(electrons, readout.full_well_electrons);
+    let collected = min(electrons, readout.full_well_electrons) + offset;
     let read = collected + readout.read_noise_electrons * radius * sin(angle);
-    return u32(clamp(floor(read * readout.gain_levels_per_electron + 0.5), 0.0, 255.0));
+    let level = floor(read * readout.gain_levels_per_electron + readout.lifted_levels);
+    return u32(clamp(level, 0.0, readout.greatest_level));
 }
 
 // Poisson by inversion: counts while the distribution function is below the uniform variable.

@@ -2,10 +2,9 @@
 
 use std::sync::mpsc::{Receiver, channel};
 
-use image::GrayImage;
-
 use super::{
-    RenderError, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot, room::RoomSlot,
+    RenderError, device::PATIENCE, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot,
+    room::RoomSlot,
 };
 
 /// Luminance in cd/m², averaged over the exposure.
@@ -14,6 +13,8 @@ pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R3
 /// Buffers and bindings of one view, kept from tick to tick.
 pub(super) struct Target {
     pub(super) size_px: [u32; 2],
+    /// One byte a level, or two.
+    pub(super) deep: bool,
     pub(super) luminance: wgpu::TextureView,
     pub(super) floor: FloorSlot,
     /// Made when first a room is drawn.
@@ -21,6 +22,14 @@ pub(super) struct Target {
     pub(super) photons: PhotonSlot,
     grey: wgpu::Buffer,
     staging: wgpu::Buffer,
+}
+
+/// Grey levels of one picture.
+pub(super) enum Levels {
+    /// Of a sensor of eight bits.
+    Eight(Vec<u8>),
+    /// Of one with more.
+    Deep(Vec<u16>),
 }
 
 /// Whether a staging buffer could be mapped, answered by the device's poll.
@@ -32,6 +41,7 @@ impl Target {
         floor_pass: &FloorPass,
         photon_pass: &PhotonPass,
         size_px: [u32; 2],
+        deep: bool,
     ) -> Target {
         let luminance = device
             .create_texture(&wgpu::TextureDescriptor {
@@ -45,8 +55,9 @@ impl Target {
                 view_formats: &[],
             })
             .create_view(&wgpu::TextureViewDescriptor::default());
-        // Grey levels are packed four to a word, without padding at the end of a row.
-        let bytes = (u64::from(size_px[0]) * u64::from(size_px[1])).next_multiple_of(4);
+        // Grey levels are packed four or two to a word, without padding at the end of a row; an invocation writes four.
+        let pixels = (u64::from(size_px[0]) * u64::from(size_px[1])).next_multiple_of(4);
+        let bytes = if deep { 2 * pixels } else { pixels };
         let buffer = |label, usage| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -59,7 +70,7 @@ impl Target {
         let staging = buffer("grey levels staged", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
         let floor = floor_pass.slot(device);
         let photons = photon_pass.slot(device, &luminance, &grey);
-        Target { size_px, luminance, floor, room: None, photons, grey, staging }
+        Target { size_px, deep, luminance, floor, room: None, photons, grey, staging }
     }
 
     /// Copies the grey levels to where the processor can read them.
@@ -77,16 +88,25 @@ impl Target {
         mapping
     }
 
-    /// The picture, once the device has been waited for.
-    pub(super) fn read(&self, mapping: &Mapping) -> Result<GrayImage, RenderError> {
+    /// Grey levels in the order of rows, once the device has been waited for. Where threads share the device, the answer may be on
+    /// its way in another thread's poll, so that it is waited for as well.
+    pub(super) fn read(&self, mapping: &Mapping) -> Result<Levels, RenderError> {
         let failed = |reason: String| RenderError::Device(reason);
-        mapping.try_recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
-        let [width, height] = self.size_px;
-        let pixels = {
+        mapping
+            .recv_timeout(PATIENCE)
+            .map_err(|error| failed(error.to_string()))?
+            .map_err(|error| failed(error.to_string()))?;
+        let pixels = self.size_px[0] as usize * self.size_px[1] as usize;
+        let levels = {
             let mapped = self.staging.slice(..).get_mapped_range().map_err(|error| failed(error.to_string()))?;
-            mapped[..width as usize * height as usize].to_vec()
+            if self.deep {
+                let pairs = mapped[..2 * pixels].chunks_exact(2);
+                Levels::Deep(pairs.map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect())
+            } else {
+                Levels::Eight(mapped[..pixels].to_vec())
+            }
         };
         self.staging.unmap();
-        GrayImage::from_raw(width, height, pixels).ok_or_else(|| failed("a picture of the wrong size".to_owned()))
+        Ok(levels)
     }
 }

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::{Sensor, SensorModel, SensorPreset};
+
 /// A camera that looks forward over the robot's head, tilted up. Image right is robot right.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -31,13 +33,12 @@ pub struct ForwardCamera {
     /// Height of the optical centre above the floor.
     #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
-    /// Longest exposure; auto-exposure shortens it before it saturates.
-    #[schemars(range(min = 0.00001, max = 1.0))]
-    pub exposure_s: f64,
     /// What it sees.
     pub band: Band,
     /// What the lens does besides projecting.
     pub lens: LensKeys,
+    /// What turns light into grey levels.
+    pub sensor: Sensor,
     /// How far mount and lens may be from what these keys state.
     pub calibration: Calibration,
 }
@@ -68,9 +69,6 @@ pub struct CeilingCamera {
     /// Height of the optical centre above the floor.
     #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
-    /// Longest exposure; auto-exposure shortens it before it saturates.
-    #[schemars(range(min = 0.00001, max = 1.0))]
-    pub exposure_s: f64,
     /// What it sees.
     pub band: Band,
     /// Radiant intensity of the ring along the optical axis, at 850 nm; 0 for none. It falls with the cosine of the angle
@@ -79,6 +77,8 @@ pub struct CeilingCamera {
     pub ring_intensity_w_per_sr: f64,
     /// What the lens does besides projecting.
     pub lens: LensKeys,
+    /// What turns light into grey levels.
+    pub sensor: Sensor,
     /// How far mount and lens may be from what these keys state.
     pub calibration: Calibration,
 }
@@ -128,6 +128,20 @@ pub struct Calibration {
     pub principal_point_tolerance_px: f64,
 }
 
+impl ForwardCamera {
+    /// Its sensor, nothing left open.
+    pub fn sensor_model(&self) -> SensorModel {
+        self.sensor.model(SensorPreset::RobotVacuum)
+    }
+}
+
+impl CeilingCamera {
+    /// Its sensor, nothing left open.
+    pub fn sensor_model(&self) -> SensorModel {
+        self.sensor.model(SensorPreset::Infrared)
+    }
+}
+
 impl Default for ForwardCamera {
     fn default() -> Self {
         ForwardCamera {
@@ -139,9 +153,9 @@ impl Default for ForwardCamera {
             forward_m: 0.12,
             left_m: 0.0,
             height_m: 0.25,
-            exposure_s: 0.033,
             band: Band::Visible,
             lens: LensKeys::default(),
+            sensor: Sensor::default(),
             calibration: Calibration::default(),
         }
     }
@@ -157,11 +171,11 @@ impl Default for CeilingCamera {
             forward_m: 0.0,
             left_m: 0.0,
             height_m: 0.3,
-            exposure_s: 0.02,
             band: Band::Infrared,
             // Twelve diodes of 25 mW/sr.
             ring_intensity_w_per_sr: 0.3,
             lens: LensKeys::default(),
+            sensor: Sensor::default(),
             calibration: Calibration::default(),
         }
     }

@@ -58,10 +58,9 @@ impl Scene {
     /// The scene with the robot put at a station, for as long as one image takes to arrive.
     pub fn at_station(&self, station: &Station) -> Scene {
         let robot = &self.robot;
-        let image_s = robot
-            .floor_camera
-            .as_ref()
-            .map_or(0.0, |camera| camera.exposure_s + camera.latency_s + camera.latency_tolerance_s);
+        let image_s = robot.floor_camera.as_ref().map_or(0.0, |camera| {
+            camera.sensor_model().longest_exposure_s + camera.latency_s + camera.latency_tolerance_s
+        });
         let range_s =
             robot.range_camera.as_ref().map_or(0.0, |camera| FIRST_S + camera.latency_s + camera.latency_tolerance_s);
         let arrival_s = image_s.max(range_s);

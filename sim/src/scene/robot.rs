@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{CeilingCamera, ForwardCamera, Gyro, RangeCamera};
+use super::{CeilingCamera, ForwardCamera, Gyro, RangeCamera, Sensor, SensorModel, SensorPreset};
 
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -112,9 +112,6 @@ pub struct FloorCamera {
     /// Time between two images.
     #[schemars(range(min = 0.01, max = 100.0))]
     pub period_s: f64,
-    /// Longest exposure; auto-exposure shortens it before it saturates.
-    #[schemars(range(min = 0.00001, max = 1.0))]
-    pub exposure_s: f64,
     /// Mid-exposure to delivery.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
@@ -136,27 +133,18 @@ pub struct FloorCamera {
     /// Pixels per metre are drawn within this share of nominal.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub scale_tolerance: f64,
-    /// Pixel pitch of the sensor.
-    #[schemars(range(min = 0.5e-6, max = 50e-6))]
-    pub pixel_pitch_m: f64,
-    /// Focal length over aperture.
-    #[schemars(range(min = 0.7, max = 32.0))]
-    pub f_number: f64,
-    /// Electrons per photon at 555 nm.
-    #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0.0))]
-    pub quantum_efficiency: f64,
-    /// Standard deviation of the read noise.
-    #[schemars(range(min = 0.0, max = 1000.0))]
-    pub read_noise_electrons: f64,
-    /// Electrons at which a pixel saturates.
-    #[schemars(range(min = 100.0, max = 1000000.0))]
-    pub full_well_electrons: f64,
-    /// Greatest gain of auto-exposure, in grey levels per electron.
-    #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
-    pub max_gain_levels_per_electron: f64,
+    /// What turns light into grey levels.
+    pub sensor: Sensor,
     /// At most this many wrong lines are assumed in one image.
     #[schemars(range(min = 0, max = 20))]
     pub q_items: usize,
+}
+
+impl FloorCamera {
+    /// Its sensor, nothing left open.
+    pub fn sensor_model(&self) -> SensorModel {
+        self.sensor.model(SensorPreset::GlobalShutter)
+    }
 }
 
 /// A device as a scene states it. TOML has no null, so `false` says that the robot has none.
@@ -224,7 +212,6 @@ impl Default for FloorCamera {
             forward_m: -0.15,
             left_m: 0.0,
             period_s: 0.2,
-            exposure_s: 0.01,
             latency_s: 0.030,
             latency_tolerance_s: 0.002,
             stamp_tolerance_s: 0.0001,
@@ -232,12 +219,7 @@ impl Default for FloorCamera {
             yaw_tolerance_deg: 0.1,
             tilt_tolerance_deg: 0.1,
             scale_tolerance: 0.001,
-            pixel_pitch_m: 4.8e-6,
-            f_number: 2.0,
-            quantum_efficiency: 0.55,
-            read_noise_electrons: 6.0,
-            full_well_electrons: 10_000.0,
-            max_gain_levels_per_electron: 4.0,
+            sensor: Sensor::default(),
             q_items: 0,
         }
     }

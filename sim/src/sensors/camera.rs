@@ -5,7 +5,11 @@ use std::f64::consts::PI;
 use image::GrayImage;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 
-use crate::{drawn::DrawnFloorCamera, scene::FloorCamera, truth::Truth};
+use crate::{
+    drawn::DrawnFloorCamera,
+    scene::{FloorCamera, SensorModel},
+    truth::Truth,
+};
 
 /// Photons at 555 nm per second, square metre and lux.
 ///
@@ -52,22 +56,7 @@ impl Intrinsics {
     }
 }
 
-/// What turns light into electrons and their number into noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Photosites {
-    /// Side of a square pixel.
-    pub pixel_pitch_m: f64,
-    /// Focal length over aperture.
-    pub f_number: f64,
-    /// Electrons per photon.
-    pub quantum_efficiency: f64,
-    /// Standard deviation of the read noise.
-    pub read_noise_electrons: f64,
-    /// Electrons at which a pixel saturates.
-    pub full_well_electrons: f64,
-}
-
-impl Photosites {
+impl SensorModel {
     /// Electrons per cd/m² of the surface seen.
     ///
     /// The illuminance on the sensor is E = (π/4)·L/N² (thin lens, far object, no vignetting), and
@@ -78,18 +67,6 @@ impl Photosites {
             * exposure_s
             * self.quantum_efficiency
             * PHOTONS_PER_LUX_SECOND_M2
-    }
-}
-
-impl From<&FloorCamera> for Photosites {
-    fn from(camera: &FloorCamera) -> Photosites {
-        Photosites {
-            pixel_pitch_m: camera.pixel_pitch_m,
-            f_number: camera.f_number,
-            quantum_efficiency: camera.quantum_efficiency,
-            read_noise_electrons: camera.read_noise_electrons,
-            full_well_electrons: camera.full_well_electrons,
-        }
     }
 }
 
@@ -130,7 +107,7 @@ fn mount_from_looking_down() -> UnitQuaternion<f64> {
 pub struct Exposure {
     /// Length of the exposure.
     pub exposure_s: f64,
-    /// Grey levels per electron.
+    /// Grey levels of the sensor's own depth per electron.
     pub gain_levels_per_electron: f64,
 }
 
@@ -138,8 +115,13 @@ pub struct Exposure {
 #[derive(Clone, Debug)]
 pub struct AutoExposure {
     max_exposure_s: f64,
+    /// In levels of eight bits.
     gain_range: [f64; 2],
+    /// In levels of eight bits.
     next: Exposure,
+    /// In levels of eight bits.
+    black_level: f64,
+    levels_per_byte_level: f64,
 }
 
 /// Mean grey level aimed at: below the middle of the range, as camera makers do, to leave room for highlights.
@@ -161,17 +143,21 @@ const FIRST_ALBEDO: f64 = 0.5;
 
 impl AutoExposure {
     /// Set for the first image, which is exposed for office light.
-    pub fn new(camera: &FloorCamera) -> AutoExposure {
-        let photosites = Photosites::from(camera);
+    pub fn new(sensor: &SensorModel) -> AutoExposure {
+        let levels_per_byte_level = sensor.bits.levels_per_byte_level();
+        let black_level = sensor.black_level / levels_per_byte_level;
+        let max_gain = sensor.max_gain_levels_per_electron / levels_per_byte_level;
         // Less gain would leave the upper grey levels without use; a well that is full reaches the last level.
-        let min_gain = 255.0 / photosites.full_well_electrons;
-        let gain_range = [min_gain.min(camera.max_gain_levels_per_electron), camera.max_gain_levels_per_electron];
+        let min_gain = (255.0 - black_level) / sensor.full_well_electrons;
+        let gain_range = [min_gain.min(max_gain), max_gain];
         let luminance = FIRST_ALBEDO * FIRST_ILLUMINANCE_LUX / PI;
-        let electrons_per_s = luminance * photosites.electrons_per_luminance(1.0);
+        let electrons_per_s = luminance * sensor.electrons_per_luminance(1.0);
         let mut control = AutoExposure {
-            max_exposure_s: camera.exposure_s,
+            max_exposure_s: sensor.longest_exposure_s,
             gain_range,
-            next: Exposure { exposure_s: camera.exposure_s, gain_levels_per_electron: gain_range[0] },
+            next: Exposure { exposure_s: sensor.longest_exposure_s, gain_levels_per_electron: gain_range[0] },
+            black_level,
+            levels_per_byte_level,
         };
         control.aim_at(TARGET_MEAN_LEVEL / electrons_per_s);
         control
@@ -179,10 +165,11 @@ impl AutoExposure {
 
     /// How the next image is exposed.
     pub fn exposure(&self) -> Exposure {
-        self.next
+        let gain_levels_per_electron = self.next.gain_levels_per_electron * self.levels_per_byte_level;
+        Exposure { gain_levels_per_electron, ..self.next }
     }
 
-    /// Meters an image that was exposed by [`AutoExposure::exposure`].
+    /// Meters the eight most significant bits of an image that was exposed by [`AutoExposure::exposure`].
     pub fn meter(&mut self, image: &GrayImage) {
         let pixels = image.as_raw();
         let mut histogram = [0_usize; 256];
@@ -190,14 +177,15 @@ impl AutoExposure {
             histogram[usize::from(level)] += 1;
         }
         let sum: usize = histogram.iter().enumerate().map(|(level, count)| level * count).sum();
-        let mean = sum as f64 / pixels.len().max(1) as f64;
-        let highlight = level_exceeded_by(&histogram, HIGHLIGHT_SHARE * pixels.len() as f64);
+        let mean = sum as f64 / pixels.len().max(1) as f64 - self.black_level;
+        let brightest = level_exceeded_by(&histogram, HIGHLIGHT_SHARE * pixels.len() as f64);
+        let highlight = brightest - self.black_level;
         let white = histogram[255] as f64 / pixels.len().max(1) as f64;
         let change = if white > 0.5 {
             1.0 / STRONGEST_STEP_DOWN
-        } else if highlight >= 255.0 {
+        } else if brightest >= 255.0 {
             // Clipped: the mean bounds the light only from below, so take off clearly more than it asks for.
-            (TARGET_MEAN_LEVEL / mean).min(1.0) * 0.6
+            (TARGET_MEAN_LEVEL / mean.max(0.1)).min(1.0) * 0.6
         } else {
             (TARGET_MEAN_LEVEL / mean.max(0.1)).min(HIGHLIGHT_LEVEL / highlight.max(0.1))
         };

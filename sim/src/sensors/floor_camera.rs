@@ -9,13 +9,13 @@ use crate::{
     drawn::{Drawn, DrawnFloorCamera, draw_within},
     randomness,
     render::{NoiseKey, RenderError, RenderedWorld, Renderer, View},
-    scene::{Distribution, Event, FloorCamera, Scene},
+    scene::{Distribution, Event, FloorCamera, Scene, SensorModel},
     truth::Truth,
 };
 
 use super::{
     Observation,
-    camera::{AutoExposure, Intrinsics, Photosites, floor_camera_intrinsics, world_from_floor_camera},
+    camera::{AutoExposure, Intrinsics, floor_camera_intrinsics, world_from_floor_camera},
 };
 
 /// A floor camera that takes an image every period.
@@ -23,7 +23,7 @@ pub struct FloorCameraSensor {
     camera: FloorCamera,
     mount: DrawnFloorCamera,
     intrinsics: Intrinsics,
-    photosites: Photosites,
+    sensor: SensorModel,
     auto_exposure: AutoExposure,
     world: RenderedWorld,
     lights: Vec<Switch>,
@@ -48,12 +48,13 @@ impl FloorCameraSensor {
         let (Some(camera), Some(mount)) = (scene.robot.floor_camera.clone(), drawn.floor_camera) else {
             return Ok(None);
         };
+        let sensor = camera.sensor_model();
         let world = renderer.upload(scene, drawn)?;
         let at_first_lux = world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux);
         Ok(Some(FloorCameraSensor {
             intrinsics: floor_camera_intrinsics(&camera, &mount),
-            photosites: Photosites::from(&camera),
-            auto_exposure: AutoExposure::new(&camera),
+            auto_exposure: AutoExposure::new(&sensor),
+            sensor,
             world,
             lights: switches(scene, at_first_lux),
             errors: scene.robot.errors,
@@ -70,7 +71,7 @@ impl FloorCameraSensor {
     pub fn observe(&mut self, truth: &Truth, renderer: &mut Renderer) -> Result<Option<Observation>, RenderError> {
         self.recent.push_back(*truth);
         // The first exposure may begin as soon as the run does.
-        let middle_s = self.camera.exposure_s + f64::from(self.n_images) * self.camera.period_s;
+        let middle_s = self.sensor.longest_exposure_s + f64::from(self.n_images) * self.camera.period_s;
         let exposure = self.auto_exposure.exposure();
         let (from_s, to_s) = (middle_s - 0.5 * exposure.exposure_s, middle_s + 0.5 * exposure.exposure_s);
         while self.recent.len() > 2 && self.recent[1].time_s <= from_s {
@@ -81,7 +82,7 @@ impl FloorCameraSensor {
         }
         let view = View {
             intrinsics: self.intrinsics,
-            photosites: self.photosites,
+            sensor: self.sensor,
             world_from_camera: poses_during(from_s, to_s)
                 .map(|time_s| world_from_floor_camera(&self.truth_at(time_s), &self.mount))
                 .collect(),

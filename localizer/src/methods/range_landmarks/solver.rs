@@ -141,7 +141,9 @@ impl Contractor<3> for OneShot {
             .into_iter()
             .map(|heading| IntervalBox::new([domain[0], domain[1], heading]))
             .collect();
-        turns.iter_mut().for_each(|turn| drop(both.contract(turn)));
+        for turn in &mut turns {
+            both.contract(turn);
+        }
         turns.retain(|turn| !turn.is_empty());
         turns
     }
