@@ -15,8 +15,10 @@ const OFF_GRID: f64 = 0.2;
 const MARGIN: f64 = 0.6;
 /// Greatest relative difference of a dot's flux from the marker's median.
 const FLUX_SPREAD: f64 = 0.3;
-/// Up to this share, a difference of flux is uneven light and noise; beyond, it is area that is missing.
+/// Up to this share, a difference of flux from the marker's median may be light that falls off; beyond, it is area that is missing.
 const UNEVEN_FLUX: f64 = 0.04;
+/// Up to this share, a difference from what the other dots foretell is noise: of a radius of 4 pixels it is less than a hundredth of a pixel.
+const FLUX_NOISE: f64 = 0.0015;
 /// An empty place brighter than this share of the dots' level is no empty place.
 const EMPTY_LEVEL: f64 = 0.3;
 /// Greatest distance of a dot from the best affine grid, beyond the bounds and what perspective does.
@@ -133,20 +135,46 @@ fn read_grid(
         }
     }
     let id = MarkerId::from_dots(members.iter().map(|(place, _)| *place));
-    let grown: Vec<(GridPlace, Dot)> =
-        members.iter().map(|(place, index)| (*place, with_missing_area(dots[*index], median_flux))).collect();
-    if !fits_grid(&grown, view) {
+    let placed: Vec<(GridPlace, Dot)> = members.iter().map(|(place, index)| (*place, dots[*index])).collect();
+    if !fits_grid(&placed, view) {
         return None;
     }
+    let grown = with_missing_area(&placed);
     let confidence = confidence(grown.iter().flat_map(|(_, dot)| disc_greys(image, dot.centre_px, dot.radius_px)));
     Some((SeenMarker { id, dots: grown, confidence }, members.into_iter().map(|(_, index)| index).collect()))
 }
 
-/// A dot that lacks a share s of its area may have its centroid off by as much as r·s/(1 − s): no part is farther than r from the centre.
-fn with_missing_area(dot: Dot, median_flux: f64) -> Dot {
-    let share = (1.0 - dot.flux / median_flux).abs();
-    let extra_px = if share > UNEVEN_FLUX { dot.radius_px * share / (1.0 - share) } else { 0.0 };
-    Dot { bound_px: dot.bound_px + extra_px, ..dot }
+/// The dots with bounds for area that may be missing: a dot that lacks a share s of its area may have its centroid off by as much as
+/// r·s/(1 − s), as no part is farther than r from the centre.
+///
+/// Light falls off evenly over a marker, so that all other dots foretell by a plane what flux a whole dot has: with the residual e of
+/// the plane through all dots and the leverage h, it has e/(1 − h) more than they foretell. One spoilt dot is told in full, and makes
+/// the bounds of the others wider, never narrower.
+fn with_missing_area(dots: &[(GridPlace, Dot)]) -> Vec<(GridPlace, Dot)> {
+    let row = |place: GridPlace| nalgebra::Vector3::new(1.0, f64::from(place[0]), f64::from(place[1]));
+    let (mut normal, mut right) = (nalgebra::Matrix3::zeros(), nalgebra::Vector3::zeros());
+    for (place, dot) in dots {
+        normal += row(*place) * row(*place).transpose();
+        right += row(*place) * dot.flux;
+    }
+    let inverse = normal.try_inverse().unwrap_or_default();
+    let plane = inverse * right;
+    let foretold = |place: GridPlace, flux: f64| {
+        let row = row(place);
+        let leverage = (row.transpose() * inverse * row)[0];
+        // Three dots determine a plane whatever they are: then only their median tells.
+        if leverage > 0.95 { None } else { Some(flux - (flux - row.dot(&plane)) / (1.0 - leverage)) }
+    };
+    let usual = median(dots.iter().map(|(_, dot)| dot.flux));
+    let grown = |(place, dot): &(GridPlace, Dot)| {
+        let whole = foretold(*place, dot.flux).filter(|flux| *flux > 0.0).unwrap_or(usual);
+        // Of a whole row of spoilt dots the plane knows nothing, but the median does.
+        let from_usual = (1.0 - dot.flux / usual).abs();
+        let unusual = if from_usual > UNEVEN_FLUX { from_usual } else { 0.0 };
+        let share = ((1.0 - dot.flux / whole).abs() - FLUX_NOISE).max(unusual).clamp(0.0, 0.9);
+        (*place, Dot { bound_px: dot.bound_px + dot.radius_px * share / (1.0 - share), ..*dot })
+    };
+    dots.iter().map(grown).collect()
 }
 
 /// Whether the dots lie on one affine grid, but for their bounds and the perspective of a leaning camera.
