@@ -139,6 +139,7 @@ fn board_pose(homography: &Matrix3<f64>, camera: &Intrinsics) -> Option<View> {
 }
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests {
     use nalgebra::Rotation3;
 

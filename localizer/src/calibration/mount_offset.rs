@@ -60,6 +60,7 @@ fn deviations(spin: &[Stop]) -> Vec<[f64; 4]> {
 }
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests {
     use super::*;
     use crate::vision::synthetic::Random;

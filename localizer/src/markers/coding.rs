@@ -80,6 +80,7 @@ fn hexads() -> Vec<u16> {
 }
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests {
     use super::*;
 

@@ -11,6 +11,7 @@ pub mod paper;
 mod pose_contractor;
 mod ray;
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod trial;
 
 use crate::{

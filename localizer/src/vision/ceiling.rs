@@ -18,6 +18,7 @@ pub mod paper;
 #[cfg(test)]
 pub(crate) mod synthetic;
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 pub(crate) mod trial;
 
 use crate::markers::{DOT_RADIUS_M, GridPlace, MarkerId};
