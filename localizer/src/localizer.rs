@@ -14,6 +14,10 @@ use ring::{Ring, Slot};
 
 /// How far back stamps may lie: a reading older than this is refused, a doubt reaches no further.
 const REMEMBER_S: f64 = 3.0;
+/// What was unlearnt gets so long to show whether it was enough.
+const UNLEARN_PAUSE_S: f64 = 2.0;
+/// A contradiction so long after the last one has a cause of its own.
+const UNLEARN_CALM_S: f64 = 15.0;
 /// A doubt goes back at least so far: what was hung since may already have been cut by the assumption that failed.
 const DOUBT_S: f64 = 1.0;
 
@@ -80,8 +84,8 @@ pub struct Localizer {
     current: PoseUnion,
     now_s: f64,
     doubt: Option<Doubt>,
-    /// What methods learnt from later readings than this is in doubt and not yet unlearnt.
-    unlearn_since_s: Option<f64>,
+    /// When methods unlearnt last, and how far back.
+    unlearnt: (f64, f64),
     relies_on: Vec<Assumption>,
 }
 
@@ -105,7 +109,7 @@ impl Localizer {
             current: PoseUnion::default(),
             now_s: 0.0,
             doubt: None,
-            unlearn_since_s: None,
+            unlearnt: (0.0, 0.0),
         };
         localizer.begin_at(start);
         localizer
@@ -118,6 +122,7 @@ impl Localizer {
         self.integral = None;
         self.now_s = 0.0;
         self.doubt = None;
+        self.unlearnt = (0.0, 0.0);
         self.relies_on = assumptions(&self.robot);
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
         self.begin_at(start);
@@ -130,7 +135,7 @@ impl Localizer {
 
     /// Takes in one reading; readings come in order of arrival. Answers with an account of each method that read an image.
     pub fn observe(&mut self, reading: &Reading) -> Vec<Account> {
-        let accounts = match reading {
+        match reading {
             Reading::Wheels { measured_s, ticks, .. } => {
                 self.roll(*measured_s, *ticks);
                 Vec::new()
@@ -140,11 +145,7 @@ impl Localizer {
                 Vec::new()
             }
             Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
-        };
-        if let Some(since_s) = self.unlearn_since_s.take() {
-            self.methods.iter_mut().for_each(|method| method.forget_since(since_s));
         }
-        accounts
     }
 
     /// The answer as of the latest wheel reading.
@@ -202,25 +203,25 @@ impl Localizer {
         let stamp_s = reading.measured_s();
         let Some(prior) = self.union_at(stamp_s) else { return Vec::new() };
         let twist = self.wheels.twist(stamp_s, &self.robot.wheels);
-        let mut methods = std::mem::take(&mut self.methods);
-        let accounts = methods
-            .iter_mut()
-            .filter(|method| method.reads(reading))
-            .map(|method| match method.constrain(reading, &prior, &twist) {
-                Some(constraint) => {
-                    let mut account = self.hang(constraint);
-                    if self.doubt.is_none() {
-                        method.learn(&account.posterior, &|from_s, to_s| {
-                            self.wheels.motion(from_s, to_s, &self.robot.wheels, &self.robot.reach)
-                        });
-                    }
-                    account.landmarks = method.landmarks();
-                    account
-                }
-                None => Account::absent(method.name(), prior.clone()),
-            })
-            .collect();
-        self.methods = methods;
+        let mut accounts = Vec::new();
+        for idx in 0..self.methods.len() {
+            if !self.methods[idx].reads(reading) {
+                continue;
+            }
+            let Some(constraint) = self.methods[idx].constrain(reading, &prior, &twist) else {
+                accounts.push(Account::absent(self.methods[idx].name(), prior.clone()));
+                continue;
+            };
+            let mut account = self.hang(constraint);
+            if self.doubt.is_none() {
+                let (wheels, robot) = (&self.wheels, &self.robot);
+                self.methods[idx].learn(&account.posterior, &|from_s, to_s| {
+                    wheels.motion(from_s, to_s, &robot.wheels, &robot.reach)
+                });
+            }
+            account.landmarks = self.methods[idx].landmarks();
+            accounts.push(account);
+        }
         accounts
     }
 
@@ -305,7 +306,7 @@ impl Localizer {
             REACH.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
         );
         let doubtful_s = self.now_s - DOUBT_S;
-        self.unlearn_since_s = Some(self.unlearn_since_s.map_or(doubtful_s, |since_s| since_s.min(doubtful_s)));
+        self.unlearn_deeper();
         self.ring.drop_anchors_after(doubtful_s);
         self.replay(doubtful_s);
         let growing = self.ring.last().map(|last| {
@@ -317,6 +318,33 @@ impl Localizer {
             self.current = PoseUnion::single(self.whole_room());
             let union = self.current.clone();
             self.ring.restart(Slot { stamp_s: self.now_s, union, constraint: None });
+        }
+    }
+
+    /// Lets the methods unlearn what they learnt in the last seconds. A push that hid in the width of a box may have been learnt from
+    /// long before it showed: when that was not enough, twice as much is taken back.
+    fn unlearn_deeper(&mut self) {
+        let (latest_s, depth_s) = self.unlearnt;
+        let since_s = self.now_s - latest_s;
+        if since_s < UNLEARN_PAUSE_S && depth_s > 0.0 {
+            return;
+        }
+        let depth_s = if since_s < UNLEARN_CALM_S { 2.0 * depth_s } else { 0.0 }.max(REMEMBER_S);
+        self.unlearnt = (self.now_s, depth_s);
+        self.unlearn_since(self.now_s - depth_s);
+    }
+
+    /// Lets the methods unlearn, and makes the constraints anew that stood on what they had learnt.
+    fn unlearn_since(&mut self, since_s: f64) {
+        for method in &mut self.methods {
+            method.forget_since(since_s);
+            for idx in 0..self.ring.len() {
+                let slot = &mut self.ring[idx];
+                let hung = slot.constraint.as_mut().filter(|hung| hung.method == method.name());
+                if let (Some(constraint), Some(on_pose)) = (hung, method.renewed(slot.stamp_s)) {
+                    constraint.on_pose = on_pose;
+                }
+            }
         }
     }
 

@@ -32,6 +32,11 @@ pub trait Method: Send {
     /// Unlearns what was learnt from readings stamped later than `since_s`: an assumption failed, perhaps since then.
     fn forget_since(&mut self, _since_s: f64) {}
 
+    /// The constraint of a recent reading made anew from what is known now; `None` where it stands on nothing that was learnt.
+    fn renewed(&self, _stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
+        None
+    }
+
     /// The clock is set back to 0: what was learnt so far stays for good.
     fn clock_set_back(&mut self) {}
 

@@ -72,6 +72,8 @@ mod render_projection;
 mod light_of_lamps;
 /// Rooms seen through lenses against projections of the tests' own.
 mod render_room;
+/// Pictures of rooms against pictures that somebody has looked at.
+mod golden_images;
 /// `wherein render`.
 mod cli_render;
 /// What the renderer's tests share.
