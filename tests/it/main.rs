@@ -36,6 +36,8 @@ mod range_sensing;
 mod range_runs;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
 mod floor_tiles_geometry;
+/// Ceiling markers to poses, against a camera and a ceiling of the tests' own.
+mod ceiling_markers_geometry;
 /// Scenes and drives that the tests of the world share.
 mod world_setup;
 /// The tyre law against the brush's own integral and closed form.
