@@ -1,26 +1,22 @@
 //! The ring of stamped pose unions: predict, hang, contract, account.
 
+mod account;
+mod doubt;
 mod ring;
 
 use crate::{
     Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
-    method::{Assumption, Claim},
+    method::Assumption,
     motion::{WheelHistory, WheelIntegral, moved_union},
-    reading::LandmarkId,
 };
 
+pub use account::Account;
+use doubt::Doubt;
 use ring::{Ring, Slot};
 
-/// How far back stamps may lie: a reading older than this is refused, a doubt reaches no further.
+/// How far back stamps may lie: a reading older than this is refused, and readings are gone over again no further back.
 const REMEMBER_S: f64 = 3.0;
-/// What was unlearnt gets so long to show whether it was enough.
-const UNLEARN_PAUSE_S: f64 = 2.0;
-/// A contradiction so long after the last one has a cause of its own.
-const UNLEARN_CALM_S: f64 = 15.0;
-/// A doubt goes back at least so far: what was hung since may already have been cut by the assumption that failed.
-const DOUBT_S: f64 = 1.0;
-
 /// The bounds that a prediction by wheels stands on.
 const WHEELS: [Assumption; 6] =
     ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
@@ -51,27 +47,6 @@ pub struct Estimate {
     pub relies_on: Vec<Assumption>,
 }
 
-/// What became of a camera reading.
-#[derive(Clone, Debug)]
-pub struct Account {
-    /// The method that read it.
-    pub method: &'static str,
-    /// What the method claimed; empty when the cue was absent.
-    pub claims: Vec<Claim>,
-    /// At most this many of the claims may be false.
-    pub q_items: usize,
-    /// Segments looked at and rejected, `[u0, v0, u1, v1]` in pixels.
-    pub rejected_px: Vec<[f64; 4]>,
-    /// Whether a constraint was hung.
-    pub constrained: bool,
-    /// Whether it left nothing of the union.
-    pub emptied: bool,
-    /// Union at the stamp, just after.
-    pub posterior: PoseUnion,
-    /// Landmarks as the method knows them now: code, and box of world x and y.
-    pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
-}
-
 /// From readings to estimates.
 pub struct Localizer {
     map: Map,
@@ -87,12 +62,6 @@ pub struct Localizer {
     /// When methods unlearnt last, and how far back.
     unlearnt: (f64, f64),
     relies_on: Vec<Assumption>,
-}
-
-/// A doubt of the wheels: how many images in a row agree with them again.
-#[derive(Clone, Copy, Debug)]
-struct Doubt {
-    agreeing: usize,
 }
 
 impl Localizer {
@@ -298,76 +267,6 @@ impl Localizer {
         true
     }
 
-    /// An assumption failed, perhaps some time ago: goes back and carries on by reach alone, with every image since.
-    fn begin_doubt(&mut self) {
-        self.doubt = Some(Doubt { agreeing: 0 });
-        self.relies_on.retain(|assumption| !WHEELS.contains(assumption));
-        self.relies_on.extend(
-            REACH.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
-        );
-        let doubtful_s = self.now_s - DOUBT_S;
-        self.unlearn_deeper();
-        self.ring.drop_anchors_after(doubtful_s);
-        self.replay(doubtful_s);
-        let growing = self.ring.last().map(|last| {
-            moved_union(&last.union, &self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach))
-        });
-        self.current = self.inside_room(growing.unwrap_or_default());
-        if self.current.is_empty() {
-            // Even reach contradicts the walls: the memory is wrong from its beginning, and the room is all that is left.
-            self.current = PoseUnion::single(self.whole_room());
-            let union = self.current.clone();
-            self.ring.restart(Slot { stamp_s: self.now_s, union, constraint: None });
-        }
-    }
-
-    /// Lets the methods unlearn what they learnt in the last seconds. A push that hid in the width of a box may have been learnt from
-    /// long before it showed: when that was not enough, twice as much is taken back.
-    fn unlearn_deeper(&mut self) {
-        let (latest_s, depth_s) = self.unlearnt;
-        let since_s = self.now_s - latest_s;
-        if since_s < UNLEARN_PAUSE_S && depth_s > 0.0 {
-            return;
-        }
-        let depth_s = if since_s < UNLEARN_CALM_S { 2.0 * depth_s } else { 0.0 }.max(REMEMBER_S);
-        self.unlearnt = (self.now_s, depth_s);
-        self.unlearn_since(self.now_s - depth_s);
-    }
-
-    /// Lets the methods unlearn, and makes the constraints anew that stood on what they had learnt.
-    fn unlearn_since(&mut self, since_s: f64) {
-        for method in &mut self.methods {
-            method.forget_since(since_s);
-            for idx in 0..self.ring.len() {
-                let slot = &mut self.ring[idx];
-                let hung = slot.constraint.as_mut().filter(|hung| hung.method == method.name());
-                if let (Some(constraint), Some(on_pose)) = (hung, method.renewed(slot.stamp_s)) {
-                    constraint.on_pose = on_pose;
-                }
-            }
-        }
-    }
-
-    /// Trusts the wheels again once q + 2 images in a row agree with them: the last slot then stands on reach and images alone.
-    fn end_doubt_when_supported(&mut self) {
-        let groups_needed = 2;
-        if self.doubt.is_some_and(|doubt| doubt.agreeing >= groups_needed) {
-            self.doubt = None;
-            self.relies_on.extend(
-                WHEELS.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
-            );
-        }
-    }
-
-    /// Whether the wheels lead from the last image's union to one that this constraint allows.
-    fn agrees_with_wheels(&self, constraint: &Constraint) -> bool {
-        let Some(before) = self.ring.before(constraint.stamp_s).filter(|slot| slot.constraint.is_some()) else {
-            return false;
-        };
-        self.carried(&before.union, before.stamp_s, constraint.stamp_s, false)
-            .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
-    }
-
     fn restart_integral(&mut self) {
         self.integral = self
             .ring
@@ -387,34 +286,6 @@ impl Localizer {
         let keep_m = self.robot.body.clearance_m;
         let [x, y] = self.map.room_m.map(|range| Interval::new(range.lo() + keep_m, range.hi() - keep_m));
         IntervalBox::from([x, y, Interval::ENTIRE])
-    }
-}
-
-impl Account {
-    fn absent(method: &'static str, union: PoseUnion) -> Self {
-        Account {
-            method,
-            claims: Vec::new(),
-            q_items: 0,
-            rejected_px: Vec::new(),
-            constrained: false,
-            emptied: false,
-            posterior: union,
-            landmarks: Vec::new(),
-        }
-    }
-
-    fn of(constraint: &Constraint) -> Self {
-        Account {
-            method: constraint.method,
-            claims: constraint.claims.clone(),
-            q_items: constraint.q_items,
-            rejected_px: constraint.rejected_px.clone(),
-            constrained: true,
-            emptied: false,
-            posterior: PoseUnion::default(),
-            landmarks: Vec::new(),
-        }
     }
 }
 
