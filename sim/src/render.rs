@@ -241,8 +241,7 @@ impl Renderer {
             let pixels = match levels {
                 Levels::Eight(levels) => levels,
                 Levels::Deep(levels) => {
-                    let shift = view.sensor.bits.bits() - 8;
-                    levels.into_iter().map(|level| (level >> shift) as u8).collect()
+                    levels.into_iter().map(|level| view.sensor.bits.most_significant(level)).collect()
                 }
             };
             let [width, height] = view.intrinsics.size_px;
