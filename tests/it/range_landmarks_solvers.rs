@@ -83,6 +83,24 @@ fn the_box_of_a_sighting_holds_its_landmark_whatever_the_robot_did_since_the_sta
 }
 
 #[test]
+fn a_pitched_body_sees_a_landmark_nearer_than_it_is() {
+    // Everything exact but the body's tilt of 0.1 rad. Pitched so far, a landmark 5 m ahead at the height of the lens is 5·cos 0.1 m
+    // along the optical axis: 25 mm less, which no height explains.
+    let exact = localizer::Interval::point;
+    let mut model = robot(0, 3);
+    model.body.tilt_rad = 0.1;
+    let optics = model.range_camera.as_mut().expect("a range camera");
+    (optics.focal_px, optics.baseline_m, optics.yaw_rad) = (exact(580.0), exact(0.075), exact(0.0));
+    (optics.position_m, optics.height_m, optics.height_span_m) = ([exact(0.0); 2], 0.0, 0.0);
+    (optics.tilt_rad, optics.stamp_error_s, optics.step_px) = (0.0, 0.0, [1e-6; 2]);
+    let right_px = 319.5 - 580.0 * 0.075 / (5.0 * 0.1_f64.cos());
+    let sighting =
+        localizer::reading::Sighting { landmark: localizer::reading::LandmarkId(0), left_px: 319.5, right_px };
+    let [forward, left] = Sensor::new(&model).expect("a range camera").seen(&sighting).in_robot_m;
+    assert!(forward.contains(5.0) && left.contains(0.0) && forward.width() < 0.12, "{forward:?}, {left:?}");
+}
+
+#[test]
 fn one_landmark_seen_from_a_known_place_tells_the_heading() {
     // From (0, 0) a landmark at (3, 0) is seen at (3, 0) to within 3 mm across: 1 mrad to each side.
     let landmark = (
