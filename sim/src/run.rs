@@ -9,6 +9,7 @@ use std::time::Instant;
 use localizer::{
     Localizer, Method, Pose, Reading,
     methods::{
+        ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
         range_landmarks::{Freedom, RangeLandmarks, Solver},
     },
@@ -22,7 +23,7 @@ use crate::{
     frames::FramesPolicy,
     render::{RenderError, Renderer},
     scene::{FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene},
-    sensors::{Observation, Sensors},
+    sensors::{Observation, Sensors, Stage},
     truth::Truth,
     world::World,
 };
@@ -60,7 +61,7 @@ pub fn run(
 pub fn run_witnessed(
     scene: &Scene,
     seed: u64,
-    mut renderer: Option<&mut Renderer>,
+    renderer: Option<&mut Renderer>,
     options: &RunOptions,
     witness: &mut dyn Witness,
     progress: &mut dyn FnMut(f64),
@@ -70,9 +71,10 @@ pub fn run_witnessed(
     let adapter = renderer.as_deref().map(Renderer::adapter);
     let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options, witness);
     let mut localizer = localizer(scene);
+    let mut stage = renderer.map(|renderer| Stage::new(scene, &drawn, renderer)).transpose()?;
     if scene.stations.is_empty() {
         record.witness.start(0.0, None);
-        drive(scene, seed, &drawn, renderer.as_deref_mut(), &mut localizer, &mut record, progress)?;
+        drive(scene, seed, &drawn, stage.as_mut(), &mut localizer, &mut record, progress)?;
     }
     for (index, station) in scene.stations.iter().enumerate() {
         let here = scene.at_station(station);
@@ -81,7 +83,7 @@ pub fn run_witnessed(
         let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
         record.restart(index, here.duration_s, &here);
         localizer.restart(here.start_box());
-        drive(&here, noise_seed, &drawn_here, renderer.as_deref_mut(), &mut localizer, &mut record, progress)?;
+        drive(&here, noise_seed, &drawn_here, stage.as_mut(), &mut localizer, &mut record, progress)?;
     }
     Ok(record.finish(began))
 }
@@ -91,22 +93,22 @@ fn drive(
     scene: &Scene,
     seed: u64,
     drawn: &Drawn,
-    mut renderer: Option<&mut Renderer>,
+    mut stage: Option<&mut Stage<'_>>,
     localizer: &mut Localizer,
     record: &mut Recorder<'_>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(), RenderError> {
     let mut world = World::new(scene, drawn);
-    let mut sensors = Sensors::new(scene, seed, drawn, renderer.as_deref_mut())?;
+    let mut sensors = Sensors::new(scene, seed, drawn, stage.as_deref());
     let mut driver = Driver::new(scene);
-    look(&world, &mut sensors, renderer.as_deref_mut(), localizer, record)?;
+    look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
     record.step(&world.truth(), localizer);
     for step in 0..(scene.duration_s / STEP_S).round() as usize {
         let time_s = step as f64 * STEP_S;
         let command = driver.command(&localizer.estimate(), time_s);
         for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
-            look(&world, &mut sensors, renderer.as_deref_mut(), localizer, record)?;
+            look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
         }
         record.step(&world.truth(), localizer);
         if step % 50 == 0 {
@@ -120,12 +122,12 @@ fn drive(
 fn look(
     world: &World,
     sensors: &mut Sensors,
-    renderer: Option<&mut Renderer>,
+    stage: Option<&mut Stage<'_>>,
     localizer: &mut Localizer,
     record: &mut Recorder<'_>,
 ) -> Result<(), RenderError> {
     let arrived =
-        record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), renderer))?;
+        record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), stage))?;
     for observation in arrived {
         record.sense(&observation);
         let accounts = record.timed(
@@ -170,6 +172,9 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
             }
             MethodName::RangeLandmarks => {
                 RangeLandmarks::new(&robot, freedom, solver).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+            MethodName::CeilingMarkers => {
+                CeilingMarkers::new(&map, &robot).map(|method| Box::new(method) as Box<dyn Method>)
             }
         }
     };

@@ -30,7 +30,7 @@ mod things;
 
 pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
-pub use cameras::{Band, Calibration, CeilingCamera, ForwardCamera, LensKeys};
+pub use cameras::{Band, Calibration, CameraTiming, CeilingCamera, ForwardCamera, LensKeys};
 pub use error::SceneError;
 pub use events::Event;
 pub use expect::Expect;
@@ -107,7 +107,7 @@ pub struct Scene {
 impl Scene {
     /// Whether a run of it needs a renderer.
     pub fn has_camera(&self) -> bool {
-        self.robot.floor_camera.is_some()
+        !self.robot.cameras().is_empty()
     }
 }
 
@@ -193,6 +193,8 @@ pub enum MethodName {
     FloorTiles,
     /// Coded landmarks that no map names, seen by a range camera (paper 3).
     RangeLandmarks,
+    /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
+    CeilingMarkers,
 }
 
 /// What `range_landmarks` solves for; the rest it takes from what is known besides.
