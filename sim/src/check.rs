@@ -39,6 +39,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
         judgements,
         violations,
         error: statistics::errors(&midpoints, &truths),
+        error_at_fix: statistics::errors_at_fix(record),
         width: statistics::widths(record),
         availability: availability(scene, record),
         methods: method_counts(record, &false_claims),

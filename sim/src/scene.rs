@@ -39,7 +39,7 @@ pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use lamps::{Lamp, LampKind, Spectrum};
 pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
-pub use route::{Route, Start, Station, Waypoint};
+pub use route::{Route, Spread, Start, Station, Waypoint};
 pub use schema::schema_text;
 pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use setting::{SceneTemplate, Setting, shown, value_of};
@@ -90,6 +90,9 @@ pub struct Scene {
     /// Still poses for accuracy tables, instead of a drive.
     #[serde(default, rename = "station")]
     pub stations: Vec<Station>,
+    /// More still poses, spread over the room.
+    #[serde(default)]
+    pub station_spread: Option<Spread>,
     /// What happens during the run.
     #[serde(default, rename = "event")]
     pub events: Vec<Event>,

@@ -35,7 +35,8 @@ fn read(text: &str) -> Result<Scene, Vec<Problem>> {
     }
     // The schema has accepted the document, so that this fails only on what a schema cannot say, such as a whole
     // number too large for its type.
-    let scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
+    let mut scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
+    scene.spread_stations();
     let misplaced: Vec<Problem> = places::contradictions(&scene)
         .into_iter()
         .map(|contradiction| contradiction.in_text(&document, text))

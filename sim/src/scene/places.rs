@@ -31,6 +31,11 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
 
 fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
     let expected = match (&scene.route, scene.stations.is_empty()) {
+        (None, true) if scene.station_spread.is_some() => {
+            let expected = "the room has no place for the robot's body, expected a larger one".to_owned();
+            found.push(Contradiction { key: "station_spread.count".to_owned(), expected });
+            return;
+        }
         (None, true) => "missing, expected a `[route]` to drive or at least one `[[station]]` to stand at",
         (Some(_), false) => "stands beside `[[station]]`, expected one of the two: a drive, or still poses",
         _ => return,
