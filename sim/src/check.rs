@@ -4,6 +4,7 @@ mod bounds;
 mod claims;
 mod judge;
 mod landmarks;
+mod markers;
 mod statistics;
 mod verdict;
 
@@ -66,6 +67,12 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
             baselines.insert(name.to_owned(), point(poses));
         }
     }
+    let fixed: (Vec<Pose>, Vec<Pose>) =
+        record.marker_baselines.answers.iter().filter_map(|answer| Some((answer.fix?.1, answer.truth))).unzip();
+    if !fixed.0.is_empty() {
+        let error = Some(statistics::errors(&fixed.0, &fixed.1));
+        baselines.insert("nearest_marker".to_owned(), Baseline { error, ..Baseline::default() });
+    }
     baselines.extend(range.solvers.iter().map(|(name, answers)| {
         let containment = BaselineContainment { checks: answers.problems, contained: answers.contained };
         let width = BaselineWidth { at_fix: statistics::fix_width(&answers.hulls) };
@@ -121,6 +128,7 @@ fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
         ("longest_outside_s".to_string(), longest_outside_s(record)),
     ]);
     metrics.extend(landmarks::metrics(scene, record));
+    metrics.extend(markers::metrics(scene, record));
     metrics
 }
 

@@ -1,19 +1,21 @@
 //! The closed loop: the one screen where everything meets.
 
 mod history;
+mod marker_baselines;
 mod range_baselines;
 mod witness;
 
 use std::time::Instant;
 
 use localizer::{
-    Localizer, Method, Pose, Reading,
+    Localizer, Map, Method, Pose, Reading, RobotModel,
     methods::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
         range_landmarks::{Freedom, RangeLandmarks, Solver},
     },
     motion::PointOdometry,
+    reading::Camera,
 };
 use sha2::{Digest, Sha256};
 
@@ -29,6 +31,7 @@ use crate::{
 };
 
 pub use history::{ImageRecord, RunRecord, Timing};
+pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use range_baselines::{Answers, RangeBaselines};
 pub use witness::Witness;
 
@@ -185,7 +188,8 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
 struct Recorder<'a> {
     history: RunRecord,
     odometry: PointOdometry,
-    wheels: localizer::robot::WheelModel,
+    map: Map,
+    robot: RobotModel,
     readings: Sha256,
     keep_images: FramesPolicy,
     /// Time at which the present drive began.
@@ -209,7 +213,8 @@ impl<'a> Recorder<'a> {
         Recorder {
             history: RunRecord::new(seed, adapter, drawn),
             odometry,
-            wheels: scene.robot_model().wheels,
+            map: scene.map(),
+            robot: scene.robot_model(),
             readings: Sha256::new(),
             keep_images: options.keep_images,
             offset_s: 0.0,
@@ -247,7 +252,7 @@ impl<'a> Recorder<'a> {
         match reading {
             Reading::Wheels { ticks, .. } => {
                 ticks.iter().for_each(|count| self.readings.update(count.to_le_bytes()));
-                self.odometry.advance(*ticks, &self.wheels);
+                self.odometry.advance(*ticks, &self.robot.wheels);
             }
             Reading::Camera { exposure_s, image, .. } => {
                 self.readings.update(exposure_s.to_le_bytes());
@@ -270,6 +275,9 @@ impl<'a> Recorder<'a> {
         self.witness.account(&reading, &accounts);
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
+        if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, false) = (&reading, accounts.is_empty()) {
+            self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
+        }
         for account in accounts {
             if matches!(reading, Reading::Range { .. }) {
                 // Odometry stands still until the stamp's own step has been recorded.
