@@ -17,6 +17,7 @@ mod expect;
 mod files;
 mod floor;
 mod lamps;
+mod markers;
 mod models;
 mod parse;
 mod places;
@@ -37,6 +38,8 @@ pub use expect::Expect;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use lamps::{Lamp, LampKind, Spectrum};
+pub(crate) use markers::UNDER_CEILING_M;
+pub use markers::{Coding, Marker, Markers};
 pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
@@ -67,6 +70,9 @@ pub struct Scene {
     /// What stands about and above the floor.
     #[serde(default)]
     pub building: Building,
+    /// Markers on the ceiling.
+    #[serde(default)]
+    pub markers: Option<Markers>,
     /// Where the light comes from.
     #[serde(default, rename = "lamp")]
     pub lamps: Vec<Lamp>,

@@ -9,7 +9,7 @@ use crate::{
     sensors::lens,
 };
 
-use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnRangeCamera, LaidTiles, draw_within};
+use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, draw_within};
 
 impl Drawn {
     /// Draws everything that a seed decides before the start.
@@ -42,6 +42,7 @@ impl Drawn {
                 .map(|camera| draw_range_camera(camera, errors, &mut stream(seed, "range_camera.mount"))),
             gyro: robot.gyro.as_ref().map(|gyro| draw_gyro(gyro, errors, &mut stream(seed, "gyro.calibration"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
+            markers: DrawnMarker::draw_all(scene, seed),
         }
     }
 }

@@ -15,7 +15,11 @@ impl Scene {
     /// The building as surveyed.
     pub fn map(&self) -> Map {
         let room_m = [Interval::new(0.0, self.room.width_m), Interval::new(0.0, self.room.depth_m)];
-        Map { room_m, tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)), markers: None }
+        Map {
+            room_m,
+            tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)),
+            markers: self.markers.as_ref().map(|markers| markers.map(self)),
+        }
     }
 
     /// The robot as it knows itself.

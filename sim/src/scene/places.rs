@@ -1,6 +1,7 @@
 //! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
 
 mod building;
+mod markers;
 
 use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
@@ -13,6 +14,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     things(scene, &mut found);
     events(scene, &mut found);
     building::contradictions(scene, &mut found);
+    markers::contradictions(scene, &mut found);
     let gyro_s = scene.robot.gyro.as_ref().map(|gyro| ("robot.gyro.period_s", gyro.period_s));
     for (key, period_s) in [("robot.encoders.period_s", scene.robot.encoders.period_s)].into_iter().chain(gyro_s) {
         if let Some(expected) = sampling(period_s) {
