@@ -58,9 +58,9 @@ fn markers_are_seen_where_and_how_a_hand_puts_them() {
     // Image down is robot forward and image right is robot right, seen from below; the focal length over the depth of 2.299 m is 328 px/m.
     let scene = room(&format!(
         "{EXACT}{}{}{}{EXACT_CAMERA}",
-        marker(63, [2.3, 1.5], 0.0, ""),
-        marker(95, [2.0, 1.9], 90.0, ""),
-        marker(363, [1.7, 1.3], 30.0, "")
+        marker(125, [2.3, 1.5], 0.0, ""),
+        marker(183, [2.0, 1.9], 90.0, ""),
+        marker(366, [1.7, 1.3], 30.0, "")
     ));
     let still = picture(&scene, &Drawn::draw(&scene, 0), Pose { x_m: 2.0, y_m: 1.5, heading_rad: 0.0 });
     let (seen, _) = read(&scene, &still);
@@ -68,9 +68,9 @@ fn markers_are_seen_where_and_how_a_hand_puts_them() {
     let (sin, cos) = 30f64.to_radians().sin_cos();
     // Identity, place, and the steps from O to X and from O to Y, 0.12 m each.
     let expected = [
-        (63, [0.0, 0.3], [0.0, 1.0], [-1.0, 0.0]),
-        (95, [-0.4, 0.0], [-1.0, 0.0], [0.0, -1.0]),
-        (363, [0.2, -0.3], [-sin, cos], [-cos, -sin]),
+        (125, [0.0, 0.3], [0.0, 1.0], [-1.0, 0.0]),
+        (183, [-0.4, 0.0], [-1.0, 0.0], [0.0, -1.0]),
+        (366, [0.2, -0.3], [-sin, cos], [-cos, -sin]),
     ];
     assert_eq!(seen.len(), 3, "{:?}", ids(&seen));
     for (id, [right_m, ahead_m], along_x, along_y) in expected {
@@ -81,8 +81,8 @@ fn markers_are_seen_where_and_how_a_hand_puts_them() {
         for axis in 0..2 {
             let scale = [fu, fv][axis];
             assert!((centre[axis] - place[axis]).abs() < 0.1, "{id}: {centre:?}, expected {place:?}");
-            assert!((x[axis] - o[axis] - 0.12 * scale * along_x[axis]).abs() < 0.15, "{id}: {o:?} to {x:?}");
-            assert!((y[axis] - o[axis] - 0.12 * scale * along_y[axis]).abs() < 0.15, "{id}: {o:?} to {y:?}");
+            assert!((x[axis] - o[axis] - 0.12 * scale * along_x[axis]).abs() < 0.25, "{id}: {o:?} to {x:?}");
+            assert!((y[axis] - o[axis] - 0.12 * scale * along_y[axis]).abs() < 0.25, "{id}: {o:?} to {y:?}");
         }
     }
 }
@@ -90,7 +90,7 @@ fn markers_are_seen_where_and_how_a_hand_puts_them() {
 #[test]
 fn the_pose_read_from_a_rendered_ceiling_holds_the_truth() {
     let scene = room(
-        &[(63, [1.8, 1.2], 20.0), (95, [2.5, 1.6], -70.0), (363, [2.1, 2.1], 160.0), (399, [3.0, 2.2], 5.0)]
+        &[(125, [1.8, 1.2], 20.0), (183, [2.5, 1.6], -70.0), (366, [2.1, 2.1], 160.0), (414, [3.0, 2.2], 5.0)]
             .map(|(id, at, rotation_deg)| marker(id, at, rotation_deg, ""))
             .concat(),
     );
@@ -131,24 +131,24 @@ fn the_pose_read_from_a_rendered_ceiling_holds_the_truth() {
 fn no_damaged_hexad_is_read_as_another() {
     let scene = room(&format!(
         "{EXACT}{}{}{}{}{}{}{}{EXACT_CAMERA}",
-        marker(63, [2.2, 1.5], 0.0, ""),
-        marker(95, [1.8, 1.5], 0.0, "missing_dots = [[1, 0]]"),
-        marker(363, [2.0, 1.8], 40.0, "extra_dots = [[3, 1]]"),
-        marker(399, [2.4, 1.8], 0.0, "covered_share = 0.5"),
-        marker(407, [1.6, 1.8], 0.0, "mirrored = true"),
-        marker(63, [2.2, 1.2], 0.0, "on_map = false"),
-        marker(423, [1.8, 1.2], 0.0, "pasted = false"),
+        marker(125, [2.2, 1.5], 0.0, ""),
+        marker(183, [1.8, 1.5], 0.0, "missing_dots = [[1, 0]]"),
+        marker(366, [2.0, 1.8], 40.0, "extra_dots = [[3, 1]]"),
+        marker(414, [2.4, 1.8], 0.0, "covered_share = 0.5"),
+        marker(429, [1.6, 1.8], 0.0, "mirrored = true"),
+        marker(125, [2.2, 1.2], 0.0, "on_map = false"),
+        marker(483, [1.8, 1.2], 0.0, "pasted = false"),
     ));
     let drawn = Drawn::draw(&scene, 0);
     let still = picture(&scene, &drawn, Pose { x_m: 2.0, y_m: 1.5, heading_rad: 0.4 });
     let (seen, refused) = read(&scene, &still);
     // Both of the same name are read as what they say; that they are two is for the method to see.
-    assert_eq!(ids(&seen), [63, 63], "refused {refused}");
+    assert_eq!(ids(&seen), [125, 125], "refused {refused}");
     assert!(refused >= 2, "{refused} refused");
     let on_ceiling: Vec<usize> = drawn.markers.iter().map(|marker| marker.index).collect();
     assert_eq!(on_ceiling, [0, 1, 2, 3, 4, 5]);
     let MarkerMap { markers, .. } = scene.map().markers.unwrap();
-    assert_eq!(markers.iter().map(|placed| placed.id.0).collect::<Vec<_>>(), [63, 95, 363, 399, 407, 423]);
+    assert_eq!(markers.iter().map(|placed| placed.id.0).collect::<Vec<_>>(), [125, 183, 366, 414, 429, 483]);
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn what_is_printed_is_what_the_localizer_spells() {
 
 #[test]
 fn markers_are_pasted_within_their_tolerances_and_all_over_them() {
-    let scene = room(&marker(63, [2.0, 1.5], 33.0, ""));
+    let scene = room(&marker(125, [2.0, 1.5], 33.0, ""));
     let mut greatest = [0.0_f64; 4];
     for seed in 0..400 {
         let drawn = &Drawn::draw(&scene, seed).markers[0];
@@ -196,7 +196,7 @@ fn markers_are_pasted_within_their_tolerances_and_all_over_them() {
 
 #[test]
 fn damage_to_one_marker_moves_no_other() {
-    let scene = |more: &str| room(&[marker(63, [2.0, 1.5], 0.0, more), marker(95, [3.0, 1.5], 0.0, "")].concat());
+    let scene = |more: &str| room(&[marker(125, [2.0, 1.5], 0.0, more), marker(183, [3.0, 1.5], 0.0, "")].concat());
     let whole = Drawn::draw(&scene(""), 3).markers[1].clone();
     for more in ["pasted = false", "missing_dots = [[0, 0]]", "covered_share = 1.0", "mirrored = true"] {
         assert_eq!(Drawn::draw(&scene(more), 3).markers.last(), Some(&whole), "{more}");

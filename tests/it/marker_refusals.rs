@@ -18,18 +18,18 @@ fn assert_refused(markers: &str, parts: &[&str]) {
     }
 }
 
-const ONE: &str = "[[markers.marker]]\nid = 63\nx_m = 1.0\ny_m = 1.0\n";
+const ONE: &str = "[[markers.marker]]\nid = 125\nx_m = 1.0\ny_m = 1.0\n";
 
 #[test]
 fn an_identity_that_is_no_word_is_refused_with_the_nearest_ones() {
-    // 63 is a hexad; 62 lacks one of its dots.
+    // 125 is a hexad; 124 lacks one of its dots.
     assert!(parse(ONE).is_ok());
     assert_refused(
-        &ONE.replace("63", "62"),
-        &["`markers.marker[0].id = 62`", "no word of the hexads", "63", "(1 dot away)"],
+        &ONE.replace("125", "124"),
+        &["`markers.marker[0].id = 124`", "no word of the hexads", "125", "(1 dot away)"],
     );
-    assert!(parse(&format!("coding = \"plain\"\n{}", ONE.replace("63", "62"))).is_ok());
-    assert_refused(&ONE.replace("63", "4096"), &["`markers.marker[0].id = 4096`", "a whole number from 0 to 4095"]);
+    assert!(parse(&format!("coding = \"plain\"\n{}", ONE.replace("125", "124"))).is_ok());
+    assert_refused(&ONE.replace("125", "4096"), &["`markers.marker[0].id = 4096`", "a whole number from 0 to 4095"]);
     assert_refused(&format!("coding = \"hexad\"\n{ONE}"), &["`markers.coding = \"hexad\"`", "plain, lexicode, hexads"]);
 }
 
@@ -38,7 +38,7 @@ fn the_same_identity_twice_on_the_map_is_refused_and_off_it_is_not() {
     let other = ONE.replace("x_m = 1.0", "x_m = 2.0");
     assert_refused(
         &format!("{ONE}{other}"),
-        &["`markers.marker[1].id = 63`", "that of markers.marker[0] too", "`on_map = false`"],
+        &["`markers.marker[1].id = 125`", "that of markers.marker[0] too", "`on_map = false`"],
     );
     assert!(parse(&format!("{ONE}{other}on_map = false\n")).is_ok());
 }
@@ -54,7 +54,7 @@ fn a_marker_that_reaches_out_of_the_room_is_refused() {
 
 #[test]
 fn markers_on_top_of_each_other_are_refused() {
-    let beside = |x_m: f64, more: &str| format!("{ONE}[[markers.marker]]\nid = 95\nx_m = {x_m:?}\ny_m = 1.0\n{more}");
+    let beside = |x_m: f64, more: &str| format!("{ONE}[[markers.marker]]\nid = 183\nx_m = {x_m:?}\ny_m = 1.0\n{more}");
     assert_refused(
         &beside(1.15, ""),
         &["`markers.marker[1].x_m = 1.15`", "on top of markers.marker[0]", "0.16 m wide"],
@@ -77,7 +77,7 @@ fn a_marker_in_the_ceiling_is_refused() {
 
 #[test]
 fn damage_to_what_is_not_there_is_refused() {
-    // 63 has its first six dots: from [0, 1] to [1, 3].
+    // 125 has the dots [0, 1], [1, 0] to [1, 3] and [2, 0].
     assert_refused(&format!("{ONE}missing_dots = [[2, 1]]\n"), &["missing_dots", "no dot is printed at [2, 1]"]);
     assert_refused(&format!("{ONE}missing_dots = [[4, 1]]\n"), &["missing_dots", "[4, 1]"]);
     assert_refused(&format!("{ONE}extra_dots = [[0, 0]]\n"), &["extra_dots", "[0, 0] cannot be one", "without a dot"]);
