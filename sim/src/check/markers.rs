@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use localizer::{
     Claim,
-    markers::{GridPlace, MarkerId},
+    markers::{GridPlace, MarkerId, dot_in_marker_m},
 };
 use nalgebra::Point3;
 
@@ -60,18 +60,25 @@ impl Sight {
         marker.dots.iter().any(|dot| self.pixel(&dot.centre_in_world).is_some_and(is_within))
     }
 
-    /// Whether all dots of a marker are in the picture, with their rims and two pixels about them.
+    /// Whether a marker's whole grid, empty places too, is in the picture with the dots' rims and three pixels about them for soft edges.
     fn shows(&self, marker: &DrawnMarker) -> bool {
-        marker.dots.iter().all(|dot| {
-            let depth_m = (self.camera_from_world * dot.centre_in_world).z;
-            let margin_px = self.lens.focal_px[0].max(self.lens.focal_px[1]) * DOT_RADIUS_M / depth_m.max(0.01) + 2.0;
+        let (sin, cos) = marker.rotation_rad.sin_cos();
+        let [x_m, y_m] = marker.centre_m;
+        [[0, 0], [3, 0], [0, 3], [3, 3]].into_iter().map(dot_in_marker_m).all(|[along_m, across_m]| {
+            let corner = Point3::new(
+                x_m + cos * along_m - sin * across_m,
+                y_m + sin * along_m + cos * across_m,
+                marker.height_m,
+            );
+            let depth_m = (self.camera_from_world * corner).z;
+            let margin_px = self.lens.focal_px[0].max(self.lens.focal_px[1]) * DOT_RADIUS_M / depth_m.max(0.01) + 3.0;
             let is_within = |at_px: [f64; 2]| {
                 (0..2).all(|axis| {
                     let last_px = f64::from(self.lens.size_px[axis]) - 1.0;
                     (margin_px..=last_px - margin_px).contains(&at_px[axis])
                 })
             };
-            self.pixel(&dot.centre_in_world).is_some_and(is_within)
+            self.pixel(&corner).is_some_and(is_within)
         })
     }
 }
