@@ -1,0 +1,126 @@
+//! The shortest way of a round robot through a grid: A* over cells, then a line with few corners.
+
+use pathfinding::prelude::astar;
+
+use super::OccupancyGrid;
+
+/// Cost of a step to the side and of one across, in ten-thousandths of a cell: whole numbers add up the same in any order.
+const STRAIGHT: u32 = 10_000;
+/// √2 of it, rounded up so that the estimate of the way left, rounded like it, is never too long.
+const ACROSS: u32 = 14_143;
+
+/// From a place that is too near to something the robot may get away to a free cell this near.
+const GET_AWAY_M: f64 = 0.3;
+
+/// Ways on a grid for a robot of some radius.
+#[derive(Clone, Debug)]
+pub struct Planner {
+    grid: OccupancyGrid,
+    /// For each cell whether the robot's middle may be there.
+    open: Vec<bool>,
+}
+
+impl Planner {
+    /// Keeps the robot's middle `keep_away_m` from everything that is not free.
+    pub fn new(grid: OccupancyGrid, keep_away_m: f64) -> Planner {
+        let cells = (0..grid.size[1]).flat_map(|row| (0..grid.size[0]).map(move |column| [column, row]));
+        let open = cells.map(|cell| !grid.is_crowded(grid.centre_m(cell), keep_away_m)).collect();
+        Planner { grid, open }
+    }
+
+    /// The grid that it plans on.
+    pub fn grid(&self) -> &OccupancyGrid {
+        &self.grid
+    }
+
+    /// Corners of the way from a place to another, both included, or `None` when there is none.
+    ///
+    /// A* (Hart, Nilsson and Raphael 1968) with the octile distance; then each corner is the farthest that is seen from the one
+    /// before over open cells.
+    pub fn plan(&self, from_m: [f64; 2], to_m: [f64; 2]) -> Option<Vec<[f64; 2]>> {
+        let start = self.nearest_open(from_m)?;
+        let goal = self.grid.cell_at(to_m).filter(|&cell| self.is_open(cell))?;
+        let (cells, _) =
+            astar(&start, |&cell| self.neighbours(cell), |&cell| octile(cell, goal), |&cell| cell == goal)?;
+        let mut places_m: Vec<[f64; 2]> = cells.iter().map(|&cell| self.grid.centre_m(cell)).collect();
+        let is_start_open = self.grid.cell_at(from_m) == Some(start);
+        if is_start_open {
+            places_m[0] = from_m;
+        } else {
+            places_m.insert(0, from_m);
+        }
+        let last = places_m.len() - 1;
+        places_m[last] = to_m;
+        if last == 0 {
+            return Some(vec![from_m, to_m]);
+        }
+        Some(self.straighten(&places_m))
+    }
+
+    fn is_open(&self, [column, row]: [usize; 2]) -> bool {
+        column < self.grid.size[0] && row < self.grid.size[1] && self.open[row * self.grid.size[0] + column]
+    }
+
+    fn nearest_open(&self, place_m: [f64; 2]) -> Option<[usize; 2]> {
+        let middle = self.grid.cell_at(place_m)?;
+        if self.is_open(middle) {
+            return Some(middle);
+        }
+        let reach = (GET_AWAY_M / self.grid.resolution_m).ceil() as usize;
+        let rows = middle[1].saturating_sub(reach)..=middle[1] + reach;
+        let cells =
+            rows.flat_map(|row| (middle[0].saturating_sub(reach)..=middle[0] + reach).map(move |column| [column, row]));
+        let distance_m = |cell: [usize; 2]| {
+            let centre_m = self.grid.centre_m(cell);
+            (centre_m[0] - place_m[0]).hypot(centre_m[1] - place_m[1])
+        };
+        cells
+            .filter(|&cell| self.is_open(cell) && distance_m(cell) <= GET_AWAY_M)
+            .min_by(|&one, &other| distance_m(one).total_cmp(&distance_m(other)))
+    }
+
+    /// Steps to the eight cells around; across a corner only when both cells beside it are open.
+    fn neighbours(&self, [column, row]: [usize; 2]) -> Vec<([usize; 2], u32)> {
+        let mut steps = Vec::with_capacity(8);
+        for (right, up) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+            let (Some(x), Some(y)) = (column.checked_add_signed(right), row.checked_add_signed(up)) else { continue };
+            let is_across = right != 0 && up != 0;
+            let is_free = self.is_open([x, y]) && (!is_across || (self.is_open([column, y]) && self.is_open([x, row])));
+            if is_free {
+                steps.push(([x, y], if is_across { ACROSS } else { STRAIGHT }));
+            }
+        }
+        steps
+    }
+
+    fn straighten(&self, places_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let mut corners_m = vec![places_m[0]];
+        let mut here = 0;
+        while here + 1 < places_m.len() {
+            let seen = (here + 1..places_m.len()).rev().find(|&next| self.sees(places_m[here], places_m[next]));
+            here = seen.unwrap_or(here + 1);
+            corners_m.push(places_m[here]);
+        }
+        corners_m
+    }
+
+    /// Whether a straight line passes open cells only, looked at every tenth of a cell.
+    fn sees(&self, from_m: [f64; 2], to_m: [f64; 2]) -> bool {
+        let n_looks = (length_m(&[from_m, to_m]) / (0.1 * self.grid.resolution_m)).ceil().max(1.0) as usize;
+        (0..=n_looks).all(|look| {
+            let share = look as f64 / n_looks as f64;
+            let at_m = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
+            self.grid.cell_at(at_m).is_some_and(|cell| self.is_open(cell))
+        })
+    }
+}
+
+/// Length of a line through places.
+pub fn length_m(places_m: &[[f64; 2]]) -> f64 {
+    places_m.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum()
+}
+
+fn octile(from: [usize; 2], to: [usize; 2]) -> u32 {
+    let (x, y) = (from[0].abs_diff(to[0]) as u32, from[1].abs_diff(to[1]) as u32);
+    STRAIGHT * (x.max(y) - x.min(y)) + ACROSS * x.min(y)
+}
