@@ -6,6 +6,7 @@
 //! | `timing.json` | how long it took, apart because it differs from run to run |
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every branch of every estimate |
+//! | `steps.csv` | error, width and judgement at every step |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was told and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
@@ -76,16 +77,27 @@ pub fn write_with(
     recording: Option<Recording>,
 ) -> Result<PathBuf, RecordError> {
     let target = folder(out, &file.name, record.seed);
-    let beside = target.parent().unwrap_or(out);
+    clear_stale(target.parent().unwrap_or(out));
+    replace_whole(&target, |partial| fill(partial, file, record, verdict, recording))?;
+    Ok(target)
+}
+
+/// Puts a new folder, filled by `fill`, in the place of `target`: whole or, when `fill` errs, not at all.
+pub(crate) fn replace_whole(
+    target: &Path,
+    fill: impl FnOnce(&Path) -> Result<(), RecordError>,
+) -> Result<(), RecordError> {
+    let beside = target.parent().unwrap_or(target);
     naming("create the folder", beside, fs::create_dir_all(beside))?;
-    clear_stale(beside);
-    let partial = beside.join(format!(".{}-{}{PARTIAL}", record.seed, process::id()));
-    let written = fill(&partial, file, record, verdict, recording).and_then(|()| replace(&target, &partial));
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let partial = beside.join(format!(".{name}-{}{PARTIAL}", process::id()));
+    let created = naming("create the folder", &partial, fs::create_dir_all(&partial));
+    let written = created.and_then(|()| fill(&partial)).and_then(|()| replace(target, &partial));
     if written.is_err() {
         // The error at hand says what is wrong; what cannot be deleted now is cleared by a later run.
         let _ = fs::remove_dir_all(&partial);
     }
-    written.map(|()| target)
+    written
 }
 
 /// Writes `estimate.tum` and `boxes.csv` of estimates into `folder`, in the place of older ones.
@@ -123,14 +135,14 @@ const PARTIAL: &str = ".partial";
 /// Ending of a folder that has made way for a newer one.
 const REPLACED: &str = ".replaced";
 
-fn fill(
+/// Writes all files of a run into an empty folder.
+pub(crate) fn fill(
     partial: &Path,
     file: &SceneFile,
     record: &RunRecord,
     verdict: &Verdict,
     recording: Option<Recording>,
 ) -> Result<(), RecordError> {
-    naming("create the folder", partial, fs::create_dir_all(partial))?;
     let write = |name: &str, content: String| {
         let path = partial.join(name);
         naming("write", &path, fs::write(&path, content))
@@ -138,8 +150,12 @@ fn fill(
     write("truth.tum", poses::truth_tum(record))?;
     write("estimate.tum", poses::estimate_tum(&record.estimates))?;
     write("boxes.csv", poses::boxes_csv(&record.estimates))?;
-    frames::write(partial, file, record)?;
-    write("timing.json", format!("{:#}\n", Timing::of(record).to_json()))?;
+    write("steps.csv", poses::steps_csv(record, verdict))?;
+    let shown = frames::write(partial, file, record)?;
+    if shown == 0 && !verdict.verdict.passed {
+        frames::write_widest(partial, file, record)?;
+    }
+    write("timing.json", format!("{:#}\n", Timing::of(file, record).to_json()))?;
     let summary = Summary::of(file, record, verdict);
     if let Some(recording) = recording {
         recording.finish(&summary, partial)?;

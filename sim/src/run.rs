@@ -275,6 +275,9 @@ impl<'a> Recorder<'a> {
             }
             let failed = account.emptied || !account.posterior.contains(truth.pose);
             let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
+            if self.keep_images == FramesPolicy::Failures {
+                self.history.keep_widest(&reading, &account.posterior);
+            }
             self.history.images.push(ImageRecord {
                 number,
                 measured_s: reading.measured_s() + self.offset_s,

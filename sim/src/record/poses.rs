@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use localizer::{Estimate, Pose, Status};
 
-use crate::run::RunRecord;
+use crate::{check::Verdict, run::RunRecord};
 
 /// True poses: `time x y z qx qy qz qw` a line, the TUM format. The body's small tilt is left out.
 pub(super) fn truth_tum(record: &RunRecord) -> String {
@@ -37,6 +37,33 @@ pub(super) fn boxes_csv(estimates: &[Estimate]) -> String {
             }
             text.push('\n');
         }
+    }
+    text
+}
+
+/// Error of the hull's midpoint, full width of the hull and judgement, one step a line; without a pose the fields stay empty.
+///
+/// The truth is within the hull along an axis when the error there is at most half the width. A union of several branches
+/// may miss a truth that its hull contains, so that only `judgement` tells.
+pub(super) fn steps_csv(record: &RunRecord, verdict: &Verdict) -> String {
+    let mut text =
+        "time_s,judgement,error_x_m,error_y_m,error_heading_rad,width_x_m,width_y_m,width_heading_rad\n".to_owned();
+    let steps = record.truths.iter().zip(&record.estimates).zip(&verdict.judgements);
+    for ((truth, estimate), judgement) in steps {
+        let _ = write!(text, "{:.3},{}", truth.time_s, judgement.name());
+        let hull = estimate.pose.hull();
+        if hull.is_empty() {
+            text.push_str(",,,,,,\n");
+            continue;
+        }
+        let (midpoint, truth) = (hull.midpoint(), truth.pose.to_array());
+        for axis in 0..3 {
+            let _ = write!(text, ",{:.9}", midpoint[axis] - truth[axis]);
+        }
+        for axis in 0..3 {
+            let _ = write!(text, ",{:.9}", hull[axis].width());
+        }
+        text.push('\n');
     }
     text
 }

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Scene, SceneError};
+use super::{Scene, SceneError, Setting};
 
 /// A scene with the file it came from and the name under which its runs are recorded.
 #[derive(Clone, Debug)]
@@ -16,9 +16,11 @@ pub struct SceneFile {
     pub name: String,
     /// The file.
     pub path: PathBuf,
-    /// Its text as it was read.
+    /// What differs from what the file states.
+    pub settings: Vec<Setting>,
+    /// Its text as it was read, or with `settings`.
     pub text: String,
-    /// What it states.
+    /// What that states.
     pub scene: Scene,
 }
 
@@ -30,6 +32,13 @@ impl Scene {
 }
 
 impl SceneFile {
+    /// Reads one scene file.
+    pub fn load(path: &Path) -> Result<SceneFile, SceneError> {
+        let text = read(path)?;
+        let scene = Scene::parse(&text, &path.display().to_string())?;
+        Ok(SceneFile { name: name_of(path), settings: Vec::new(), text, scene, path: path.to_owned() })
+    }
+
     /// Every scene that `paths` name, a folder standing for all scenes below it, in the order of their paths.
     pub fn load_all(paths: &[PathBuf]) -> Result<Vec<SceneFile>, SceneError> {
         let mut files = Vec::new();
@@ -52,11 +61,7 @@ impl SceneFile {
                 // The same file named twice runs once.
                 Some(first) if first == path => continue,
                 Some(first) => return Err(SceneError::SameName { name, first, second: path }),
-                None => {
-                    let text = read(&path)?;
-                    let scene = Scene::parse(&text, &path.display().to_string())?;
-                    scenes.push(SceneFile { name, path, text, scene });
-                }
+                None => scenes.push(SceneFile::load(&path)?),
             }
         }
         Ok(scenes)
