@@ -28,7 +28,8 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let violations = violations(scene, record);
     let false_claims: Vec<usize> =
         record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
-    let (containment, judgements) = judge::containment(record, &violations, &false_claims);
+    let (containment, judgements) =
+        judge::containment(record, &violations, &false_claims, &landmarks::misled(scene, record));
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();

@@ -39,6 +39,9 @@ use results_arguments::{CompareArguments, MergeArguments, Outputs, ReportArgumen
 #[derive(Debug, Parser)]
 #[command(name = "wherein", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Cli {
+    /// Graphics adapter to render with, by a part of its name, driver or backend. WHEREIN_ADAPTER says the same.
+    #[arg(long, value_name = "NAME", global = true)]
+    adapter: Option<String>,
     #[command(subcommand)]
     command: Command,
 }
@@ -248,18 +251,20 @@ enum CommandError {
 
 /// Runs the command that the process was asked for.
 pub fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
-        Command::Run(arguments) => run::run_scenes(&arguments),
-        Command::Sweep(arguments) => sweep::sweep(&arguments),
+    let Cli { adapter, command } = Cli::parse();
+    let adapter = adapter.as_deref();
+    let outcome = match command {
+        Command::Run(arguments) => run::run_scenes(&arguments, adapter),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, adapter),
         Command::Merge(arguments) => sweep::merge_folders(&arguments),
         Command::Report(arguments) => report::report_folder(&arguments),
         Command::Compare(arguments) => compare::compare_sides(&arguments),
-        Command::Render(arguments) => render::render(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Render(arguments) => render::render(&arguments, adapter).map(|()| ExitCode::SUCCESS),
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
-        Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),
+        Command::Adapter => print_adapter(adapter).map(|()| ExitCode::SUCCESS),
     };
     outcome.unwrap_or_else(|error| {
         complain(&error);
@@ -267,8 +272,8 @@ pub fn main() -> ExitCode {
     })
 }
 
-fn print_adapter() -> Result<(), CommandError> {
-    let renderer = crate::render::Renderer::new()?;
+fn print_adapter(adapter: Option<&str>) -> Result<(), CommandError> {
+    let renderer = crate::render::Renderer::on_adapter(adapter)?;
     print(&format!("{}\n", renderer.adapter()))
 }
 

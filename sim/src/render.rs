@@ -100,11 +100,11 @@ pub enum RenderError {
     /// No graphics adapter, real or software, that could be used.
     #[error(
         "find a graphics adapter{}; `make driver` installs a software one{}",
-        wanted.as_ref().map(|name| format!(" whose name contains \"{name}\" (WHEREIN_ADAPTER)")).unwrap_or_default(),
+        wanted.as_ref().map(|name| format!(" whose name contains \"{name}\" (--adapter or WHEREIN_ADAPTER)")).unwrap_or_default(),
         if found.is_empty() { String::new() } else { format!("; found: {}", found.join(", ")) }
     )]
     NoAdapter {
-        /// What `WHEREIN_ADAPTER` asked for.
+        /// What was asked for.
         wanted: Option<String>,
         /// Adapters that are there.
         found: Vec<String>,
@@ -158,7 +158,15 @@ impl Renderer {
     /// # Errors
     /// If there is no such adapter or it cannot be opened.
     pub fn new() -> Result<Renderer, RenderError> {
-        Renderer::on(Graphics::open()?)
+        Renderer::on_adapter(None)
+    }
+
+    /// Opens the adapter that has `adapter` in its name, driver or backend; without one, as [`Renderer::new`].
+    ///
+    /// # Errors
+    /// If there is no such adapter or it cannot be opened.
+    pub fn on_adapter(adapter: Option<&str>) -> Result<Renderer, RenderError> {
+        Renderer::on(Graphics::open(adapter)?)
     }
 
     /// Another renderer on the same device, for another thread; none when the device does not allow several threads.
@@ -220,12 +228,20 @@ impl Renderer {
     /// # Errors
     /// If a view has no pose or is larger than the device allows, or the driver reports an error or does not answer.
     pub fn draw(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<GrayImage>, RenderError> {
-        let pictures = self.read_out(world, views)?.into_iter().zip(views).map(|(levels, view)| {
+        let together: Vec<(&RenderedWorld, &View)> = views.iter().map(|view| (world, view)).collect();
+        self.draw_together(&together)
+    }
+
+    /// As [`Renderer::draw`], each view of a world of its own; still one submit.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_together(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<Vec<GrayImage>, RenderError> {
+        let pictures = self.read_out(views)?.into_iter().zip(views).map(|(levels, (_, view))| {
             let pixels = match levels {
                 Levels::Eight(levels) => levels,
                 Levels::Deep(levels) => {
-                    let shift = view.sensor.bits.bits() - 8;
-                    levels.into_iter().map(|level| (level >> shift) as u8).collect()
+                    levels.into_iter().map(|level| view.sensor.bits.most_significant(level)).collect()
                 }
             };
             let [width, height] = view.intrinsics.size_px;
@@ -239,7 +255,8 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::draw`].
     pub fn draw_deep(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<DeepImage>, RenderError> {
-        let pictures = self.read_out(world, views)?.into_iter().zip(views).map(|(levels, view)| {
+        let together: Vec<(&RenderedWorld, &View)> = views.iter().map(|view| (world, view)).collect();
+        let pictures = self.read_out(&together)?.into_iter().zip(views).map(|(levels, view)| {
             let pixels = match levels {
                 Levels::Eight(levels) => levels.into_iter().map(u16::from).collect(),
                 Levels::Deep(levels) => levels,
@@ -250,13 +267,13 @@ impl Renderer {
         pictures.collect()
     }
 
-    fn read_out(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<Levels>, RenderError> {
-        for (index, view) in views.iter().enumerate() {
+    fn read_out(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<Vec<Levels>, RenderError> {
+        for (index, (_, view)) in views.iter().enumerate() {
             self.prepare_target(index, view)?;
         }
         let device = &self.graphics.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for (view, target) in views.iter().zip(&mut self.targets) {
+        for ((world, view), target) in views.iter().zip(&mut self.targets) {
             let Target { floor, room, luminance, .. } = target;
             match (&view.lens, &world.room) {
                 (None, _) => {

@@ -129,9 +129,8 @@ pub fn take(
 
 /// The eight most significant bits of each level.
 fn most_significant(levels: &DeepImage, bits: BitDepth) -> GrayImage {
-    let shift = bits.bits() - 8;
     GrayImage::from_fn(levels.width(), levels.height(), |u, v| {
-        image::Luma([(levels.get_pixel(u, v).0[0] >> shift) as u8])
+        image::Luma([bits.most_significant(levels.get_pixel(u, v).0[0])])
     })
 }
 

@@ -24,6 +24,8 @@ mod range_landmarks_setup;
 mod range_landmarks_solvers;
 /// Drives past landmarks that nobody has mapped.
 mod range_landmarks_drive;
+/// Gaps between uses of a code, and constraints that outlive what they stood on.
+mod range_landmarks_gaps;
 /// Point methods and the printed contractor beside the sound ones.
 mod landmark_baselines;
 /// The gyroscope's turn against turns integrated much finer.
@@ -34,6 +36,8 @@ mod range_sensing;
 mod range_runs;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
 mod floor_tiles_geometry;
+/// Ceiling markers to poses, against a camera and a ceiling of the tests' own.
+mod ceiling_markers_geometry;
 /// Scenes and drives that the tests of the world share.
 mod world_setup;
 /// The tyre law against the brush's own integral and closed form.
@@ -70,6 +74,8 @@ mod render_projection;
 mod light_of_lamps;
 /// Rooms seen through lenses against projections of the tests' own.
 mod render_room;
+/// Pictures of rooms against pictures that somebody has looked at.
+mod golden_images;
 /// `wherein render`.
 mod cli_render;
 /// What the renderer's tests share.

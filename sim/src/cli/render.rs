@@ -64,7 +64,7 @@ pub(super) fn illuminance(text: &str) -> Result<f64, String> {
 }
 
 /// Renders what was asked for and names the files.
-pub(super) fn render(arguments: &RenderArguments) -> Result<(), CommandError> {
+pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Result<(), CommandError> {
     let mut files = SceneFile::load_all(std::slice::from_ref(&arguments.scene))?;
     if files.len() != 1 {
         return Err(CommandError::SeveralScenes { path: arguments.scene.clone(), count: files.len() });
@@ -73,7 +73,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CommandError> {
     let cameras = cameras(arguments.camera, &file)?;
     let pose = pose(arguments.at, &file)?;
     let drawn = Drawn::draw(&file.scene, arguments.seed);
-    let mut renderer = Renderer::new()?;
+    let mut renderer = Renderer::on_adapter(adapter)?;
     let world = renderer.upload_room(&file.scene, &drawn)?;
     let folder = arguments.out.join(&file.name);
     fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;

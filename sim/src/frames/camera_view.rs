@@ -77,7 +77,7 @@ pub(super) fn draw(
             match claim {
                 Claim::FloorJoint { points_px, .. } => joint(canvas, points_px, place, colour),
                 // Not of an image.
-                Claim::Landmark { .. } => {}
+                Claim::Landmark { .. } | Claim::Marker { .. } => {}
             }
         }
     });

@@ -14,7 +14,7 @@ impl Scene {
     /// The building as surveyed.
     pub fn map(&self) -> Map {
         let room_m = [Interval::new(0.0, self.room.width_m), Interval::new(0.0, self.room.depth_m)];
-        Map { room_m, tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)) }
+        Map { room_m, tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)), markers: None }
     }
 
     /// The robot as it knows itself.
@@ -45,6 +45,7 @@ impl Scene {
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
             gyro: robot.gyro.as_ref().map(gyro_model),
+            ceiling_camera: None,
             range_camera: robot.range_camera.as_ref().map(range_camera_model),
         }
     }

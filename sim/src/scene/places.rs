@@ -109,6 +109,16 @@ fn things(scene: &Scene, found: &mut Vec<Contradiction>) {
         let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
         found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
     }
+    let methods = &scene.localizer.methods;
+    if (1..methods.len()).any(|index| methods[..index].contains(&methods[index])) {
+        let expected = "a method twice, expected each at most once".to_owned();
+        found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
+    }
+    let q_items = scene.robot.range_camera.as_ref().map_or(0, |camera| camera.q_items);
+    if q_items > 0 && q_items >= scene.landmarks.len() {
+        let expected = format!("nothing could be told, expected fewer than the {} landmarks", scene.landmarks.len());
+        found.push(Contradiction { key: "robot.range_camera.q_items".to_owned(), expected });
+    }
     let ranges = scene.robot.range_camera.as_ref().map(|camera| [camera.least_range_m, camera.greatest_range_m]);
     if let Some([least_m, greatest_m]) = ranges
         && least_m >= greatest_m

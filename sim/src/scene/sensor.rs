@@ -217,6 +217,11 @@ impl BitDepth {
         (1 << self.bits()) - 1
     }
 
+    /// The eight most significant bits of a level.
+    pub fn most_significant(self, level: u16) -> u8 {
+        (level >> (self.bits() - 8)) as u8
+    }
+
     /// Grey levels that one level of eight bits stands for.
     pub fn levels_per_byte_level(self) -> f64 {
         f64::from(1 << (self.bits() - 8))

@@ -21,6 +21,8 @@ struct Face {
     @location(3) @interpolate(flat) material: vec4<f32>,
     @location(4) @interpolate(flat) normal: vec3<f32>,
     @location(5) @interpolate(flat) size: vec2<f32>,
+    // First and last node: some drivers interpolate a little beyond the edge all the same.
+    @location(6) @interpolate(flat) nodes: vec4<f32>,
 }
 
 @vertex
@@ -35,6 +37,7 @@ fn surface_node(node: Node) -> Face {
         vec4(surface.corner.w, surface.along.w, surface.up.w, surface.size.z),
         normalize(cross(surface.along.xyz, surface.up.xyz)),
         surface.size.xy,
+        vec4(surface.nodes.xy, surface.nodes.xy + surface.nodes.zw),
     );
 }
 
@@ -77,7 +80,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     if (TEXTURE != 0u) {
         albedo *= texture_at(face);
     }
-    var lux = mapped_lux(face.node);
+    var lux = mapped_lux(clamp(face.node, face.nodes.xy, face.nodes.zw));
     if (PEOPLED) {
         lux *= left_by_people(face.world, face.normal, lux);
     }
