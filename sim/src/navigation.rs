@@ -5,4 +5,4 @@ pub mod map_server;
 mod planner;
 
 pub use grid::{Cell, OccupancyGrid};
-pub use planner::{Planner, length_m};
+pub use planner::{Planner, Reach, length_m};

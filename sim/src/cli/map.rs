@@ -15,7 +15,7 @@ pub(super) fn write_map(arguments: &MapArguments) -> Result<(), CommandError> {
     for file in SceneFile::load_all(slice::from_ref(&arguments.scene))? {
         let folder = arguments.out.join(&file.name);
         record::prepare(&folder)?;
-        let path = map_server::write(&OccupancyGrid::from_scene(&file.scene), &folder, "map")?;
+        let path = map_server::write(&OccupancyGrid::of(&file.scene), &folder, "map")?;
         print(&format!("{}\n", path.display()))?;
     }
     Ok(())

@@ -30,6 +30,12 @@ pub struct OccupancyGrid {
 }
 
 impl OccupancyGrid {
+    /// The map by which a scene's errands are planned: the file that it names, or else what stands in it.
+    pub fn of(scene: &Scene) -> OccupancyGrid {
+        let surveyed = scene.navigation.as_ref().and_then(|navigation| navigation.surveyed.clone());
+        surveyed.unwrap_or_else(|| OccupancyGrid::from_scene(scene))
+    }
+
     /// The room of a scene with a border of wall, and its mapped furniture. A cell is occupied when something reaches into
     /// the circle about it, so that nothing is mapped smaller than it is.
     ///

@@ -75,7 +75,8 @@ pub fn read(yaml: &Path) -> Result<OccupancyGrid, MapError> {
         .map_err(|_| MapError::Invalid { path: yaml.to_owned(), expected: "expected text in UTF-8".to_owned() })?;
     let header = parse_header(&text).map_err(invalid(yaml))?;
     let picture = yaml.parent().unwrap_or(Path::new("")).join(&header.image);
-    let (size, levels) = parse_pgm(&bytes_of(&picture)?).map_err(invalid(&picture))?;
+    let bytes = bytes_of(&picture)?;
+    let (size, levels) = parse_pgm(&bytes).map_err(invalid(&picture))?;
     let cells = (0..size[1]).rev().flat_map(|row| &levels[row * size[0]..(row + 1) * size[0]]);
     Ok(OccupancyGrid {
         resolution_m: header.resolution_m,
@@ -104,7 +105,7 @@ impl Header {
 }
 
 /// The picture of a grid, 8 bits a pixel.
-fn pgm(grid: &OccupancyGrid) -> Vec<u8> {
+pub(crate) fn pgm(grid: &OccupancyGrid) -> Vec<u8> {
     let [n_columns, n_rows] = grid.size;
     let mut bytes = format!("P5\n{n_columns} {n_rows}\n255\n").into_bytes();
     for row in (0..n_rows).rev() {
@@ -117,7 +118,8 @@ fn pgm(grid: &OccupancyGrid) -> Vec<u8> {
     bytes
 }
 
-fn header(grid: &OccupancyGrid, name: &str) -> String {
+/// The text of the YAML file.
+pub(crate) fn header(grid: &OccupancyGrid, name: &str) -> String {
     let [x_m, y_m] = grid.origin_m;
     format!(
         "image: {name}.pgm\nmode: trinary\nresolution: {:?}\norigin: [{x_m:?}, {y_m:?}, 0.0]\nnegate: 0\n\

@@ -1,6 +1,8 @@
 //! The shortest way of a round robot through a grid: A* over cells, then a line with few corners.
 
-use pathfinding::prelude::astar;
+use pathfinding::prelude::{astar, bfs_reach};
+
+use crate::scene::Scene;
 
 use super::OccupancyGrid;
 
@@ -20,7 +22,19 @@ pub struct Planner {
     open: Vec<bool>,
 }
 
+/// The cells that can be got to from a place.
+#[derive(Clone, Debug)]
+pub struct Reach {
+    grid: OccupancyGrid,
+    is_reached: Vec<bool>,
+}
+
 impl Planner {
+    /// Ways for the robot of a scene on its map, with its margin.
+    pub fn of(scene: &Scene) -> Planner {
+        Planner::new(OccupancyGrid::of(scene), scene.robot.body_radius_m + scene.navigation().margin_m)
+    }
+
     /// Keeps the robot's middle `keep_away_m` from everything that is not free.
     pub fn new(grid: OccupancyGrid, keep_away_m: f64) -> Planner {
         let cells = (0..grid.size[1]).flat_map(|row| (0..grid.size[0]).map(move |column| [column, row]));
@@ -55,6 +69,16 @@ impl Planner {
             return Some(vec![from_m, to_m]);
         }
         Some(self.straighten(&places_m))
+    }
+
+    /// Where one can get to from a place, or `None` when that place itself is too near to something.
+    pub fn reach(&self, from_m: [f64; 2]) -> Option<Reach> {
+        let start = self.grid.cell_at(from_m).filter(|&cell| self.is_open(cell))?;
+        let mut is_reached = vec![false; self.open.len()];
+        for [column, row] in bfs_reach(start, |&cell| self.neighbours(cell).into_iter().map(|(next, _)| next)) {
+            is_reached[row * self.grid.size[0] + column] = true;
+        }
+        Some(Reach { grid: self.grid.clone(), is_reached })
     }
 
     fn is_open(&self, [column, row]: [usize; 2]) -> bool {
@@ -112,6 +136,24 @@ impl Planner {
             let at_m = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
             self.grid.cell_at(at_m).is_some_and(|cell| self.is_open(cell))
         })
+    }
+}
+
+impl Reach {
+    /// Whether a world place lies in a cell that can be got to.
+    pub fn contains(&self, place_m: [f64; 2]) -> bool {
+        self.grid.cell_at(place_m).is_some_and(|[column, row]| self.is_reached[row * self.grid.size[0] + column])
+    }
+
+    /// How many cells can be got to.
+    pub fn n_cells(&self) -> usize {
+        self.is_reached.iter().filter(|is_reached| **is_reached).count()
+    }
+
+    /// Centres of the cells that can be got to, row by row.
+    pub fn centres_m(&self) -> Vec<[f64; 2]> {
+        let cells = (0..self.grid.size[1]).flat_map(|row| (0..self.grid.size[0]).map(move |column| [column, row]));
+        cells.zip(&self.is_reached).filter(|(_, is_reached)| **is_reached).map(|(cell, _)| self.grid.centre_m(cell)).collect()
     }
 }
 
