@@ -33,6 +33,8 @@ pub struct Drawn {
     pub gyro: Option<DrawnGyro>,
     /// The tiles as they were laid.
     pub tiles: Option<LaidTiles>,
+    /// Goals of random errands, world; nothing secret, and the driver is told.
+    pub goals_m: Vec<[f64; 2]>,
 }
 
 /// True mount and lens of the floor camera.

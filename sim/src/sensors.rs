@@ -5,6 +5,7 @@ pub mod encoder;
 mod floor_camera;
 pub mod lens;
 pub mod gyro;
+pub mod proximity;
 pub mod range_camera;
 mod sight;
 
@@ -21,6 +22,7 @@ use crate::{
 use encoder::Encoder;
 pub use floor_camera::FloorCameraSensor;
 use gyro::GyroSensor;
+use proximity::{Fan, ProximitySensor};
 pub use range_camera::RangeCameraSensor;
 
 /// All sensors of the robot.
@@ -31,6 +33,7 @@ pub struct Sensors {
     floor_camera: Option<FloorCameraSensor>,
     gyro: Option<GyroSensor>,
     range_camera: Option<RangeCameraSensor>,
+    proximity: Option<ProximitySensor>,
     /// Taken but not yet delivered.
     on_the_way: Vec<Observation>,
 }
@@ -69,6 +72,7 @@ impl Sensors {
             floor_camera,
             gyro: GyroSensor::new(scene, seed, drawn),
             range_camera: RangeCameraSensor::new(scene, seed, drawn),
+            proximity: ProximitySensor::new(scene, seed),
             on_the_way: Vec::new(),
         })
     }
@@ -99,5 +103,10 @@ impl Sensors {
         self.on_the_way = waiting;
         arrived.sort_by(|a, b| a.reading.arrived_s().total_cmp(&b.reading.arrived_s()));
         Ok(arrived)
+    }
+
+    /// What the driver may know besides the estimate: a reading of the proximity sensor when one is due.
+    pub fn look_out(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
+        self.proximity.as_mut().and_then(|proximity| proximity.observe(truth, people))
     }
 }

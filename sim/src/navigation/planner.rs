@@ -153,7 +153,11 @@ impl Reach {
     /// Centres of the cells that can be got to, row by row.
     pub fn centres_m(&self) -> Vec<[f64; 2]> {
         let cells = (0..self.grid.size[1]).flat_map(|row| (0..self.grid.size[0]).map(move |column| [column, row]));
-        cells.zip(&self.is_reached).filter(|(_, is_reached)| **is_reached).map(|(cell, _)| self.grid.centre_m(cell)).collect()
+        cells
+            .zip(&self.is_reached)
+            .filter(|(_, is_reached)| **is_reached)
+            .map(|(cell, _)| self.grid.centre_m(cell))
+            .collect()
     }
 }
 

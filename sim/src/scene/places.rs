@@ -33,12 +33,17 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
 
 fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
     let (key, expected) = match (&scene.route, scene.has_errands(), scene.stations.is_empty()) {
-        (None, false, true) => {
-            ("route", "missing, expected a `[route]` to drive, an `[[errand]]`, or at least one `[[station]]` to stand at")
+        (None, false, true) => (
+            "route",
+            "missing, expected a `[route]` to drive, an `[[errand]]`, or at least one `[[station]]` to stand at",
+        ),
+        (Some(_), _, false) => {
+            ("route", "stands beside `[[station]]`, expected one of the two: a drive, or still poses")
         }
-        (Some(_), _, false) => ("route", "stands beside `[[station]]`, expected one of the two: a drive, or still poses"),
         (Some(_), true, true) => ("route", "stands beside errands, expected one of the two: a given way, or goals"),
-        (None, true, false) => ("errand", "stands beside `[[station]]`, expected one of the two: goals, or still poses"),
+        (None, true, false) => {
+            ("errand", "stands beside `[[station]]`, expected one of the two: goals, or still poses")
+        }
         _ => return,
     };
     found.push(Contradiction { key: key.to_owned(), expected: expected.to_owned() });

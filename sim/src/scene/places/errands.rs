@@ -22,7 +22,8 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     };
     for (index, errand) in scene.errands.iter().enumerate() {
         if !reach.contains([errand.x_m, errand.y_m]) {
-            let expected = format!("no way leads from the start to this goal, expected one with {}", room_needed(scene));
+            let expected =
+                format!("no way leads from the start to this goal, expected one with {}", room_needed(scene));
             found.push(Contradiction { key: format!("errand[{index}].x_m"), expected });
         }
     }
