@@ -40,8 +40,8 @@ const STUCK_S: f64 = 3.0;
 /// An errand whose robot stays within this of a place gets nowhere.
 const NOWHERE_M: f64 = 0.2;
 
-/// Ways to a goal that end beside it, as the estimate jumps on the last centimetres, are planned anew so often.
-const MOST_PLANS: usize = 20;
+/// After so many ways, blocked or ended beside the goal as the estimate jumped, an errand is given up.
+const MOST_WAYS: usize = 20;
 
 /// Drives a scene's errands.
 #[derive(Clone, Debug)]
@@ -58,6 +58,8 @@ pub struct ErrandDriver {
     moved: Anchor,
     got_on: Anchor,
     doubts_since_s: Option<f64>,
+    /// When something came into the way that has been there, on and off, since the robot last got on.
+    blocked_since_s: Option<f64>,
 }
 
 /// What the driver is about.
@@ -105,6 +107,7 @@ impl ErrandDriver {
             moved: here,
             got_on: here,
             doubts_since_s: None,
+            blocked_since_s: None,
         }
     }
 
@@ -174,27 +177,35 @@ impl ErrandDriver {
 
     /// Finds a way to the goal: past what has been seen besides the map, if it has to be.
     fn plan(&mut self, time_s: f64) {
-        self.log.end_leg(time_s);
-        let Some(goal_m) = self.log.current().map(|errand| errand.goal_m) else {
+        self.blocked_since_s = None;
+        let Some((goal_m, ways)) = self.log.current().map(|errand| (errand.goal_m, errand.ways)) else {
             self.task = Task::Done { since_s: time_s };
             return;
         };
+        if ways >= MOST_WAYS {
+            self.end_errand(Outcome::Blocked, time_s);
+            return;
+        }
         let (map, is_changed) = self.surroundings.map();
         let place_m = self.place_m();
-        let way = if is_changed {
-            Planner::new(map, self.keep_away_m).plan(place_m, goal_m)
-        } else {
-            self.planner.plan(place_m, goal_m)
-        };
+        let mut way = None;
+        if is_changed {
+            way = Planner::new(map, self.keep_away_m).plan(place_m, goal_m);
+        }
+        // Who stands in the only way may go on: towards there, until the proximity sensor stops the robot.
+        if !is_changed || (way.is_none() && !self.log.has_leg()) {
+            way = self.planner.plan(place_m, goal_m);
+        }
         self.log.add_plan(is_changed);
         match way {
             Some(corners_m) => {
                 self.set_out(&corners_m);
+                self.log.end_leg(time_s);
                 self.log.begin_leg(corners_m, time_s);
                 self.moved = Anchor { place_m, since_s: time_s };
                 self.task = Task::Follow;
             }
-            // Who stands in the only way may go on.
+            // The way that was followed may become free again.
             None if is_changed => self.task = Task::Wait { since_s: time_s },
             None => self.end_errand(Outcome::NoWay, time_s),
         }
@@ -231,7 +242,8 @@ impl ErrandDriver {
             self.surroundings.bump(self.follower.pose, time_s);
         }
         if is_bumped || (wants_on && limit_m_per_s < CREEP_M_PER_S) {
-            self.task = Task::Wait { since_s: time_s };
+            let since_s = *self.blocked_since_s.get_or_insert(time_s);
+            self.task = Task::Wait { since_s };
             return Wish::default();
         }
         // Full speed while half of the box fits into the margin that the way has to either side.
@@ -287,8 +299,6 @@ impl ErrandDriver {
         errand.box_reach_m = Some(0.5 * hull.width(0).hypot(hull.width(1)));
         if errand.estimated_distance_m.is_some_and(|distance_m| distance_m <= errand.tolerance_m) {
             self.end_errand(Outcome::Reached, time_s);
-        } else if errand.plans >= MOST_PLANS {
-            self.end_errand(Outcome::Blocked, time_s);
         } else {
             self.task = Task::Plan;
         }
@@ -314,6 +324,9 @@ impl ErrandDriver {
             if moved_m > least_m {
                 *anchor = Anchor { place_m, since_s: time_s };
             }
+        }
+        if self.got_on.since_s == time_s {
+            self.blocked_since_s = None;
         }
         // Turning in place is getting on, as far as bumps are concerned.
         if self.follower.speed.value() < CREEP_M_PER_S {

@@ -12,8 +12,8 @@ const KNOWN_M: f64 = 0.15;
 /// The body's edge stops this far from what the map does not show, which may move, and from what it shows.
 const GAP_M: [f64; 2] = [0.2, 0.02];
 
-/// What counts as ahead reaches this far beyond the body to either side.
-const BESIDE_M: f64 = 0.02;
+/// What counts as ahead reaches this far beyond the body to either side, for the same two; less than ways keep away.
+const BESIDE_M: [f64; 2] = [0.06, 0.02];
 
 /// Time from a reading to the brakes: the sensor's period and the ramp's rise.
 const REACTION_S: f64 = 0.3;
@@ -72,7 +72,7 @@ impl Surroundings {
     /// Greatest speed from which half of an acceleration stops the robot before what is straight ahead.
     pub(super) fn speed_limit_m_per_s(&self, speed_m_per_s: f64, acceleration_m_per_s2: f64) -> f64 {
         let limit = |(end_m, is_known): &([f64; 2], bool)| {
-            let side_m = self.body_radius_m + BESIDE_M;
+            let side_m = self.body_radius_m + BESIDE_M[usize::from(*is_known)];
             if end_m[0] <= 0.0 || end_m[1].abs() >= side_m {
                 return f64::INFINITY;
             }

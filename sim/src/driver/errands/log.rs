@@ -35,6 +35,8 @@ pub struct ErrandRecord {
     pub box_reach_m: Option<f64>,
     /// How often a way was looked for.
     pub plans: usize,
+    /// How often one was found.
+    pub ways: usize,
     /// How many of those times something that the map does not show was known.
     pub detours: usize,
     /// How long something in the way was waited for.
@@ -93,6 +95,7 @@ impl ErrandLog {
             estimated_distance_m: None,
             box_reach_m: None,
             plans: 0,
+            ways: 0,
             detours: 0,
             waited_s: 0.0,
         };
@@ -133,6 +136,9 @@ impl ErrandLog {
     }
 
     pub(super) fn begin_leg(&mut self, corners_m: Vec<[f64; 2]>, time_s: f64) {
+        if let Some(errand) = self.current_mut() {
+            errand.ways += 1;
+        }
         self.legs.push(Leg { from_s: time_s, until_s: f64::INFINITY, corners_m });
     }
 
