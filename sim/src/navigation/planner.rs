@@ -11,6 +11,9 @@ const STRAIGHT: u32 = 10_000;
 /// √2 of it, rounded up so that the estimate of the way left, rounded like it, is never too long.
 const ACROSS: u32 = 14_143;
 
+/// What a corner counts for: nothing against a length, but enough to tell equal ones apart.
+const CORNER_M: f64 = 1e-6;
+
 /// From a place that is too near to something the robot may get away to a free cell this near.
 const GET_AWAY_M: f64 = 0.3;
 
@@ -49,8 +52,8 @@ impl Planner {
 
     /// Corners of the way from a place to another, both included, or `None` when there is none.
     ///
-    /// A* (Hart, Nilsson and Raphael 1968) with the octile distance; then each corner is the farthest that is seen from the one
-    /// before over open cells.
+    /// A* (Hart, Nilsson and Raphael 1968) with the octile distance, then the shortest line through its turns that passes open cells
+    /// only.
     pub fn plan(&self, from_m: [f64; 2], to_m: [f64; 2]) -> Option<Vec<[f64; 2]>> {
         let start = self.nearest_open(from_m)?;
         let goal = self.grid.cell_at(to_m).filter(|&cell| self.is_open(cell))?;
@@ -117,26 +120,53 @@ impl Planner {
         steps
     }
 
+    /// The shortest line from turn to turn of a way over cells, of equally short ones that with the fewest corners.
     fn straighten(&self, places_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        let mut corners_m = vec![places_m[0]];
-        let mut here = 0;
-        while here + 1 < places_m.len() {
-            let seen = (here + 1..places_m.len()).rev().find(|&next| self.sees(places_m[here], places_m[next]));
-            here = seen.unwrap_or(here + 1);
-            corners_m.push(places_m[here]);
+        let turns_m = turns(places_m);
+        // By turn, the length of the shortest line to it and the turn before it.
+        let mut best = vec![(0.0_f64, 0_usize)];
+        for to in 1..turns_m.len() {
+            let through = (0..to).rev().filter(|&from| from + 1 == to || self.sees(turns_m[from], turns_m[to]));
+            let lines = through.map(|from| (best[from].0 + length_m(&[turns_m[from], turns_m[to]]) + CORNER_M, from));
+            best.push(lines.min_by(|one, other| one.0.total_cmp(&other.0)).unwrap_or((f64::INFINITY, to - 1)));
         }
+        let mut corners_m = Vec::new();
+        let mut here = turns_m.len() - 1;
+        while here > 0 {
+            corners_m.push(turns_m[here]);
+            here = best[here].1;
+        }
+        corners_m.push(turns_m[0]);
+        corners_m.reverse();
         corners_m
     }
 
-    /// Whether a straight line passes open cells only, looked at every tenth of a cell.
+    /// Whether a straight line passes open cells only, with a twentieth of a cell to spare for what lies between two looks.
     fn sees(&self, from_m: [f64; 2], to_m: [f64; 2]) -> bool {
-        let n_looks = (length_m(&[from_m, to_m]) / (0.1 * self.grid.resolution_m)).ceil().max(1.0) as usize;
+        let resolution_m = self.grid.resolution_m;
+        let n_looks = (length_m(&[from_m, to_m]) / (0.1 * resolution_m)).ceil().max(1.0) as usize;
         (0..=n_looks).all(|look| {
             let share = look as f64 / n_looks as f64;
             let at_m = [0, 1].map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]));
-            self.grid.cell_at(at_m).is_some_and(|cell| self.is_open(cell))
+            let spare_m = 0.05 * resolution_m;
+            [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].into_iter().all(|[right, up]| {
+                let place_m = [at_m[0] + right * spare_m, at_m[1] + up * spare_m];
+                self.grid.cell_at(place_m).is_some_and(|cell| self.is_open(cell))
+            })
         })
     }
+}
+
+/// The ends of a way over cells, and the places at which it turns.
+fn turns(places_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let is_turn = |three: &[[f64; 2]]| {
+        let cross = (three[1][0] - three[0][0]) * (three[2][1] - three[1][1])
+            - (three[1][1] - three[0][1]) * (three[2][0] - three[1][0]);
+        cross.abs() > 1e-9
+    };
+    let inner = places_m.windows(3).filter(|three| is_turn(three)).map(|three| three[1]);
+    let (first, last) = (places_m.first().copied(), places_m.last().copied());
+    first.into_iter().chain(inner).chain(last).collect()
 }
 
 impl Reach {
