@@ -3,7 +3,7 @@
 use localizer::{Estimate, Pose, PoseBox, Status};
 
 use crate::{
-    navigation::{OccupancyGrid, Planner},
+    navigation::{OccupancyGrid, Planner, length_m},
     scene::{FollowerName, Navigation, Route, Scene, Waypoint},
     sensors::proximity::Fan,
     world::WheelCommand,
@@ -37,8 +37,17 @@ const MOVED_M: f64 = 0.02;
 /// See `MOVED_M`; longer than a start from rest takes.
 const STUCK_S: f64 = 3.0;
 
-/// An errand whose robot stays within this of a place gets nowhere.
+/// A robot gets on when it has moved by this much.
 const NOWHERE_M: f64 = 0.2;
+
+/// After so long without getting on the robot makes way: whoever stands before it may be waiting too.
+const YIELD_S: f64 = 8.0;
+
+/// How far away it goes then: more than people keep from its way.
+const YIELD_M: [f64; 2] = [1.2, 2.5];
+
+/// How long it stands there.
+const YIELDED_S: f64 = 3.0;
 
 /// After so many ways, blocked or ended beside the goal as the estimate jumped, an errand is given up.
 const MOST_WAYS: usize = 20;
@@ -54,7 +63,7 @@ pub struct ErrandDriver {
     surroundings: Surroundings,
     task: Task,
     log: ErrandLog,
-    /// Where the robot was, by its estimate, when it last got on: to tell a bump, and an errand that gets nowhere.
+    /// Where the robot was, by its estimate, when it last moved, and when it last got on: to tell a bump, and a standstill.
     moved: Anchor,
     got_on: Anchor,
     doubts_since_s: Option<f64>,
@@ -67,9 +76,15 @@ pub struct ErrandDriver {
 enum Task {
     Plan,
     Follow,
+    /// Out of somebody's way.
+    Yield,
     /// Something is in the way.
     Wait {
         since_s: f64,
+    },
+    /// Where it is in nobody's way.
+    Yielded {
+        until_s: f64,
     },
     /// At a goal.
     Pause {
@@ -160,9 +175,15 @@ impl ErrandDriver {
                 self.plan(time_s);
                 Wish::default()
             }
-            Task::Follow => self.follow(hull, time_s),
+            Task::Follow | Task::Yield => self.follow(hull, time_s),
             Task::Wait { since_s } => {
                 self.wait(since_s, time_s);
+                Wish::default()
+            }
+            Task::Yielded { until_s } => {
+                if time_s >= until_s {
+                    self.task = Task::Plan;
+                }
                 Wish::default()
             }
             Task::Pause { until_s } => {
@@ -231,7 +252,12 @@ impl ErrandDriver {
     fn follow(&mut self, hull: &PoseBox, time_s: f64) -> Wish {
         let wish = self.steer(time_s);
         if self.is_at_the_end() {
-            self.arrive(hull, time_s);
+            if self.task == Task::Yield {
+                self.log.end_leg(time_s);
+                self.task = Task::Yielded { until_s: time_s + YIELDED_S };
+            } else {
+                self.arrive(hull, time_s);
+            }
             return Wish::default();
         }
         let acceleration_m_per_s2 = self.follower.scene.robot.max_acceleration_m_per_s2;
@@ -243,7 +269,9 @@ impl ErrandDriver {
         }
         if is_bumped || (wants_on && limit_m_per_s < CREEP_M_PER_S) {
             let since_s = *self.blocked_since_s.get_or_insert(time_s);
-            self.task = Task::Wait { since_s };
+            // The way aside leads nowhere: one to the goal is looked for again.
+            self.task =
+                if self.task == Task::Yield { Task::Yielded { until_s: time_s } } else { Task::Wait { since_s } };
             return Wish::default();
         }
         // Full speed while half of the box fits into the margin that the way has to either side.
@@ -277,8 +305,11 @@ impl ErrandDriver {
     fn wait(&mut self, since_s: f64, time_s: f64) {
         self.log.wait(super::PERIOD_S);
         self.hold_progress(time_s);
-        if time_s - self.got_on.since_s > self.navigation.give_up_s {
+        if self.log.current().is_some_and(|errand| errand.waited_s > self.navigation.give_up_s) {
             self.end_errand(Outcome::Blocked, time_s);
+            return;
+        }
+        if time_s - self.got_on.since_s > YIELD_S && self.make_way(time_s) {
             return;
         }
         let acceleration_m_per_s2 = self.follower.scene.robot.max_acceleration_m_per_s2;
@@ -289,6 +320,28 @@ impl ErrandDriver {
             self.moved.since_s = time_s;
             self.task = Task::Follow;
         }
+    }
+
+    /// Sets out for the place near by that is farthest from what has been seen besides the map, if there is any.
+    fn make_way(&mut self, time_s: f64) -> bool {
+        let (map, _) = self.surroundings.map();
+        let (here_m, planner) = (self.place_m(), Planner::new(map, self.keep_away_m));
+        let Some(reach) = planner.reach_near(here_m) else { return false };
+        let is_near = |at_m: &[f64; 2]| (YIELD_M[0]..=YIELD_M[1]).contains(&length_m(&[here_m, *at_m]));
+        let room_m = |at_m: &[f64; 2]| self.surroundings.distance_m(*at_m);
+        let places_m = reach.centres_m().into_iter().filter(is_near);
+        let way = places_m
+            .max_by(|one, other| room_m(one).total_cmp(&room_m(other)))
+            .and_then(|place_m| planner.plan(here_m, place_m));
+        let Some(corners_m) = way else { return false };
+        self.set_out(&corners_m);
+        self.log.end_leg(time_s);
+        self.log.begin_leg(corners_m, time_s);
+        self.got_on.since_s = time_s;
+        self.moved.since_s = time_s;
+        self.blocked_since_s = None;
+        self.task = Task::Yield;
+        true
     }
 
     /// At the end of a way: the goal is reached if the estimate says so.

@@ -84,6 +84,12 @@ impl Surroundings {
         self.ends_m.iter().map(limit).fold(f64::INFINITY, f64::min)
     }
 
+    /// Distance of a place from what has been seen that the map does not show; infinite when there is nothing.
+    pub(super) fn distance_m(&self, place_m: [f64; 2]) -> f64 {
+        let places_m = self.seen.keys().map(|cell| self.map.centre_m(*cell));
+        places_m.map(|at_m| (at_m[0] - place_m[0]).hypot(at_m[1] - place_m[1])).fold(f64::INFINITY, f64::min)
+    }
+
     /// The map with what stands there besides, and whether there is anything.
     pub(super) fn map(&self) -> (OccupancyGrid, bool) {
         let mut map = self.map.clone();

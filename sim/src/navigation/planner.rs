@@ -76,12 +76,20 @@ impl Planner {
 
     /// Where one can get to from a place, or `None` when that place itself is too near to something.
     pub fn reach(&self, from_m: [f64; 2]) -> Option<Reach> {
-        let start = self.grid.cell_at(from_m).filter(|&cell| self.is_open(cell))?;
+        self.grid.cell_at(from_m).filter(|&cell| self.is_open(cell)).map(|start| self.reach_of(start))
+    }
+
+    /// The same from the nearest place that is not too near to anything.
+    pub fn reach_near(&self, from_m: [f64; 2]) -> Option<Reach> {
+        self.nearest_open(from_m).map(|start| self.reach_of(start))
+    }
+
+    fn reach_of(&self, start: [usize; 2]) -> Reach {
         let mut is_reached = vec![false; self.open.len()];
         for [column, row] in bfs_reach(start, |&cell| self.neighbours(cell).into_iter().map(|(next, _)| next)) {
             is_reached[row * self.grid.size[0] + column] = true;
         }
-        Some(Reach { grid: self.grid.clone(), is_reached })
+        Reach { grid: self.grid.clone(), is_reached }
     }
 
     fn is_open(&self, [column, row]: [usize; 2]) -> bool {

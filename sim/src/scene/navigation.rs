@@ -29,7 +29,7 @@ pub struct Navigation {
     /// How long a robot whose way is blocked waits before it looks for another.
     #[schemars(range(min = 0.0, max = 3600.0))]
     pub patience_s: f64,
-    /// An errand that has not come nearer to its goal for so long is given up.
+    /// An errand on which the robot has waited for so long in all is given up.
     #[schemars(range(max = 36000.0), extend("exclusiveMinimum" = 0.0))]
     pub give_up_s: f64,
     /// What the file `map` holds.
