@@ -5,6 +5,7 @@ mod claims;
 mod errands;
 mod judge;
 mod landmarks;
+mod markers;
 mod statistics;
 mod verdict;
 
@@ -41,6 +42,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
         judgements,
         violations,
         error: statistics::errors(&midpoints, &truths),
+        error_at_fix: statistics::errors_at_fix(record),
         width: statistics::widths(record),
         availability: availability(scene, record),
         methods: method_counts(record, &false_claims),
@@ -66,6 +68,12 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
         if !poses.is_empty() {
             baselines.insert(name.to_owned(), point(poses));
         }
+    }
+    let fixed: (Vec<Pose>, Vec<Pose>) =
+        record.marker_baselines.answers.iter().filter_map(|answer| Some((answer.fix?.1, answer.truth))).unzip();
+    if !fixed.0.is_empty() {
+        let error = Some(statistics::errors(&fixed.0, &fixed.1));
+        baselines.insert("nearest_marker".to_owned(), Baseline { error, ..Baseline::default() });
     }
     baselines.extend(range.solvers.iter().map(|(name, answers)| {
         let containment = BaselineContainment { checks: answers.problems, contained: answers.contained };
@@ -123,6 +131,7 @@ fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     ]);
     metrics.extend(landmarks::metrics(scene, record));
     metrics.extend(errands::metrics(record));
+    metrics.extend(markers::metrics(scene, record));
     metrics
 }
 

@@ -7,6 +7,7 @@ use std::{
 };
 
 use clap::{Args, Parser, Subcommand};
+use localizer::reading::Camera;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use crate::{
@@ -16,7 +17,6 @@ use crate::{
     render::RenderError,
     replay::ReplayError,
     scene::{SceneError, Setting},
-    still::CameraName,
     sweep::{Seeds, SweepError},
 };
 
@@ -156,7 +156,7 @@ struct RenderArguments {
     at: Option<At>,
     /// One camera only: floor, forward or ceiling.
     #[arg(long, value_name = "NAME", value_parser = camera_name)]
-    camera: Option<CameraName>,
+    camera: Option<Camera>,
     /// Mean illuminance at the floor in lux, all lamps dimmed alike. What the scene states unless given.
     #[arg(long, value_name = "LUX", value_parser = render::illuminance, allow_hyphen_values = true, conflicts_with = "contact_sheet")]
     lux: Option<f64>,
@@ -175,9 +175,9 @@ const RENDER_AFTER_HELP: &str = "\
 Writes DIR/<scene>/<camera>.png as the sensor gave it and <camera>_tone_mapped.png as a screen should show it,
 or DIR/<scene>/contact_sheet.png. Exposures are those on which automatic exposure settles.";
 
-fn camera_name(text: &str) -> Result<CameraName, String> {
-    let found = CameraName::ALL.into_iter().find(|name| name.as_str() == text);
-    found.ok_or_else(|| format!("expected one of {}", CameraName::ALL.map(CameraName::as_str).join(", ")))
+fn camera_name(text: &str) -> Result<Camera, String> {
+    let found = Camera::ALL.into_iter().find(|name| name.as_str() == text);
+    found.ok_or_else(|| format!("expected one of {}", Camera::ALL.map(Camera::as_str).join(", ")))
 }
 
 /// What `wherein replay` is asked.

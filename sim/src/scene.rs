@@ -17,6 +17,7 @@ mod expect;
 mod files;
 mod floor;
 mod lamps;
+mod markers;
 mod models;
 mod navigation;
 mod parse;
@@ -31,17 +32,19 @@ mod things;
 
 pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
-pub use cameras::{Band, Calibration, CeilingCamera, ForwardCamera, LensKeys};
+pub use cameras::{Band, Calibration, CameraTiming, CeilingCamera, ForwardCamera, LensKeys};
 pub use error::SceneError;
 pub use events::Event;
 pub use expect::Expect;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use lamps::{Lamp, LampKind, Spectrum};
+pub(crate) use markers::UNDER_CEILING_M;
+pub use markers::{Coding, Marker, Markers};
 pub use navigation::{Errand, FollowerName, Navigation, Proximity};
 pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
-pub use route::{Route, Start, Station, Waypoint};
+pub use route::{Route, Spread, Start, Station, Waypoint};
 pub use schema::schema_text;
 pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use setting::{SceneTemplate, Setting, shown, value_of};
@@ -69,6 +72,9 @@ pub struct Scene {
     /// What stands about and above the floor.
     #[serde(default)]
     pub building: Building,
+    /// Markers on the ceiling.
+    #[serde(default)]
+    pub markers: Option<Markers>,
     /// Where the light comes from.
     #[serde(default, rename = "lamp")]
     pub lamps: Vec<Lamp>,
@@ -98,6 +104,9 @@ pub struct Scene {
     /// Still poses for accuracy tables, instead of a drive.
     #[serde(default, rename = "station")]
     pub stations: Vec<Station>,
+    /// More still poses, spread over the room.
+    #[serde(default)]
+    pub station_spread: Option<Spread>,
     /// What happens during the run.
     #[serde(default, rename = "event")]
     pub events: Vec<Event>,
@@ -115,7 +124,7 @@ pub struct Scene {
 impl Scene {
     /// Whether a run of it needs a renderer.
     pub fn has_camera(&self) -> bool {
-        self.robot.floor_camera.is_some()
+        !self.robot.cameras().is_empty()
     }
 
     /// How errands are driven, as by default unless stated.
@@ -211,6 +220,8 @@ pub enum MethodName {
     FloorTiles,
     /// Coded landmarks that no map names, seen by a range camera (paper 3).
     RangeLandmarks,
+    /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
+    CeilingMarkers,
 }
 
 /// What `range_landmarks` solves for; the rest it takes from what is known besides.

@@ -4,15 +4,14 @@
 
 use std::{hint::black_box, path::Path, time::Instant};
 
-use localizer::Interval;
-use localizer::Pose;
+use localizer::{Interval, Pose, reading::Camera};
 use nalgebra::{Isometry3, Translation3};
 use sim::{
     drawn::Drawn,
     render::{Renderer, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
-    still::{CameraName, views_at},
+    still::views_at,
 };
 
 fn main() {
@@ -101,7 +100,7 @@ fn views() {
     line("light maps of a living room", began.elapsed().as_secs_f64(), "s", "");
     let pose = Pose { x_m: 0.8, y_m: 0.9, heading_rad: 0.5 };
     let lux = world.illuminance_at_floor_lux().unwrap();
-    let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &CameraName::ALL, 0);
+    let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &Camera::ALL, 0);
     // Moved so far during the exposure that the room's views take four sub-frames, at 1 m: 6 px at 417 and at 755 px.
     let moved = |view: &View| {
         let way_m = if view.lens.as_ref().is_some_and(|lens| lens.focal_px[0] < 500.0) { 0.0135 } else { 0.0073 };
@@ -121,7 +120,7 @@ fn views() {
         };
         line(what, median((0..41).map(per_s).collect()), "views/s", aim);
     }
-    for (camera, view) in CameraName::ALL.iter().zip(&still) {
+    for (camera, view) in Camera::ALL.iter().zip(&still) {
         let views = std::slice::from_ref(view);
         let milliseconds = |_| {
             let began = Instant::now();
@@ -149,7 +148,7 @@ fn memory() {
         let turned = f64::from(n_pictures) * 0.01;
         let pose = Pose { x_m: 0.8 + 0.1 * turned.sin(), y_m: 0.9, heading_rad: turned };
         let lux = 100.0 * (1.1 + turned.sin());
-        let views = views_at(&scene, &drawn, pose, lux, &CameraName::ALL, 0);
+        let views = views_at(&scene, &drawn, pose, lux, &Camera::ALL, 0);
         black_box(renderer.draw(&world, &views).unwrap());
         n_pictures += views.len() as u32;
         if n_pictures >= 100 && early_mb.is_none() {

@@ -5,12 +5,12 @@
 
 use std::{env, fmt::Write as _, fs, path::Path};
 
-use localizer::Pose;
+use localizer::{Pose, reading::Camera};
 use sim::{
     drawn::Drawn,
     render::{NoiseKey, RenderedWorld, Renderer, View},
     scene::Scene,
-    still::{CameraName, views_at},
+    still::views_at,
 };
 
 const LUX: f64 = 40.0;
@@ -38,7 +38,7 @@ fn main() {
     let mut renderer = Renderer::new().unwrap();
     let world = renderer.upload(&scene, &drawn).unwrap();
     let pose = Pose { x_m: 2.5, y_m: 2.5, heading_rad: 0.0 };
-    let view = views_at(&scene, &drawn, pose, LUX, &[CameraName::Floor], 0).remove(0);
+    let view = views_at(&scene, &drawn, pose, LUX, &[Camera::Floor], 0).remove(0);
     let mut series = Series { renderer, world, view, folder, descriptor: "v 3.0\nn 12 320 240\n".to_owned(), n: 0 };
     for step in 1..=N_EXPOSURES {
         series.point(LONGEST_EXPOSURE_S * f64::from(step) / f64::from(N_EXPOSURES), 2);

@@ -3,12 +3,8 @@
 use std::{env, fs};
 
 use image::GrayImage;
-use localizer::Pose;
-use sim::{
-    drawn::Drawn,
-    scene::SceneFile,
-    still::{CameraName, take},
-};
+use localizer::{Pose, reading::Camera};
+use sim::{drawn::Drawn, scene::SceneFile, still::take};
 
 use crate::{command::root, render_studio::renderer};
 
@@ -38,7 +34,7 @@ fn rooms_look_as_they_did_when_somebody_looked() {
         let drawn = Drawn::draw(&scene, 0);
         let mut renderer = renderer();
         let world = renderer.upload_room(&scene, &drawn).unwrap();
-        let cameras = [CameraName::Forward, CameraName::Ceiling];
+        let cameras = [Camera::Forward, Camera::Ceiling];
         let stills = take(&mut renderer, &world, &scene, &drawn, pose, lux, (&cameras, 0)).unwrap();
         for still in stills {
             let path = folder.join(format!("{name}_{lux}_lx_{}.png", still.camera.as_str()));

@@ -38,6 +38,10 @@ mod range_runs;
 mod floor_tiles_geometry;
 /// Ceiling markers to poses, against a camera and a ceiling of the tests' own.
 mod ceiling_markers_geometry;
+/// Markers on rendered ceilings, whole and damaged, read by the localizer.
+mod ceiling_pasted;
+/// Markers that must be refused, and what the refusal says.
+mod marker_refusals;
 /// Scenes and drives that the tests of the world share.
 mod world_setup;
 /// The tyre law against the brush's own integral and closed form.

@@ -176,7 +176,7 @@ fn beams_end_where_geometry_says() {
         ],
     });
     let scene = errands(&[[6.5, 3.0]], keys);
-    let mut sensors = Sensors::new(&scene, 0, &nominal(&scene), None).unwrap();
+    let mut sensors = Sensors::new(&scene, 0, &nominal(&scene), None);
     let truth = Truth { pose: Pose { x_m: 1.5, y_m: 3.0, heading_rad: 0.0 }, ..Truth::default() };
     let person = Bystander { place_m: [1.5, 4.2], radius_m: 0.25, height_m: 1.7 };
     let fan = sensors.look_out(&truth, &[person]).unwrap();

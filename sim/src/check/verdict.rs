@@ -30,6 +30,8 @@ pub struct Verdict {
     pub violations: Vec<Violation>,
     /// Errors of the midpoint of the hull.
     pub error: ErrorTable,
+    /// The same just after a fix, at the stamp of the reading that made it.
+    pub error_at_fix: ErrorTable,
     /// Full widths of the hull, over all steps.
     pub width: WidthTable,
     /// Share of steps that are sound and narrower than declared.
@@ -159,6 +161,8 @@ pub struct ErrorTable {
 pub struct AxisError {
     /// Root mean square over all steps.
     pub rmse: f64,
+    /// Mean magnitude.
+    pub mean: f64,
     /// Greatest magnitude.
     pub max: f64,
     /// Root mean square of each third of the run.

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, str::FromStr};
 
-use localizer::Pose;
+use localizer::{Pose, reading::Camera};
 
 use super::{CommandError, RenderArguments, print};
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
     frames::{Column, contact_sheet, tone_mapped},
     render::{RenderedWorld, Renderer},
     scene::{BitDepth, Scene, SceneFile},
-    still::{CameraName, Still, take},
+    still::{Still, take},
 };
 
 /// A place and a heading on the command line: `1.5,2,90`.
@@ -112,8 +112,8 @@ fn stated_lux(scene: &Scene, world: &RenderedWorld) -> f64 {
     world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
 }
 
-fn cameras(wanted: Option<CameraName>, file: &SceneFile) -> Result<Vec<CameraName>, CommandError> {
-    let fitted = CameraName::fitted(&file.scene);
+fn cameras(wanted: Option<Camera>, file: &SceneFile) -> Result<Vec<Camera>, CommandError> {
+    let fitted = file.scene.robot.cameras();
     match wanted {
         None if fitted.is_empty() => Err(CommandError::NoCamera { scene: file.path.clone(), wanted: None }),
         None => Ok(fitted),

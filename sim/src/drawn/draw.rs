@@ -7,11 +7,11 @@ use rand_chacha::ChaCha8Rng;
 use crate::{
     navigation::Planner,
     randomness::stream,
-    scene::{Calibration, Distribution, FloorCamera, Gyro, RangeCamera, Scene},
+    scene::{Calibration, CeilingCamera, Distribution, FloorCamera, ForwardCamera, Gyro, RangeCamera, Scene},
     sensors::lens,
 };
 
-use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnRangeCamera, LaidTiles, draw_within};
+use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, draw_within};
 
 impl Drawn {
     /// Draws everything that a seed decides before the start.
@@ -31,20 +31,11 @@ impl Drawn {
                 .as_ref()
                 .map(|camera| draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"))),
             forward_camera: robot.forward_camera.as_ref().map(|camera| {
-                let size_px = [camera.width_px, camera.height_px].map(f64::from);
-                let nominal = DrawnCamera {
-                    body_from_camera: lens::body_from_forward_camera(camera),
-                    focal_px: [lens::forward_focal_px(camera); 2],
-                    principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
-                };
+                let nominal = DrawnCamera::forward(camera);
                 draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "forward_camera.mount"))
             }),
             ceiling_camera: robot.ceiling_camera.as_ref().map(|camera| {
-                let nominal = DrawnCamera {
-                    body_from_camera: lens::body_from_ceiling_camera(camera),
-                    focal_px: camera.focal_px,
-                    principal_point_px: camera.principal_point_px,
-                };
+                let nominal = DrawnCamera::ceiling(camera);
                 draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "ceiling_camera.mount"))
             }),
             range_camera: robot
@@ -54,6 +45,28 @@ impl Drawn {
             gyro: robot.gyro.as_ref().map(|gyro| draw_gyro(gyro, errors, &mut stream(seed, "gyro.calibration"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
             goals_m: draw_goals(scene, seed),
+            markers: DrawnMarker::draw_all(scene, seed),
+        }
+    }
+}
+
+impl DrawnCamera {
+    /// The forward camera without any error.
+    pub fn forward(camera: &ForwardCamera) -> DrawnCamera {
+        let size_px = [camera.width_px, camera.height_px].map(f64::from);
+        DrawnCamera {
+            body_from_camera: lens::body_from_forward_camera(camera),
+            focal_px: [lens::forward_focal_px(camera); 2],
+            principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
+        }
+    }
+
+    /// The ceiling camera without any error.
+    pub fn ceiling(camera: &CeilingCamera) -> DrawnCamera {
+        DrawnCamera {
+            body_from_camera: lens::body_from_ceiling_camera(camera),
+            focal_px: camera.focal_px,
+            principal_point_px: camera.principal_point_px,
         }
     }
 }
@@ -139,11 +152,12 @@ fn draw_camera(
     rng: &mut ChaCha8Rng,
 ) -> DrawnCamera {
     let shift_m = [0; 3].map(|_| draw_within(calibration.position_tolerance_m, errors, rng));
-    let turn_rad = [0; 3].map(|_| draw_within(calibration.angle_tolerance_deg.to_radians(), errors, rng));
+    let tilt_rad = draw_tilt(calibration.angle_tolerance_deg, errors, rng);
+    let yaw_rad = draw_within(calibration.angle_tolerance_deg.to_radians(), errors, rng);
     let scale = 1.0 + draw_within(calibration.focal_tolerance, errors, rng);
     let tolerance_px = calibration.principal_point_tolerance_px;
     DrawnCamera {
-        body_from_camera: lens::turned(nominal.body_from_camera, turn_rad, shift_m),
+        body_from_camera: lens::misplaced(nominal.body_from_camera, tilt_rad, yaw_rad, shift_m),
         focal_px: nominal.focal_px.map(|focal_px| focal_px * scale),
         principal_point_px: nominal.principal_point_px.map(|at_px| at_px + draw_within(tolerance_px, errors, rng)),
     }

@@ -14,7 +14,6 @@ pub(crate) const IMAGE_STAMP: &str = "/wherein/image_stamp";
 pub(crate) const GYRO: &str = "/wherein/gyro";
 pub(crate) const RANGE: &str = "/wherein/range";
 pub(crate) const ESTIMATE: &str = "/wherein/estimate";
-pub(crate) const IMAGE: &str = "/floor_camera/image";
 
 /// Where the localizer is started again.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +80,7 @@ pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
     match reading {
         Reading::Wheels { ticks: [left, right], .. } => (WHEELS, message.i64(*left).i64(*right).finish()),
         Reading::Camera { exposure_s, camera, .. } => {
-            (IMAGE_STAMP, message.f64s(&[*exposure_s]).text(camera_name(*camera)).finish())
+            (IMAGE_STAMP, message.f64s(&[*exposure_s]).text(camera.as_str()).finish())
         }
         Reading::Gyro { rate_rad_per_s, .. } => (GYRO, message.f64s(&[*rate_rad_per_s]).finish()),
         Reading::Range { sightings, .. } => {
@@ -119,20 +118,12 @@ pub(crate) fn decode(topic: &str, message: &[u8]) -> Option<Reading> {
     }
 }
 
-/// The camera of an image, as its stamp's message spells it.
-fn camera_name(camera: Camera) -> &'static str {
-    match camera {
-        Camera::Floor => "floor",
-        Camera::Ceiling => "ceiling",
-    }
-}
-
 impl ImageStamp {
     pub(crate) fn decode(message: &[u8]) -> Option<ImageStamp> {
         let mut fields = Fields::of(message)?;
         let (measured_s, arrived_s, exposure_s) = (fields.f64()?, fields.f64()?, fields.f64()?);
         let name = fields.text()?;
-        let camera = [Camera::Floor, Camera::Ceiling].into_iter().find(|camera| camera_name(*camera) == name)?;
+        let camera = Camera::ALL.into_iter().find(|camera| camera.as_str() == name)?;
         Some(ImageStamp { measured_s, arrived_s, exposure_s, camera })
     }
 

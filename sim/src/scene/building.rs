@@ -174,6 +174,6 @@ fn default_dot_radius_m() -> f64 {
     0.01
 }
 
-fn default_retroreflection() -> f64 {
+pub(super) fn default_retroreflection() -> f64 {
     200.0
 }

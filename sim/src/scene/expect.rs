@@ -135,6 +135,7 @@ fn blank_summary() -> Value {
         judgements: Vec::new(),
         violations: Vec::new(),
         error: Default::default(),
+        error_at_fix: Default::default(),
         width: Default::default(),
         availability: 0.0,
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),

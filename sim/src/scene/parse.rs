@@ -43,6 +43,7 @@ fn read(text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
     // The schema has accepted the document, so that this fails only on what a schema cannot say, such as a whole
     // number too large for its type.
     let mut scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
+    scene.spread_stations();
     let unreadable = survey(&mut scene, folder).err();
     let misplaced: Vec<Problem> = unreadable
         .map_or_else(|| places::contradictions(&scene), |unreadable| vec![unreadable])

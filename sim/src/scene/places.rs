@@ -2,6 +2,7 @@
 
 mod building;
 mod errands;
+mod markers;
 
 use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
@@ -15,6 +16,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     events(scene, &mut found);
     building::contradictions(scene, &mut found);
     errands::contradictions(scene, &mut found);
+    markers::contradictions(scene, &mut found);
     let gyro_s = scene.robot.gyro.as_ref().map(|gyro| ("robot.gyro.period_s", gyro.period_s));
     for (key, period_s) in [("robot.encoders.period_s", scene.robot.encoders.period_s)].into_iter().chain(gyro_s) {
         if let Some(expected) = sampling(period_s) {
@@ -33,6 +35,9 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
 
 fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
     let (key, expected) = match (&scene.route, scene.has_errands(), scene.stations.is_empty()) {
+        (None, _, true) if scene.station_spread.is_some() => {
+            ("station_spread.count", "the room has no place for the robot's body, expected a larger one")
+        }
         (None, false, true) => (
             "route",
             "missing, expected a `[route]` to drive, an `[[errand]]`, or at least one `[[station]]` to stand at",

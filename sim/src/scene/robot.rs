@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{CeilingCamera, ForwardCamera, Gyro, Proximity, RangeCamera, Sensor, SensorModel, SensorPreset};
+use super::{
+    CameraTiming, CeilingCamera, ForwardCamera, Gyro, Proximity, RangeCamera, Sensor, SensorModel, SensorPreset,
+};
 
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -148,6 +150,17 @@ impl FloorCamera {
     /// Its sensor, nothing left open.
     pub fn sensor_model(&self) -> SensorModel {
         self.sensor.model(SensorPreset::GlobalShutter)
+    }
+
+    /// When it exposes, stamps and delivers.
+    pub fn timing(&self) -> CameraTiming {
+        CameraTiming {
+            period_s: self.period_s,
+            latency_s: self.latency_s,
+            latency_tolerance_s: self.latency_tolerance_s,
+            stamp_tolerance_s: self.stamp_tolerance_s,
+            longest_s: self.sensor_model().longest_exposure_s,
+        }
     }
 }
 
