@@ -7,7 +7,7 @@
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every branch of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
-//! | `errands.csv` | what became of each errand, when there are any |
+//! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when there are any |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was told and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
@@ -155,6 +155,7 @@ pub(crate) fn fill(
     write("steps.csv", poses::steps_csv(record, verdict))?;
     if let Some(log) = &record.errands {
         write("errands.csv", errands::errands_csv(record, log))?;
+        frames::write_errands(partial, file, record)?;
     }
     let shown = frames::write(partial, file, record)?;
     if shown == 0 && !verdict.verdict.passed {
