@@ -2,6 +2,7 @@
 
 mod bounds;
 mod claims;
+mod errands;
 mod judge;
 mod landmarks;
 mod markers;
@@ -10,6 +11,7 @@ mod verdict;
 
 pub use bounds::violations;
 pub use claims::is_true;
+pub use errands::{distance_to_way_m, true_distance_m};
 pub use verdict::{
     AxisError, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable, FirstFailure,
     FixWidth, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
@@ -130,6 +132,7 @@ fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
         ("longest_outside_s".to_string(), longest_outside_s(record)),
     ]);
     metrics.extend(landmarks::metrics(scene, record));
+    metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));
     metrics
 }

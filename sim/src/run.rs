@@ -1,5 +1,6 @@
 //! The closed loop: the one screen where everything meets.
 
+mod clearance;
 mod history;
 mod marker_baselines;
 mod range_baselines;
@@ -21,7 +22,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     drawn::Drawn,
-    driver::Driver,
+    driver::Pilot,
     frames::FramesPolicy,
     render::{RenderError, Renderer},
     scene::{FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene},
@@ -30,6 +31,7 @@ use crate::{
     world::World,
 };
 
+pub use clearance::Clearance;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use range_baselines::{Answers, RangeBaselines};
@@ -103,21 +105,28 @@ fn drive(
 ) -> Result<(), RenderError> {
     let mut world = World::new(scene, drawn);
     let mut sensors = Sensors::new(scene, seed, drawn, stage.as_deref());
-    let mut driver = Driver::new(scene);
+    let mut pilot = Pilot::new(scene, drawn);
     look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
     record.step(&world.truth(), localizer);
+    record.room_left(scene, &world);
     for step in 0..(scene.duration_s / STEP_S).round() as usize {
         let time_s = step as f64 * STEP_S;
-        let command = driver.command(&localizer.estimate(), time_s);
+        if pilot.is_done(time_s) {
+            break;
+        }
+        let fan = sensors.look_out(&world.truth(), &world.people());
+        let command = pilot.command(&localizer.estimate(), fan.as_ref(), time_s);
         for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
             look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
         }
         record.step(&world.truth(), localizer);
+        record.room_left(scene, &world);
         if step % 50 == 0 {
             progress(record.offset_s + time_s);
         }
     }
+    record.history.errands = pilot.into_log(world.truth().time_s);
     Ok(())
 }
 
@@ -320,6 +329,13 @@ impl<'a> Recorder<'a> {
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
         self.history.range_baselines.step(self.odometry.pose());
+    }
+
+    /// Notes how much room the true robot has on an errand.
+    fn room_left(&mut self, scene: &Scene, world: &World) {
+        if scene.has_errands() {
+            self.history.clearances.push(Clearance::of(scene, &world.truth(), &world.people()));
+        }
     }
 
     fn finish(mut self, began: Instant) -> RunRecord {
