@@ -88,7 +88,7 @@ impl RenderedWorld {
         self.lamps_at_floor_lux
     }
 
-    /// Puts people where the next pictures show them; their shadows are worked out here, in a millisecond or two.
+    /// Puts people where the next pictures show them; their shadows are worked out here, once for all views.
     pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
         if let Some(room) = &mut self.room {
             room.place_bodies(&self.graphics, bodies);
