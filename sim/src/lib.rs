@@ -12,6 +12,7 @@
 pub mod scene;
 pub mod randomness;
 pub mod drawn;
+pub mod coverage;
 pub mod truth;
 pub mod world;
 pub mod building;

@@ -35,12 +35,17 @@ fn read(text: &str) -> Result<Scene, Vec<Problem>> {
     }
     // The schema has accepted the document, so that this fails only on what a schema cannot say, such as a whole
     // number too large for its type.
-    let scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
+    let mut scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
     let misplaced: Vec<Problem> = places::contradictions(&scene)
         .into_iter()
         .map(|contradiction| contradiction.in_text(&document, text))
         .collect();
-    if misplaced.is_empty() { Ok(scene) } else { Err(misplaced) }
+    if !misplaced.is_empty() {
+        return Err(misplaced);
+    }
+    // Only what is otherwise valid can be covered.
+    scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(&document, text)])?;
+    Ok(scene)
 }
 
 fn from_toml(error: &toml::de::Error) -> Problem {
