@@ -13,6 +13,7 @@ pub mod scene;
 pub mod randomness;
 pub mod drawn;
 pub mod coverage;
+pub mod marker_sheet;
 pub mod truth;
 pub mod world;
 pub mod building;

@@ -42,6 +42,8 @@ mod ceiling_markers_geometry;
 mod ceiling_pasted;
 /// Whether markers cover a room, against cameras and poses drawn at random.
 mod marker_coverage;
+/// `wherein markers`: sheet and map.
+mod marker_sheet;
 /// Markers that must be refused, and what the refusal says.
 mod marker_refusals;
 /// Scenes and drives that the tests of the world share.

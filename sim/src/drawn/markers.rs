@@ -18,7 +18,7 @@ const WEIGHTS: [[u16; 4]; 4] =
     [[0, 0x020, 0x200, 0], [0x002, 0x010, 0x100, 0x800], [0x001, 0x008, 0x080, 0x400], [0, 0x004, 0x040, 0]];
 
 /// Between neighbouring dots (paper 5, section 3.2).
-const PITCH_M: f64 = 0.04;
+pub const PITCH_M: f64 = 0.04;
 /// Of every dot.
 pub const DOT_RADIUS_M: f64 = 0.01;
 

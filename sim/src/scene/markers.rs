@@ -70,7 +70,7 @@ pub struct Marker {
     /// World y of the middle of its grid.
     pub y_m: f64,
     /// Angle from world x to the direction from O to X, counter-clockwise seen from above.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub rotation_deg: f64,
     /// Height above the floor: just under the ceiling, tolerance included, unless stated.
@@ -78,23 +78,23 @@ pub struct Marker {
     #[schemars(range(min = 0.1, max = 20.0))]
     pub height_m: Option<f64>,
     /// Whether the localizer knows of it.
-    #[serde(default = "yes")]
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub on_map: bool,
     /// Whether it is on the ceiling; false for one that has fallen off.
-    #[serde(default = "yes")]
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub pasted: bool,
     /// Places `[i, j]` of the grid whose printed dots have come off, counted from O towards X and towards Y.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub missing_dots: Vec<[u8; 2]>,
     /// Places of the grid at which something else shines that is no print.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub extra_dots: Vec<[u8; 2]>,
     /// Share of its width that is covered, from the side of X. A dot shows while its middle does.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub covered_share: f64,
     /// Whether the film is pasted the wrong way round, so that X and Y have changed places.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_false")]
     pub mirrored: bool,
 }
 
@@ -149,6 +149,16 @@ impl Markers {
     /// Nominal height of a marker above the floor.
     pub fn height_m(&self, marker: &Marker, scene: &Scene) -> f64 {
         marker.height_m.unwrap_or(scene.building.ceiling_height_m - UNDER_CEILING_M - self.height_tolerance_m)
+    }
+
+    /// The keys that state all markers of the map one by one, as a scene has them.
+    pub fn keys(&self) -> Result<String, toml::ser::Error> {
+        #[derive(Serialize)]
+        struct Keys {
+            markers: Markers,
+        }
+        let markers = self.all().iter().filter(|marker| marker.on_map).cloned().collect();
+        toml::to_string(&Keys { markers: Markers { markers, layout: None, laid_out: Vec::new(), ..self.clone() } })
     }
 
     /// What the localizer is told.
@@ -260,4 +270,16 @@ impl Default for Layout {
 
 fn yes() -> bool {
     true
+}
+
+fn is_true(is: &bool) -> bool {
+    *is
+}
+
+fn is_false(is: &bool) -> bool {
+    !*is
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
