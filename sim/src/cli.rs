@@ -24,6 +24,7 @@ mod compare;
 mod conclude;
 mod github;
 mod map;
+mod markers;
 mod render;
 mod replay;
 mod report;
@@ -56,6 +57,7 @@ Examples:
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
   wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording, bit for bit
+  wherein markers scenes/x.toml                                   the sheet and the map of its ceiling markers
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -74,6 +76,8 @@ enum Command {
     Merge(MergeArguments),
     /// Takes pictures of a robot that stands still, one per camera.
     Render(RenderArguments),
+    /// Writes the sheet to print of a scene's ceiling markers and their map, and says whether they cover the room.
+    Markers(MarkersArguments),
     /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones.
     Replay(ReplayArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
@@ -180,6 +184,22 @@ fn camera_name(text: &str) -> Result<Camera, String> {
     found.ok_or_else(|| format!("expected one of {}", Camera::ALL.map(Camera::as_str).join(", ")))
 }
 
+/// What `wherein markers` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = MARKERS_AFTER_HELP)]
+struct MarkersArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where sheet and map go.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
+
+const MARKERS_AFTER_HELP: &str = "\
+Writes DIR/<scene>/markers.pdf, one marker a page of A4 at true scale, and DIR/<scene>/markers.toml, the keys of a scene
+that place them one by one. Files that are there already are left alone: exit code 2.";
+
 /// What `wherein replay` is asked.
 #[derive(Debug, Args)]
 #[command(after_help = REPLAY_AFTER_HELP)]
@@ -245,6 +265,10 @@ enum CommandError {
     OutsideRoom { at_m: [f64; 2], room_m: [f64; 2] },
     #[error("write {}: {}", .0.display(), .1)]
     Picture(PathBuf, io::Error),
+    #[error("find markers in {}: expected a table `[markers]` with at least one marker on the map", .0.display())]
+    NoScenesMarkers(PathBuf),
+    #[error("write {}: it exists already, expected another folder by --out", .0.display())]
+    Exists(PathBuf),
     #[error("print: {0}")]
     Output(#[from] io::Error),
 }
@@ -260,6 +284,7 @@ pub fn main() -> ExitCode {
         Command::Report(arguments) => report::report_folder(&arguments),
         Command::Compare(arguments) => compare::compare_sides(&arguments),
         Command::Render(arguments) => render::render(&arguments, adapter).map(|()| ExitCode::SUCCESS),
+        Command::Markers(arguments) => markers::markers(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),

@@ -12,6 +12,8 @@
 pub mod scene;
 pub mod randomness;
 pub mod drawn;
+pub mod coverage;
+pub mod marker_sheet;
 pub mod truth;
 pub mod world;
 pub mod building;

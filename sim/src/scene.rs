@@ -40,7 +40,7 @@ pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use lamps::{Lamp, LampKind, Spectrum};
 pub(crate) use markers::UNDER_CEILING_M;
-pub use markers::{Coding, Marker, Markers};
+pub use markers::{Coding, Layout, Marker, Markers};
 pub use navigation::{Errand, FollowerName, Navigation, Proximity};
 pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};

@@ -40,6 +40,10 @@ mod floor_tiles_geometry;
 mod ceiling_markers_geometry;
 /// Markers on rendered ceilings, whole and damaged, read by the localizer.
 mod ceiling_pasted;
+/// Whether markers cover a room, against cameras and poses drawn at random.
+mod marker_coverage;
+/// `wherein markers`: sheet and map.
+mod marker_sheet;
 /// Markers that must be refused, and what the refusal says.
 mod marker_refusals;
 /// Scenes and drives that the tests of the world share.

@@ -164,7 +164,7 @@ fn claims(image: &ImageRecord) -> impl Iterator<Item = (MarkerId, &[SeenDot])> {
 /// Markers on the ceiling that the localizer knows of.
 fn on_map<'a>(scene: &'a Scene, drawn: &'a Drawn) -> impl Iterator<Item = &'a DrawnMarker> {
     let known = |marker: &&DrawnMarker| {
-        scene.markers.as_ref().and_then(|markers| markers.markers.get(marker.index)).is_some_and(|marker| marker.on_map)
+        scene.markers.as_ref().and_then(|markers| markers.all().get(marker.index)).is_some_and(|marker| marker.on_map)
     };
     drawn.markers.iter().filter(known)
 }

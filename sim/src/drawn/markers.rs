@@ -2,6 +2,7 @@
 
 use localizer::markers::{GridPlace, MarkerId};
 use nalgebra::{Point3, Rotation2, Vector2};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
@@ -17,7 +18,7 @@ const WEIGHTS: [[u16; 4]; 4] =
     [[0, 0x020, 0x200, 0], [0x002, 0x010, 0x100, 0x800], [0x001, 0x008, 0x080, 0x400], [0, 0x004, 0x040, 0]];
 
 /// Between neighbouring dots (paper 5, section 3.2).
-const PITCH_M: f64 = 0.04;
+pub const PITCH_M: f64 = 0.04;
 /// Of every dot.
 pub const DOT_RADIUS_M: f64 = 0.01;
 
@@ -58,8 +59,19 @@ impl DrawnMarker {
             let drawn = draw_marker((index, marker), markers, height_m, scene.robot.errors, &mut rng);
             marker.pasted.then_some(drawn)
         };
-        markers.markers.iter().enumerate().filter_map(draw).collect()
+        let fallen = fallen(markers, seed);
+        let drawn = markers.all().iter().enumerate().filter_map(draw);
+        drawn.filter(|marker| !fallen.contains(&marker.index)).collect()
     }
+}
+
+/// Which of the laid-out markers are missing.
+fn fallen(markers: &Markers, seed: u64) -> Vec<usize> {
+    let (share, n_markers) = (markers.layout.as_ref().map_or(0.0, |layout| layout.share_missing), markers.all().len());
+    let mut left: Vec<usize> = (0..n_markers).collect();
+    let mut rng = stream(seed, "markers.missing");
+    let n_fallen = (share * n_markers as f64).round() as usize;
+    (0..n_fallen.min(n_markers)).map(|_| left.swap_remove(rng.random_range(0..left.len()))).collect()
 }
 
 fn draw_marker(

@@ -50,7 +50,12 @@ fn read(text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
         .into_iter()
         .map(|contradiction| contradiction.in_text(&document, text))
         .collect();
-    if misplaced.is_empty() { Ok(scene) } else { Err(misplaced) }
+    if !misplaced.is_empty() {
+        return Err(misplaced);
+    }
+    // Only what is otherwise valid can be covered.
+    scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(&document, text)])?;
+    Ok(scene)
 }
 
 /// Reads the map that a scene names.

@@ -63,7 +63,7 @@ fn markers(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
         for claim in &image.claims {
             let Claim::Marker { marker: id, .. } = claim else { continue };
             let pasted = record.drawn.markers.iter().filter(|drawn| drawn.id == *id);
-            let stated = pasted.filter_map(|drawn| Some((markers.markers.get(drawn.index)?, drawn)));
+            let stated = pasted.filter_map(|drawn| Some((markers.all().get(drawn.index)?, drawn)));
             for (marker, drawn) in stated.filter(|(marker, _)| marker.on_map) {
                 let errors = errors_of(marker, drawn, markers.height_m(marker, scene));
                 for ((monitor, declared), error) in monitors.iter_mut().zip(declared).zip(errors) {
