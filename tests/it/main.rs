@@ -40,6 +40,7 @@ mod floor_tiles_geometry;
 mod ceiling_markers_geometry;
 /// Markers on rendered ceilings, whole and damaged, read by the localizer.
 mod ceiling_pasted;
+mod ceiling_runs;
 /// Whether markers cover a room, against cameras and poses drawn at random.
 mod marker_coverage;
 /// `wherein markers`: sheet and map.

@@ -83,6 +83,9 @@ pub struct Marker {
     /// Whether it is on the ceiling; false for one that has fallen off.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub pasted: bool,
+    /// How far it has been moved since the map was made, world x and y.
+    #[serde(default)]
+    pub misplaced_m: [f64; 2],
     /// Places `[i, j]` of the grid whose printed dots have come off, counted from O towards X and towards Y.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub missing_dots: Vec<[u8; 2]>,
@@ -236,6 +239,7 @@ impl Marker {
             pasted: true,
             missing_dots: Vec::new(),
             extra_dots: Vec::new(),
+            misplaced_m: [0.0; 2],
             covered_share: 0.0,
             mirrored: false,
         }
