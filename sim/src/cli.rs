@@ -23,6 +23,7 @@ use crate::{
 mod compare;
 mod conclude;
 mod github;
+mod map;
 mod markers;
 mod render;
 mod replay;
@@ -81,6 +82,8 @@ enum Command {
     Replay(ReplayArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
     Table(TableArguments),
+    /// Writes a scene's occupancy grid as files of ROS's map_server.
+    Map(MapArguments),
     /// Prints the JSON schema of scene files.
     Schema,
     /// Prints the graphics adapter that renders the images; exit code 2 when there is none.
@@ -133,6 +136,17 @@ timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the 
 In the table, a check is one step of 10 ms. `contained`: the truth is in a box. Outside of it, the cause is named:
 `bound broken`: a declared bound was really exceeded; `perception`: the vision saw what is not there; `unsound`: neither.
 Errors are root mean squares of the worst third of a run, widths are full widths of the box.";
+
+/// What `wherein map` is asked.
+#[derive(Debug, Args)]
+struct MapArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where map.yaml and map.pgm go, below the scene's name.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
 
 /// What `wherein render` is asked.
 #[derive(Debug, Args)]
@@ -222,6 +236,8 @@ enum CommandError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
+    Map(#[from] crate::navigation::map_server::MapError),
+    #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]
     Replay(#[from] ReplayError),
@@ -250,7 +266,7 @@ enum CommandError {
     #[error("write {}: {}", .0.display(), .1)]
     Picture(PathBuf, io::Error),
     #[error("find markers in {}: expected a table `[markers]` with at least one marker on the map", .0.display())]
-    NoScenesMarkers(PathBuf),
+    NoCeilingMarkers(PathBuf),
     #[error("write {}: it exists already, expected another folder by --out", .0.display())]
     Exists(PathBuf),
     #[error("print: {0}")]
@@ -271,6 +287,7 @@ pub fn main() -> ExitCode {
         Command::Markers(arguments) => markers::markers(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
         Command::Adapter => print_adapter(adapter).map(|()| ExitCode::SUCCESS),
     };

@@ -35,6 +35,8 @@ pub struct Drawn {
     pub gyro: Option<DrawnGyro>,
     /// The tiles as they were laid.
     pub tiles: Option<LaidTiles>,
+    /// Goals of random errands, world; nothing secret, and the driver is told.
+    pub goals_m: Vec<[f64; 2]>,
     /// The markers that are on the ceiling, as they were pasted.
     pub markers: Vec<DrawnMarker>,
 }

@@ -21,6 +21,7 @@ pub mod light;
 pub mod render;
 pub mod sensors;
 pub mod still;
+pub mod navigation;
 pub mod driver;
 pub mod run;
 pub mod check;

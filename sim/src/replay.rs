@@ -80,7 +80,8 @@ impl Replayer<'_> {
         match part {
             Part::Scene(text) => {
                 if self.subject.is_none() {
-                    let scene = Scene::parse(text, &format!("scene.toml in {}", self.path.display()))?;
+                    let file = format!("scene.toml in {}", self.path.display());
+                    let scene = Scene::parse_beside(text, &file, None)?;
                     let localizer = localizer(&scene);
                     self.subject = Some((scene, localizer));
                 }

@@ -6,6 +6,7 @@ pub mod encoder;
 mod fitted_camera;
 pub mod gyro;
 pub mod lens;
+pub mod proximity;
 pub mod range_camera;
 mod sight;
 
@@ -27,6 +28,7 @@ pub use camera_sensor::CameraSensor;
 use encoder::Encoder;
 pub use fitted_camera::FittedCamera;
 use gyro::GyroSensor;
+use proximity::{Fan, ProximitySensor};
 pub use range_camera::RangeCameraSensor;
 
 /// All sensors of the robot.
@@ -37,6 +39,7 @@ pub struct Sensors {
     cameras: Vec<CameraSensor>,
     gyro: Option<GyroSensor>,
     range_camera: Option<RangeCameraSensor>,
+    proximity: Option<ProximitySensor>,
     /// Taken but not yet delivered.
     on_the_way: Vec<Observation>,
 }
@@ -99,6 +102,7 @@ impl Sensors {
             cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
             gyro: GyroSensor::new(scene, seed, drawn),
             range_camera: RangeCameraSensor::new(scene, seed, drawn),
+            proximity: ProximitySensor::new(scene, seed),
             on_the_way: Vec::new(),
         }
     }
@@ -129,6 +133,11 @@ impl Sensors {
         self.on_the_way = waiting;
         arrived.sort_by(|a, b| a.reading.arrived_s().total_cmp(&b.reading.arrived_s()));
         Ok(arrived)
+    }
+
+    /// What the driver may know besides the estimate: a reading of the proximity sensor when one is due.
+    pub fn look_out(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
+        self.proximity.as_mut().and_then(|proximity| proximity.observe(truth, people))
     }
 }
 

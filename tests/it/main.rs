@@ -56,6 +56,10 @@ mod world_motion;
 mod world_floor;
 /// Routes driven by estimates, and the default bounds on such a drive.
 mod world_driver;
+/// Occupancy grids, ways through them and their files, against maps drawn by hand and map_server's rules.
+mod navigation_map;
+/// Errands: control laws by hand, estimates that lie, blocked ways, what a run tells of it.
+mod navigation_drive;
 /// Encoders against the definition of a tick.
 mod world_encoder;
 /// Drawn errors against their tolerances.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use localizer::{Claim, Interval, reading::LandmarkId};
 use nalgebra::Point3;
 
+use super::markers;
 use crate::{
     drawn::{Drawn, DrawnFloorCamera},
     run::{ImageRecord, RunRecord},
@@ -22,8 +23,7 @@ pub(super) fn false_claims(scene: &Scene, record: &RunRecord, image: &ImageRecor
 pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     match claim {
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
-        // No camera looks at the ceiling yet.
-        Claim::Marker { .. } => false,
+        Claim::Marker { marker, dots_px } => markers::is_marker(*marker, dots_px, scene, drawn, truth),
         Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
     }
 }

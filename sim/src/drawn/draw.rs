@@ -1,9 +1,11 @@
 //! Draws a run's errors inside the tolerances that its scene declares, each quantity from its own stream.
 
 use localizer::Pose;
+use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
+    navigation::Planner,
     randomness::stream,
     scene::{Calibration, CeilingCamera, Distribution, FloorCamera, ForwardCamera, Gyro, RangeCamera, Scene},
     sensors::lens,
@@ -42,6 +44,7 @@ impl Drawn {
                 .map(|camera| draw_range_camera(camera, errors, &mut stream(seed, "range_camera.mount"))),
             gyro: robot.gyro.as_ref().map(|gyro| draw_gyro(gyro, errors, &mut stream(seed, "gyro.calibration"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
+            goals_m: draw_goals(scene, seed),
             markers: DrawnMarker::draw_all(scene, seed),
         }
     }
@@ -76,6 +79,30 @@ fn draw_start(scene: &Scene, seed: u64) -> Pose {
         y_m: nominal.y_m + draw_within(start.tolerance_m, errors, &mut rng),
         heading_rad: nominal.heading_rad + draw_within(start.tolerance_deg.to_radians(), errors, &mut rng),
     }
+}
+
+/// Random goals are at least so far from the one before, or there would be nothing to drive.
+const LEAST_LEG_M: f64 = 1.0;
+
+/// Middles of cells that the robot can get to.
+fn draw_goals(scene: &Scene, seed: u64) -> Vec<[f64; 2]> {
+    let n_goals = scene.navigation.as_ref().map_or(0, |navigation| navigation.random_goals);
+    let mut from_m = scene.errands.last().map_or([scene.start.x_m, scene.start.y_m], |errand| [errand.x_m, errand.y_m]);
+    if n_goals == 0 {
+        return Vec::new();
+    }
+    let centres_m = Planner::of(scene).reach(from_m).map(|reach| reach.centres_m()).unwrap_or_default();
+    let mut rng = stream(seed, "navigation.goals");
+    let mut goals_m = Vec::new();
+    for _ in 0..n_goals {
+        let is_far = |at_m: &&[f64; 2]| (at_m[0] - from_m[0]).hypot(at_m[1] - from_m[1]) >= LEAST_LEG_M;
+        let far_m: Vec<&[f64; 2]> = centres_m.iter().filter(is_far).collect();
+        // Where the room is too small for that, any place is far enough.
+        let Some(goal_m) = far_m.choose(&mut rng).copied().or_else(|| centres_m.choose(&mut rng)) else { break };
+        goals_m.push(*goal_m);
+        from_m = *goal_m;
+    }
+    goals_m
 }
 
 fn draw_floor_camera(camera: &FloorCamera, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnFloorCamera {

@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{CameraTiming, CeilingCamera, ForwardCamera, Gyro, RangeCamera, Sensor, SensorModel, SensorPreset};
+use super::{
+    CameraTiming, CeilingCamera, ForwardCamera, Gyro, Proximity, RangeCamera, Sensor, SensorModel, SensorPreset,
+};
 
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -60,6 +62,10 @@ pub struct Robot {
     #[serde(deserialize_with = "Fitted::into_option")]
     #[schemars(with = "Fitted<Gyro>")]
     pub gyro: Option<Gyro>,
+    /// Rangefinders that look out for what is in the way of errands: a table of their keys, `true` for the default ones, or `false`.
+    #[serde(deserialize_with = "Fitted::into_option", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Fitted<Proximity>")]
+    pub proximity: Option<Proximity>,
 }
 
 /// Distribution of drawn errors, always inside the tolerance.
@@ -202,6 +208,7 @@ impl Default for Robot {
             ceiling_camera: None,
             range_camera: None,
             gyro: None,
+            proximity: None,
         }
     }
 }

@@ -58,7 +58,7 @@ impl SceneTemplate {
         let listed: Vec<String> = settings.iter().map(Setting::to_string).collect();
         let name = format!("{} with {}", self.file.path.display(), listed.join(", "));
         let text = document.to_string();
-        let scene = Scene::parse(&text, &name)?;
+        let scene = Scene::parse_beside(&text, &name, self.file.path.parent())?;
         Ok(SceneFile { scene, text, settings: settings.to_vec(), ..self.file.clone() })
     }
 

@@ -20,7 +20,7 @@ const SIGMAS: f64 = 5.5;
 /// Per share of structure in the background, of the dot's level, and pixel of radius.
 const PER_STRUCTURE: f64 = 1.5;
 /// Per share of the dot's area that is clipped at white.
-const PER_CLIPPED: f64 = 0.03;
+const PER_CLIPPED: f64 = 0.15;
 /// Per pixel of motion, and per pixel by which motion makes neighbours' soft edges meet.
 const PER_MOTION: f64 = 0.006;
 const PER_OVERLAP: f64 = 0.03;
@@ -113,6 +113,22 @@ impl Track {
         Track { radius_px: self.radius_px + by_px, ..*self }
     }
 
+    /// First and last column and row of pixels that it touches about `centre_px`.
+    fn extent(&self, centre_px: [f64; 2]) -> [[f64; 2]; 2] {
+        let reach = [0, 1].map(|axis| self.radius_px + self.half_px * self.direction[axis].abs());
+        [
+            [0, 1].map(|axis| (centre_px[axis] - reach[axis]).ceil()),
+            [0, 1].map(|axis| (centre_px[axis] + reach[axis]).floor()),
+        ]
+    }
+
+    /// Whether the picture holds all of it.
+    fn is_within(&self, image: &GrayImage, centre_px: [f64; 2]) -> bool {
+        let [low, high] = self.extent(centre_px);
+        let size = [image.width(), image.height()].map(f64::from);
+        (0..2).all(|axis| low[axis] >= 0.0 && high[axis] < size[axis])
+    }
+
     /// Distance beyond the edge; negative inside.
     fn outside_px(&self, du: f64, dv: f64) -> f64 {
         let along = (du * self.direction[0] + dv * self.direction[1]).clamp(-self.half_px, self.half_px);
@@ -149,11 +165,12 @@ struct Plane {
 /// The plane through the ring's grey levels, without those far from its median: neighbours' edges.
 fn ring_plane(image: &GrayImage, centre_px: [f64; 2], window: &Track) -> Option<Plane> {
     let mut ring: Vec<[f64; 3]> = Vec::with_capacity(64);
+    // The picture's border may cut the ring.
     for_track(image, centre_px, &window.wider(RING_PX), |du, dv, grey| {
         if window.outside_px(du, dv) > 0.5 {
             ring.push([du, dv, grey]);
         }
-    })?;
+    });
     if ring.len() < 12 {
         return None;
     }
@@ -182,7 +199,11 @@ fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) 
     let [base, slope_u, slope_v] = plane.coefficients;
     let (mut flux, mut first, mut clipped) = (0.0, [0.0; 2], 0.0);
     let (mut window_moment, mut grey_moment, mut peak) = (0.0, 0.0, 0.0f64);
-    for_track(image, centre_px, &window.wider(0.5), |du, dv, grey| {
+    let track = window.wider(0.5);
+    if !track.is_within(image, centre_px) {
+        return None;
+    }
+    for_track(image, centre_px, &track, |du, dv, grey| {
         let share = (0.5 - window.outside_px(du, dv)).min(1.0);
         let above = share * (grey - base - slope_u * du - slope_v * dv);
         flux += above;
@@ -194,7 +215,7 @@ fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) 
         if grey >= 255.0 {
             clipped += 1.0;
         }
-    })?;
+    });
     if flux <= 0.0 || peak < LEAST_STEP {
         return None;
     }
@@ -210,19 +231,14 @@ fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) 
     Some(Measured { dot, ring: [plane.squares, plane.count], window_moment, grey_moment, clipped_share })
 }
 
-/// Visits the pixels of a track, relative to its middle; `None` if it leaves the picture.
-fn for_track(
-    image: &GrayImage,
-    centre_px: [f64; 2],
-    track: &Track,
-    mut visit: impl FnMut(f64, f64, f64),
-) -> Option<()> {
-    let (width, height) = (image.width() as usize, image.height() as usize);
-    let reach = [0, 1].map(|axis| track.radius_px + track.half_px * track.direction[axis].abs());
-    let low = [0, 1].map(|axis| (centre_px[axis] - reach[axis]).ceil());
-    let high = [0, 1].map(|axis| (centre_px[axis] + reach[axis]).floor());
-    if low[0] < 0.0 || low[1] < 0.0 || high[0] >= width as f64 || high[1] >= height as f64 {
-        return None;
+/// Visits the pixels of a track, as far as the picture goes, relative to its middle.
+fn for_track(image: &GrayImage, centre_px: [f64; 2], track: &Track, mut visit: impl FnMut(f64, f64, f64)) {
+    let width = image.width() as usize;
+    let size = [image.width(), image.height()].map(f64::from);
+    let [low, high] = track.extent(centre_px);
+    let (low, high) = (low.map(|low| low.max(0.0)), [0, 1].map(|axis| high[axis].min(size[axis] - 1.0)));
+    if (0..2).any(|axis| low[axis] > high[axis]) {
+        return;
     }
     let pixels = image.as_raw();
     for v in low[1] as usize..=high[1] as usize {
@@ -233,7 +249,6 @@ fn for_track(
             }
         }
     }
-    Some(())
 }
 
 /// Standard deviation from sums of squares and counts: from the median of the samples, so that a few disturbed ones do not matter.
