@@ -266,7 +266,7 @@ enum CommandError {
     #[error("write {}: {}", .0.display(), .1)]
     Picture(PathBuf, io::Error),
     #[error("find markers in {}: expected a table `[markers]` with at least one marker on the map", .0.display())]
-    NoScenesMarkers(PathBuf),
+    NoCeilingMarkers(PathBuf),
     #[error("write {}: it exists already, expected another folder by --out", .0.display())]
     Exists(PathBuf),
     #[error("print: {0}")]

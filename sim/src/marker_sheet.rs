@@ -34,6 +34,10 @@ fn page(marker: &Marker, markers: &Markers, scene: &Scene) -> Page {
         let [x_m, y_m] = place.map(|index: u8| (f64::from(index) - 1.5) * PITCH_M);
         page.disc(at(x_m, y_m), 1e3 * DOT_RADIUS_M);
     }
+    for (name, place) in [("O", [-0.06, -0.06]), ("X", [0.06, -0.06]), ("Y", [-0.06, 0.06])] {
+        let [x, y] = at(place[0], place[1]);
+        page.text([x + 11.5, y + 9.0], 3.5, name);
+    }
     cutting_marks(&mut page);
     let height_m = markers.height_m(marker, scene);
     let [left, top] = [middle_x - HALF_WIDTH_MM, middle_y - HALF_WIDTH_MM];
@@ -48,7 +52,7 @@ fn page(marker: &Marker, markers: &Markers, scene: &Scene) -> Page {
             marker.y_m
         ),
     );
-    // Along O to X, above the dots but within the square, and below it the other direction.
+    // Along O to X, beyond the dots but within the square, and along O to Y.
     let arrow_y = middle_y - 76.0;
     arrow(&mut page, [middle_x - 30.0, arrow_y], [middle_x + 30.0, arrow_y]);
     page.text([middle_x - 29.0, arrow_y + 4.5], 3.5, &direction(marker));

@@ -12,7 +12,7 @@ use crate::{
 /// Prints the markers of a scene and what they cover, and writes their sheet and their map.
 pub(super) fn markers(arguments: &MarkersArguments) -> Result<(), CommandError> {
     let file = SceneFile::load(&arguments.scene)?;
-    let no_markers = || CommandError::NoScenesMarkers(arguments.scene.clone());
+    let no_markers = || CommandError::NoCeilingMarkers(arguments.scene.clone());
     let markers = file.scene.markers.as_ref().filter(|markers| !markers.all().is_empty()).ok_or_else(no_markers)?;
     let folder = arguments.out.join(&file.name);
     let [sheet, map] = ["markers.pdf", "markers.toml"].map(|name| folder.join(name));
