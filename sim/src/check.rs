@@ -41,8 +41,10 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
         containment,
         judgements,
         violations,
-        error: statistics::errors(&midpoints, &truths),
-        error_at_fix: statistics::errors_at_fix(record),
+        error: ErrorTable {
+            at_fix: Some(Box::new(statistics::errors_at_fix(record))),
+            ..statistics::errors(&midpoints, &truths)
+        },
         width: statistics::widths(record),
         availability: availability(scene, record),
         methods: method_counts(record, &false_claims),

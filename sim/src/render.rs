@@ -78,7 +78,7 @@ pub struct RenderedWorld {
     floor: Floor,
     room: Option<RoomWorld>,
     lamps_at_floor_lux: Option<f64>,
-    bodies: Vec<UprightBody>,
+    graphics: Graphics,
 }
 
 impl RenderedWorld {
@@ -88,9 +88,11 @@ impl RenderedWorld {
         self.lamps_at_floor_lux
     }
 
-    /// Puts people where the next pictures show them.
+    /// Puts people where the next pictures show them; their shadows are worked out here, in a millisecond or two.
     pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
-        self.bodies = bodies.to_vec();
+        if let Some(room) = &mut self.room {
+            room.place_bodies(&self.graphics, bodies);
+        }
     }
 }
 
@@ -204,7 +206,7 @@ impl Renderer {
             lamplight = FloorField::new(&building, &map);
         }
         let floor = Floor::new(scene, drawn, lamplight);
-        Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, bodies: Vec::new() })
+        Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, graphics: self.graphics.clone() })
     }
 
     /// Prepares a world for all views, its people at the start; its light is worked out here, which takes up to a second.
@@ -215,12 +217,14 @@ impl Renderer {
         self.graphics.check()?;
         let room = self.room_pass.upload(&self.graphics, scene, drawn);
         let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
-        Ok(RenderedWorld {
+        let mut world = RenderedWorld {
             floor: Floor::new(scene, drawn, lamplight),
             lamps_at_floor_lux: Some(room.mean_at_floor_lux()),
             room: Some(room),
-            bodies: scene.people.iter().filter_map(UprightBody::at_start).collect(),
-        })
+            graphics: self.graphics.clone(),
+        };
+        world.place_bodies(&scene.people.iter().filter_map(UprightBody::at_start).collect::<Vec<_>>());
+        Ok(world)
     }
 
     /// Takes all pictures of a tick, in the order of `views`: the eight most significant bits of each level.
@@ -279,14 +283,9 @@ impl Renderer {
                 (None, _) => {
                     self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?
                 }
-                (Some(lens), Some(seen)) => self.room_pass.draw(
-                    &self.graphics,
-                    &mut encoder,
-                    (seen, &world.bodies),
-                    (view, lens),
-                    room,
-                    luminance,
-                )?,
+                (Some(lens), Some(seen)) => {
+                    self.room_pass.draw(&self.graphics, &mut encoder, seen, (view, lens), room, luminance)?
+                }
                 (Some(_), None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
             }
             self.photon_pass.draw(&self.graphics.queue, &mut encoder, view, target);

@@ -17,7 +17,7 @@ use crate::render_studio::renderer;
 fn room(more: &str) -> Scene {
     let text = format!(
         "[room]\nwidth_m = 5.0\ndepth_m = 4.0\n[start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n\
-         [light]\nilluminance_at_floor_lux = 20\n[robot]\nfloor_camera = false\n[robot.ceiling_camera]\nq_items = 0\n[markers]\n{more}"
+         [light]\nilluminance_at_floor_lux = 20\n[robot]\nfloor_camera = false\n[robot.ceiling_camera]\nq_items = 0\n[robot.ceiling_camera.sensor]\nexposure_s = 0.0003\n[markers]\n{more}"
     );
     Scene::parse(&text, "room.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }

@@ -27,6 +27,7 @@ pub(super) fn errors(estimates: &[Pose], truths: &[Pose]) -> ErrorTable {
         y_m: axis(|pose| pose.y_m),
         heading_rad: axis(|pose| pose.heading_rad),
         position_m: position_error(&distances),
+        at_fix: None,
     }
 }
 

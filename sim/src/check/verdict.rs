@@ -30,8 +30,6 @@ pub struct Verdict {
     pub violations: Vec<Violation>,
     /// Errors of the midpoint of the hull.
     pub error: ErrorTable,
-    /// The same just after a fix, at the stamp of the reading that made it.
-    pub error_at_fix: ErrorTable,
     /// Full widths of the hull, over all steps.
     pub width: WidthTable,
     /// Share of steps that are sound and narrower than declared.
@@ -154,6 +152,9 @@ pub struct ErrorTable {
     pub heading_rad: AxisError,
     /// Distance in the plane.
     pub position_m: PositionError,
+    /// The same just after each fix, at the stamp of the reading that made it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_fix: Option<Box<ErrorTable>>,
 }
 
 /// Errors along one axis.

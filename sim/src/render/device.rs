@@ -16,7 +16,7 @@ const ADAPTER_VARIABLE: &str = "WHEREIN_ADAPTER";
 pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// An open device and the first error its driver reported. Clones share the device.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(super) struct Graphics {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,

@@ -20,7 +20,7 @@ const SIGMAS: f64 = 5.5;
 /// Per share of structure in the background, of the dot's level, and pixel of radius.
 const PER_STRUCTURE: f64 = 1.5;
 /// Per share of the dot's area that is clipped at white.
-const PER_CLIPPED: f64 = 0.03;
+const PER_CLIPPED: f64 = 0.15;
 /// Per pixel of motion, and per pixel by which motion makes neighbours' soft edges meet.
 const PER_MOTION: f64 = 0.006;
 const PER_OVERLAP: f64 = 0.03;

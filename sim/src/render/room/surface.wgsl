@@ -1,7 +1,6 @@
 // Faces of the building: mapped light on a texture, the ring's light, and what mirrors.
 
 override GLOSS: bool = false;
-override PEOPLED: bool = false;
 
 struct Node {
     @location(0) surface: u32,
@@ -80,10 +79,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     if (TEXTURE != 0u) {
         albedo *= texture_at(face);
     }
-    var lux = mapped_lux(clamp(face.node, face.nodes.xy, face.nodes.zw));
-    if (PEOPLED) {
-        lux *= left_by_people(face.world, face.normal, lux);
-    }
+    let lux = mapped_lux(clamp(face.node, face.nodes.xy, face.nodes.zw));
     let matt = lux * view.luminance_per_lux;
     var lit = matt;
     if (!RING && !GLOSS) {
