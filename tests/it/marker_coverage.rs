@@ -163,7 +163,7 @@ fn too_few_words_are_told_with_numbers() {
 
 #[test]
 fn a_third_of_the_markers_is_missing_on_the_ceiling_and_not_on_the_map() {
-    let markers = "[markers]\n[markers.layout]\nshare_missing = 0.3333\n";
+    let markers = "[markers]\nshare_missing = 0.3333\n[markers.layout]\n";
     let scene = parse([6.0, 5.0], SHORT, markers).unwrap();
     let n_markers = scene.map().markers.unwrap().markers.len();
     let pasted = |seed| Drawn::draw(&scene, seed).markers.iter().map(|marker| marker.index).collect::<Vec<_>>();

@@ -13,7 +13,7 @@ fn the_map_written_is_the_map_when_pasted() {
     let folder = folder("markers_map");
     let text = blind_scene(
         1.0,
-        &format!("{KEYS}[markers]\nplacement_tolerance_m = 0.003\n[markers.layout]\nshare_missing = 0.5\n"),
+        &format!("{KEYS}[markers]\nplacement_tolerance_m = 0.003\nshare_missing = 0.5\n[markers.layout]\n"),
     );
     fs::write(folder.join("hall.toml"), &text).unwrap();
     let (code, printed, error) = outcome(&mut wherein(&folder, &["markers", "hall.toml", "--out", "out"]));

@@ -10,7 +10,7 @@ use crate::{
 };
 
 use super::{
-    CREEP_M_PER_S, Driver, Path, Progress, Stage, Wish,
+    CREEP_M_PER_S, Driver, JERK_RISE_S, Path, Progress, Stage, Wish,
     surroundings::Surroundings,
     turn_then_drive::{Limits, TurnThenDrive, bearing},
 };
@@ -241,12 +241,23 @@ impl ErrandDriver {
             let [x_m, y_m] = corners_m[index];
             let turn_in_place =
                 corner_rad(&corners_m[index - 1..]).is_some_and(|corner_rad| corner_rad > SHARP_CORNER_RAD);
-            Waypoint { x_m, y_m, speed_m_per_s: self.navigation.speed_m_per_s, turn_in_place, pause_s: 0.0 }
+            let is_stop = turn_in_place || index + 1 == corners_m.len();
+            let length_m = (x_m - corners_m[index - 1][0]).hypot(y_m - corners_m[index - 1][1]);
+            let most_m_per_s = if is_stop { self.reachable_m_per_s(length_m) } else { f64::INFINITY };
+            let speed_m_per_s = self.navigation.speed_m_per_s.min(most_m_per_s).max(CREEP_M_PER_S);
+            Waypoint { x_m, y_m, speed_m_per_s, turn_in_place, pause_s: 0.0 }
         };
         let route = Route { waypoints: (1..corners_m.len()).map(waypoint).collect(), repeat: false };
         self.follower.path = Some(Path::new(corners_m[0], &route));
         self.follower.segment_idx = 0;
         self.follower.stage = Stage::Turn;
+    }
+
+    /// The speed up to which the robot can rise and from which it can fall again within a length, from standstill to standstill: the root of
+    /// v²/a + 2·v·t = length, with t for an acceleration to rise. Faster, it would run over the end.
+    fn reachable_m_per_s(&self, length_m: f64) -> f64 {
+        let acceleration = self.follower.scene.robot.max_acceleration_m_per_s2;
+        acceleration * ((JERK_RISE_S * JERK_RISE_S + length_m / acceleration).sqrt() - JERK_RISE_S)
     }
 
     fn follow(&mut self, hull: &PoseBox, time_s: f64) -> Wish {

@@ -32,6 +32,9 @@ pub struct Markers {
     /// Coefficient of retroreflection of the dots: luminous intensity per illuminance and area. Glass beads 70, microprisms 400.
     #[schemars(range(min = 0.0, max = 2000.0))]
     pub retroreflection_cd_per_lux_m2: f64,
+    /// Share of all markers that has fallen off, without the localizer's knowledge. Each seed draws which.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub share_missing: f64,
     /// The markers, one by one.
     #[serde(rename = "marker")]
     pub markers: Vec<Marker>,
@@ -52,9 +55,6 @@ pub struct Layout {
     /// Their distance from the edges of the image, at least.
     #[schemars(range(min = 0.0, max = 200.0))]
     pub margin_px: f64,
-    /// Share of them that has fallen off, without the localizer's knowledge. Each seed draws which.
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub share_missing: f64,
 }
 
 /// One marker: a grid of 4 × 4 places, 4 cm apart, for dots of 1 cm radius. O, at the grid's `[0, 0]`, X at `[3, 0]` and Y at `[0, 3]` tell
@@ -84,7 +84,7 @@ pub struct Marker {
     #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub pasted: bool,
     /// How far it has been moved since the map was made, world x and y.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_nowhere_else")]
     pub misplaced_m: [f64; 2],
     /// Places `[i, j]` of the grid whose printed dots have come off, counted from O towards X and towards Y.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -258,6 +258,7 @@ impl Default for Markers {
             print_tolerance_m: 0.0003,
             height_tolerance_m: 0.005,
             retroreflection_cd_per_lux_m2: default_retroreflection(),
+            share_missing: 0.0,
             markers: Vec::new(),
             layout: None,
             laid_out: Vec::new(),
@@ -268,7 +269,7 @@ impl Default for Markers {
 impl Default for Layout {
     fn default() -> Self {
         let Goal { seen_at_once, margin_px } = Goal::default();
-        Layout { seen_at_once, margin_px, share_missing: 0.0 }
+        Layout { seen_at_once, margin_px }
     }
 }
 
@@ -286,4 +287,8 @@ fn is_false(is: &bool) -> bool {
 
 fn is_zero(number: &f64) -> bool {
     *number == 0.0
+}
+
+fn is_nowhere_else(moved_m: &[f64; 2]) -> bool {
+    *moved_m == [0.0; 2]
 }
