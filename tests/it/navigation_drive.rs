@@ -292,6 +292,20 @@ fn nobody_is_run_into_and_nobody_waits_for_ever() {
 }
 
 #[test]
+fn a_robot_makes_way_for_somebody_who_waits_for_it() {
+    // 1.4 m leave no room to pass: somebody comes towards the robot, stands before it, and turns back only at x = 3.
+    let keys = serde_json::json!({
+        "room": { "width_m": 8.0, "depth_m": 1.4 },
+        "start": { "x_m": 2.2, "y_m": 0.7, "tolerance_m": 0.0, "tolerance_deg": 0.0 },
+        "robot": { "proximity": true },
+        "person": [{ "waypoints_m": [[4.4, 0.7], [3.0, 0.7], [7.5, 0.7]], "speed_m_per_s": 0.4 }],
+        "duration_s": 180.0,
+    });
+    let (log, least_m) = drive_looking_out(&errands(&[[3.6, 0.7]], keys), 66);
+    assert!(log.errands[0].outcome == Outcome::Reached && least_m > 0.03, "{log:?}, {least_m} m");
+}
+
+#[test]
 fn random_goals_follow_the_seed_and_can_be_reached() {
     let keys = |n: usize| {
         serde_json::json!({

@@ -70,7 +70,7 @@ impl Field {
 
     /// Whether all of a marker is in the image from every pose of a box, whatever the errors are.
     pub(crate) fn surely_sees(&self, poses: &Poses, place: &Place) -> bool {
-        let (along_m, rise_m) = self.from_camera(&poses.middle, place);
+        let (along_m, rise_m) = self.seen_from(&poses.middle, place);
         let half_m = poses.half_m[0].hypot(poses.half_m[1]);
         // Of the camera, as the robot moves and turns.
         let aside_m = self.centre_m[0].hypot(self.centre_m[1]);
@@ -95,7 +95,7 @@ impl Field {
 
     /// Whether the middle of a marker is in the image without any error.
     pub fn sees_without_errors(&self, pose: &Pose, place: &Place) -> bool {
-        let (along_m, rise_m) = self.from_camera(pose, place);
+        let (along_m, rise_m) = self.seen_from(pose, place);
         self.edges.iter().all(|normal| {
             let inside_m = normal.x * along_m[0] + normal.y * along_m[1] + normal.z * rise_m;
             inside_m >= 0.0
@@ -109,7 +109,7 @@ impl Field {
 
     /// Whether the middle of a marker may be in the image from some pose of a box, without any error.
     pub(crate) fn may_see(&self, poses: &Poses, place: &Place) -> bool {
-        let (along_m, rise_m) = self.from_camera(&poses.middle, place);
+        let (along_m, rise_m) = self.seen_from(&poses.middle, place);
         let half_m = poses.half_m[0].hypot(poses.half_m[1]);
         let from_origin_m = (place[0] - poses.middle.x_m).hypot(place[1] - poses.middle.y_m);
         let turned_m = half_m + poses.half_rad * (from_origin_m + half_m + self.centre_m[0].hypot(self.centre_m[1]));
@@ -120,7 +120,7 @@ impl Field {
     }
 
     /// A marker's middle from the optical centre: forward and left, and up.
-    fn from_camera(&self, pose: &Pose, place: &Place) -> ([f64; 2], f64) {
+    fn seen_from(&self, pose: &Pose, place: &Place) -> ([f64; 2], f64) {
         let (sin, cos) = pose.heading_rad.sin_cos();
         let (x_m, y_m) = (place[0] - pose.x_m, place[1] - pose.y_m);
         let [forward_m, left_m, height_m] = self.centre_m;

@@ -230,8 +230,7 @@ fn rim(reach_m: &[[f64; 2]; 2]) -> Vec<Pose> {
     const STEP_M: f64 = 0.2;
     let [x_m, y_m] = *reach_m;
     let mut places = Vec::new();
-    for axis in 0..2 {
-        let [from_m, to_m] = reach_m[axis];
+    for (axis, [from_m, to_m]) in reach_m.iter().copied().enumerate() {
         let n_steps = ((to_m - from_m) / STEP_M).ceil().max(1.0);
         for step in 0..=n_steps as usize {
             let at_m = from_m + (to_m - from_m) * step as f64 / n_steps;

@@ -85,6 +85,7 @@ pub struct Marker {
     pub pasted: bool,
     /// How far it has been moved since the map was made, world x and y.
     #[serde(default, skip_serializing_if = "is_nowhere_else")]
+    #[schemars(inner(range(min = -200.0, max = 200.0)))]
     pub misplaced_m: [f64; 2],
     /// Places `[i, j]` of the grid whose printed dots have come off, counted from O towards X and towards Y.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
