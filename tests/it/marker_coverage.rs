@@ -134,7 +134,7 @@ fn a_missing_marker_is_found_out_and_the_place_named_sees_none() {
     let scene = laid_out([6.0, 5.0], SHORT, "");
     let all = scene.markers.as_ref().unwrap().all();
     assert_eq!(coverage(&by_hand_without(&scene, SHORT, usize::MAX)), Some(Coverage::Covered));
-    for left_out in 0..all.len() {
+    for (left_out, missing) in all.iter().enumerate() {
         let holed = by_hand_without(&scene, SHORT, left_out);
         let Some(Coverage::Uncovered { pose, seen }) = coverage(&holed) else {
             panic!("without {left_out} it is covered")
@@ -144,7 +144,7 @@ fn a_missing_marker_is_found_out_and_the_place_named_sees_none() {
         let mut exact = Drawn::draw(&holed, 0);
         exact.ceiling_camera = Some(sim::drawn::DrawnCamera::ceiling(holed.robot.ceiling_camera.as_ref().unwrap()));
         assert_eq!(whole_in_image(&holed, &exact, &Truth { pose, ..Truth::default() }), 0, "{pose:?}");
-        assert!((all[left_out].x_m - pose.x_m).hypot(all[left_out].y_m - pose.y_m) < 1.4, "{pose:?}");
+        assert!((missing.x_m - pose.x_m).hypot(missing.y_m - pose.y_m) < 1.4, "{pose:?}");
     }
 }
 
