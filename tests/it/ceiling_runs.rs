@@ -143,7 +143,8 @@ fn a_marker_moved_since_the_survey_is_named_as_the_broken_bound() {
 fn pictures_of_all_cameras_are_recorded_and_replay_to_the_same_estimates() {
     let place = folder("ceiling_recording");
     let more = "[robot.forward_camera]\nwidth_px = 160\nheight_px = 120\nperiod_s = 0.5\n";
-    let text = text(more).replace("ERRORS", "").replace("TOLERANCES", "").replace("duration_s = 3.0", "duration_s = 1.0");
+    let text =
+        text(more).replace("ERRORS", "").replace("TOLERANCES", "").replace("duration_s = 3.0", "duration_s = 1.0");
     fs::write(place.join("scene.toml"), text).unwrap();
     let (code, _, errors) = outcome(&mut wherein(&place, &["run", "scene.toml", "--record", "--out", "out"]));
     assert_eq!(code, 0, "{errors}");

@@ -82,7 +82,8 @@ fn draw_marker(
     rng: &mut ChaCha8Rng,
 ) -> DrawnMarker {
     let moved = Vector2::from(marker.misplaced_m);
-    let centre = Vector2::new(marker.x_m, marker.y_m) + moved + draw_in_disc(markers.placement_tolerance_m, errors, rng);
+    let centre =
+        Vector2::new(marker.x_m, marker.y_m) + moved + draw_in_disc(markers.placement_tolerance_m, errors, rng);
     let turn_rad = draw_within(markers.rotation_tolerance_deg.to_radians(), errors, rng);
     let rotation_rad = marker.rotation_deg.to_radians() + turn_rad;
     let height_m = nominal_height_m + draw_within(markers.height_tolerance_m, errors, rng);

@@ -61,14 +61,16 @@ fn saddles(smooth: &Picture) -> Vec<(f32, [f64; 2])> {
     }
     let mut found = Vec::new();
     let margin = APART_PX.max(REACH_PX as usize + 1);
-    for (u, v) in
-        (margin..height.saturating_sub(margin)).flat_map(|v| (margin..width.saturating_sub(margin)).map(move |u| (u, v)))
+    for (u, v) in (margin..height.saturating_sub(margin))
+        .flat_map(|v| (margin..width.saturating_sub(margin)).map(move |u| (u, v)))
     {
         let here = strengths[v * width + u];
         let mut around =
             (v - APART_PX..=v + APART_PX).flat_map(|v| (u - APART_PX..=u + APART_PX).map(move |u| v * width + u));
         // Of equals the last one counts.
-        if here > 0.0 && around.all(|other| strengths[other] < here || (strengths[other] == here && other <= v * width + u)) {
+        if here > 0.0
+            && around.all(|other| strengths[other] < here || (strengths[other] == here && other <= v * width + u))
+        {
             found.push((here, [u as f64, v as f64]));
         }
     }
@@ -88,7 +90,8 @@ fn sub_pixel(picture: &Picture, start: [f64; 2]) -> Option<[f64; 2]> {
         if u0 < margin || v0 < margin || u0 >= width - margin || v0 >= height - margin {
             return None;
         }
-        for (u, v) in (v0 - REACH_PX..=v0 + REACH_PX).flat_map(|v| (u0 - REACH_PX..=u0 + REACH_PX).map(move |u| (u, v))) {
+        for (u, v) in (v0 - REACH_PX..=v0 + REACH_PX).flat_map(|v| (u0 - REACH_PX..=u0 + REACH_PX).map(move |u| (u, v)))
+        {
             let gradient = 0.5 * Vector2::new(grey(u + 1, v) - grey(u - 1, v), grey(u, v + 1) - grey(u, v - 1));
             let way = Vector2::new(u as f64, v as f64) - at;
             let weight = (-0.5 * way.norm_squared() / (WEIGHT_PX * WEIGHT_PX)).exp();
