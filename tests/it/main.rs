@@ -40,6 +40,8 @@ mod floor_tiles_geometry;
 mod ceiling_markers_geometry;
 /// Markers on rendered ceilings, whole and damaged, read by the localizer.
 mod ceiling_pasted;
+/// A camera's lens and the place of its mount, measured on rendered pictures.
+mod calibration_rendered;
 mod ceiling_runs;
 /// Whether markers cover a room, against cameras and poses drawn at random.
 mod marker_coverage;

@@ -3,6 +3,7 @@
 //! Closed form: each view's homography H = K (r₁ r₂ t) says h₁ᵀBh₂ = 0 and h₁ᵀBh₁ = h₂ᵀBh₂ of B = K⁻ᵀK⁻¹ (no skew). Then all reprojection
 //! errors are minimised over K, Brown's lens and the views' poses by Levenberg and Marquardt's method.
 
+pub mod corners;
 mod refinement;
 
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector, Vector3};

@@ -70,6 +70,9 @@ fn texture_at(face: Face) -> f32 {
         // Of what is below the water, tiles and concrete have a texture.
         return select(concrete(place, pixel_m, 0u), tiles(place, extent, pixel_m), seed == 2u);
     }
+    if (TEXTURE == 8u) {
+        return chessboard(place, extent, face.size, seed);
+    }
     return 1.0;
 }
 
