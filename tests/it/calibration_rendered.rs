@@ -95,11 +95,6 @@ fn board_pictures(n_views: usize) -> Vec<GrayImage> {
 #[test]
 fn twenty_rendered_views_of_a_chessboard_give_the_intrinsics_within_a_thousandth() {
     let pictures = board_pictures(20);
-    if let Ok(folder) = std::env::var("BOARDS") {
-        for (index, picture) in pictures.iter().enumerate() {
-            picture.save(format!("{folder}/board{index}.png")).unwrap();
-        }
-    }
     let saturated = pictures.iter().flat_map(|picture| picture.as_raw()).filter(|level| **level == 255).count();
     assert!(saturated < 1000, "{saturated} pixels are white beyond measure");
     let found: Vec<Option<Vec<Corner>>> = pictures.iter().map(|picture| corners::find(picture, &BOARD)).collect();
