@@ -135,8 +135,8 @@ fn a_wide_box_slows_the_robot_down_in_proportion() {
         let (truths, _) = drive_by(&scene, 10.0, |truth, _| wide(truth, width_m));
         truths.iter().map(|truth| truth.velocity[0]).fold(0.0, f64::max)
     };
-    // Half of the box fits into the margin of 0.1 m; is twice it; is twenty times it, where a quarter of the speed is left.
-    for (width_m, speed_m_per_s) in [(0.19, 0.4), (0.4, 0.2), (4.0, 0.1)] {
+    // Half of the box fits into the margin of 0.1 m; is twice it; is almost five times it, where a quarter of the speed is left; says nothing.
+    for (width_m, speed_m_per_s) in [(0.19, 0.4), (0.4, 0.2), (0.9, 0.1), (4.0, 0.0)] {
         assert!((fastest(width_m) - speed_m_per_s).abs() < 0.01, "{} m/s in a box of {width_m} m", fastest(width_m));
     }
 }

@@ -40,7 +40,7 @@ fn verdict(file: &SceneFile) -> String {
         None => "No ceiling camera whose coverage could be told.\n".to_owned(),
         Some(Coverage::Covered) => {
             format!(
-                "Covered: at least {seen_at_once} wholly in the image from every pose in the room, within all tolerances.\n"
+                "Covered: at least {seen_at_once} wholly in the image from every pose in the room while it is empty, within all tolerances.\n"
             )
         }
         Some(Coverage::Uncovered { pose, .. }) => format!(

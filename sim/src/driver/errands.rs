@@ -22,6 +22,11 @@ pub use log::{ErrandLog, ErrandRecord, Leg, Outcome};
 /// Corners sharper than this are turned in place: pure pursuit would cut them by more than the margin.
 const SHARP_CORNER_RAD: f64 = 0.5;
 
+/// Wider than this, or with so many headings, a box is no place to set out from: the robot stands and looks around.
+const LOST_M: f64 = 3.0;
+/// See [`LOST_M`].
+const LOST_RAD: f64 = std::f64::consts::FRAC_PI_2;
+
 /// Least share of the speed while the box is wide, so that a robot that is unsure for long still gets somewhere.
 const LEAST_SHARE: f64 = 0.25;
 
@@ -102,6 +107,11 @@ struct Anchor {
     since_s: f64,
 }
 
+/// Whether the middle of a box says nothing of where to drive.
+fn is_lost(hull: &PoseBox) -> bool {
+    !hull.is_empty() && (hull.width(0).max(hull.width(1)) > LOST_M || hull.width(2) > LOST_RAD)
+}
+
 impl ErrandDriver {
     /// A driver of the scene's errands and then of goals that a seed has drawn.
     pub fn new(scene: &Scene, random_goals_m: &[[f64; 2]]) -> ErrandDriver {
@@ -136,7 +146,12 @@ impl ErrandDriver {
         if let Some(fan) = fan {
             self.surroundings.look(fan, self.follower.pose);
         }
-        let wish = if hull.is_empty() || estimate.status != Status::Sound {
+        let is_lost = is_lost(&hull);
+        if is_lost && self.task == Task::Follow {
+            // The way was planned from elsewhere.
+            self.task = Task::Plan;
+        }
+        let wish = if hull.is_empty() || is_lost || estimate.status != Status::Sound {
             self.doubt(hull.is_empty(), time_s)
         } else {
             self.doubts_since_s = None;
