@@ -85,10 +85,11 @@ fn a_claim_is_true_of_its_own_marker_and_dots_alone() {
 
 #[test]
 fn every_bound_of_camera_and_markers_is_watched() {
-    let calibration = |position: f64, angle: f64, focal: f64, centre: f64| {
+    let calibration = |position: f64, angle: f64, focal: f64, centre: f64, distortion: f64| {
         format!(
             "[robot.ceiling_camera.calibration]\nposition_tolerance_m = {position:?}\nangle_tolerance_deg = {angle:?}\n\
-             focal_tolerance = {focal:?}\nprincipal_point_tolerance_px = {centre:?}\n"
+             focal_tolerance = {focal:?}\nprincipal_point_tolerance_px = {centre:?}\n\
+             distortion_tolerance_px = {distortion:?}\n"
         )
     };
     let with = |more: String, tolerances: &str, timing: &str| {
@@ -97,7 +98,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
         Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
     };
     let loose = with(
-        calibration(0.004, 0.4, 0.004, 2.0),
+        calibration(0.004, 0.4, 0.004, 2.0, 0.8),
         "placement_tolerance_m = 0.004\nrotation_tolerance_deg = 0.4\nprint_tolerance_m = 0.0006\n",
         "latency_tolerance_s = 0.004\nstamp_tolerance_s = 0.002\n",
     );
@@ -105,7 +106,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
     assert!(verdict.violations.is_empty(), "declared as drawn: {:?}", verdict.violations);
     assert_eq!(verdict.containment.contained, verdict.containment.checks);
     let mut tight = with(
-        calibration(0.003, 0.3, 0.003, 1.5),
+        calibration(0.003, 0.3, 0.003, 1.5, 0.6),
         "placement_tolerance_m = 0.003\nrotation_tolerance_deg = 0.3\nprint_tolerance_m = 0.0004\n",
         "latency_tolerance_s = 0.003\nstamp_tolerance_s = 0.001\n",
     );
@@ -118,6 +119,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
         "ceiling_camera.tilt",
         "ceiling_camera.focal",
         "ceiling_camera.centre",
+        "ceiling_camera.distortion",
         "ceiling_camera.stamp",
         "ceiling_camera.latency",
         "markers.placement",
