@@ -12,7 +12,10 @@ use crate::{
     drawn::{Drawn, DrawnMarker, markers::DOT_RADIUS_M},
     run::{ImageRecord, PaperAnswer, RunRecord},
     scene::Scene,
-    sensors::lens::{Lens, world_from_camera},
+    sensors::{
+        lens::{Lens, world_from_camera},
+        sight::Obstacles,
+    },
     truth::Truth,
 };
 
@@ -62,16 +65,19 @@ impl Sight {
         marker.dots.iter().any(|dot| self.pixel(&dot.centre_in_world).is_some_and(is_within))
     }
 
-    /// Whether a marker's whole grid, empty places too, is in the picture with the dots' rims and three pixels about them for soft edges.
-    fn shows(&self, marker: &DrawnMarker) -> bool {
+    /// Whether a marker's whole grid, empty places too, is in the picture with the dots' rims and three pixels about them for soft edges, and
+    /// no furniture stands before it. People may.
+    fn shows(&self, marker: &DrawnMarker, obstacles: &Obstacles) -> bool {
         let (sin, cos) = marker.rotation_rad.sin_cos();
         let [x_m, y_m] = marker.centre_m;
-        [[0, 0], [3, 0], [0, 3], [3, 3]].into_iter().map(dot_in_marker_m).all(|[along_m, across_m]| {
-            let corner = Point3::new(
-                x_m + cos * along_m - sin * across_m,
-                y_m + sin * along_m + cos * across_m,
-                marker.height_m,
-            );
+        let in_world = |[along_m, across_m]: [f64; 2]| {
+            Point3::new(x_m + cos * along_m - sin * across_m, y_m + sin * along_m + cos * across_m, marker.height_m)
+        };
+        let eye = Point3::from(self.camera_from_world.inverse().translation.vector);
+        [[0, 0], [3, 0], [0, 3], [3, 3]].into_iter().map(dot_in_marker_m).all(|corner_m| {
+            let corner = in_world(corner_m);
+            // Farther out by the dots' rims.
+            let rim = in_world(corner_m.map(|at_m| at_m + DOT_RADIUS_M.copysign(at_m)));
             let depth_m = (self.camera_from_world * corner).z;
             let margin_px = self.lens.focal_px[0].max(self.lens.focal_px[1]) * DOT_RADIUS_M / depth_m.max(0.01) + 3.0;
             let is_within = |at_px: [f64; 2]| {
@@ -80,7 +86,7 @@ impl Sight {
                     (margin_px..=last_px - margin_px).contains(&at_px[axis])
                 })
             };
-            self.pixel(&corner).is_some_and(is_within)
+            self.pixel(&corner).is_some_and(is_within) && obstacles.leave_free(eye, rim, &[])
         })
     }
 }
@@ -131,12 +137,12 @@ pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAn
 
 /// Counts over a run's pictures of the ceiling.
 pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
-    let mut counts = MarkerCounts::default();
+    let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(scene));
     let images = record.images.iter().filter(|image| image.method == "ceiling_markers");
     // The paper's pipeline answered picture for picture.
     for (image, paper) in images.zip(&record.marker_baselines.answers) {
         if let Some(sight) = Sight::new(scene, &record.drawn, &image.truth) {
-            counts.add(scene, record, image, paper, &sight);
+            counts.add(scene, record, (image, paper), &sight, &obstacles);
         }
     }
     counts
@@ -164,9 +170,17 @@ pub struct MarkerCounts {
 }
 
 impl MarkerCounts {
-    fn add(&mut self, scene: &Scene, record: &RunRecord, image: &ImageRecord, paper: &PaperAnswer, sight: &Sight) {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        record: &RunRecord,
+        (image, paper): (&ImageRecord, &PaperAnswer),
+        sight: &Sight,
+        obstacles: &Obstacles,
+    ) {
         let claimed: Vec<MarkerId> = claims(image).map(|(id, _)| id).collect();
-        let shown: Vec<&DrawnMarker> = on_map(scene, &record.drawn).filter(|marker| sight.shows(marker)).collect();
+        let shown: Vec<&DrawnMarker> =
+            on_map(scene, &record.drawn).filter(|marker| sight.shows(marker, obstacles)).collect();
         let read = shown.iter().filter(|marker| claimed.contains(&marker.id)).count();
         self.images += 1;
         self.images_with_marker += usize::from(!shown.is_empty());
