@@ -2,11 +2,13 @@
 
 use std::{
     io::{self, IsTerminal, Write},
+    net::SocketAddr,
     path::PathBuf,
     process::ExitCode,
 };
 
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 use localizer::reading::Camera;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
@@ -14,15 +16,17 @@ use crate::{
     compare::SideError,
     frames::FramesPolicy,
     record::RecordError,
+    recording::LiveError,
     render::RenderError,
     replay::ReplayError,
-    scene::{SceneError, Setting},
+    scene::{SceneError, Setting, keys_markdown, schema_text},
     sweep::{Seeds, SweepError},
 };
 
 mod compare;
 mod conclude;
 mod github;
+mod manual;
 mod map;
 mod markers;
 mod render;
@@ -56,6 +60,7 @@ Examples:
                                                                   every value with twenty seeds, and a report
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
   wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
+  wherein run scenes/x.toml --live                                the same while it happens
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording, bit for bit
   wherein markers scenes/x.toml                                   the sheet and the map of its ceiling markers
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
@@ -85,7 +90,22 @@ enum Command {
     /// Writes a scene's occupancy grid as files of ROS's map_server.
     Map(MapArguments),
     /// Prints the JSON schema of scene files.
-    Schema,
+    Schema {
+        /// Print a page of all keys to read instead.
+        #[arg(long)]
+        markdown: bool,
+    },
+    /// Prints completions for a shell, to be put where it looks for them.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Prints the manual page of the command, or writes one for each subcommand too.
+    Man {
+        /// Write wherein.1, wherein-run.1 and so on into this folder instead.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
     /// Prints the graphics adapter that renders the images; exit code 2 when there is none.
     Adapter,
 }
@@ -121,6 +141,9 @@ struct RunArguments {
     /// Leave the recording as rosbag2/, a bag that ROS 2 and `evo` open; its boxes are markers of ROS 2.
     #[arg(long, conflicts_with = "record")]
     ros2: bool,
+    /// Let viewers such as Foxglove look on, in real time; the first run begins when one is there.
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
+    live: Option<SocketAddr>,
     /// Write the results as JUnit XML, too.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -244,6 +267,8 @@ enum CommandError {
     #[error(transparent)]
     Record(#[from] RecordError),
     #[error(transparent)]
+    Live(#[from] LiveError),
+    #[error(transparent)]
     Sweep(#[from] SweepError),
     #[error(transparent)]
     Side(#[from] SideError),
@@ -264,7 +289,7 @@ enum CommandError {
     #[error("render at {}, {}: outside the room, expected x from 0 to {} and y from 0 to {}", at_m[0], at_m[1], room_m[0], room_m[1])]
     OutsideRoom { at_m: [f64; 2], room_m: [f64; 2] },
     #[error("write {}: {}", .0.display(), .1)]
-    Picture(PathBuf, io::Error),
+    Unwritable(PathBuf, io::Error),
     #[error("find markers in {}: expected a table `[markers]` with at least one marker on the map", .0.display())]
     NoCeilingMarkers(PathBuf),
     #[error("write {}: it exists already, expected another folder by --out", .0.display())]
@@ -288,7 +313,11 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),
-        Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
+        Command::Completions { shell } => manual::completions(shell).map(|()| ExitCode::SUCCESS),
+        Command::Man { out } => manual::manual(out.as_deref()).map(|()| ExitCode::SUCCESS),
+        Command::Schema { markdown } => {
+            print(&if markdown { keys_markdown() } else { schema_text() }).map(|()| ExitCode::SUCCESS)
+        }
         Command::Adapter => print_adapter(adapter).map(|()| ExitCode::SUCCESS),
     };
     outcome.unwrap_or_else(|error| {

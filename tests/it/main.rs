@@ -87,6 +87,7 @@ mod render_photons;
 mod render_projection;
 /// Light of lamps against closed forms; shadows against similar triangles; spectra against published figures.
 mod light_of_lamps;
+mod live_view;
 /// Rooms seen through lenses against projections of the tests' own.
 mod render_room;
 /// Pictures of rooms against pictures that somebody has looked at.

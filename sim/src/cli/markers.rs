@@ -29,9 +29,9 @@ pub(super) fn markers(arguments: &MarkersArguments) -> Result<(), CommandError> 
     }
     print(&table)?;
     print(&verdict(&file))?;
-    fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;
+    fs::create_dir_all(&folder).map_err(|error| CommandError::Unwritable(folder.clone(), error))?;
     write(&sheet, &marker_sheet(&file.scene, markers))?;
-    write(&map, &markers.keys().map_err(|error| CommandError::Picture(map.clone(), io::Error::other(error)))?)
+    write(&map, &markers.keys().map_err(|error| CommandError::Unwritable(map.clone(), io::Error::other(error)))?)
 }
 
 fn verdict(file: &SceneFile) -> String {
@@ -53,6 +53,6 @@ fn verdict(file: &SceneFile) -> String {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), CommandError> {
-    fs::write(path, text).map_err(|error| CommandError::Picture(path.to_owned(), error))?;
+    fs::write(path, text).map_err(|error| CommandError::Unwritable(path.to_owned(), error))?;
     print(&format!("{}\n", path.display()))
 }

@@ -76,7 +76,7 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
     let mut renderer = Renderer::on_adapter(adapter)?;
     let world = renderer.upload_room(&file.scene, &drawn)?;
     let folder = arguments.out.join(&file.name);
-    fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;
+    fs::create_dir_all(&folder).map_err(|error| CommandError::Unwritable(folder.clone(), error))?;
     let mut take_in = |lux: Option<f64>| -> Result<Column, CommandError> {
         let lux = lux.unwrap_or_else(|| stated_lux(&file.scene, &world));
         let stills = take(&mut renderer, &world, &file.scene, &drawn, pose, lux, (cameras.as_slice(), arguments.seed))?;
@@ -133,6 +133,6 @@ fn pose(at: Option<At>, file: &SceneFile) -> Result<Pose, CommandError> {
 }
 
 fn save(path: &Path, write: impl FnOnce(&Path) -> image::ImageResult<()>) -> Result<(), CommandError> {
-    write(path).map_err(|error| CommandError::Picture(path.to_owned(), std::io::Error::other(error)))?;
+    write(path).map_err(|error| CommandError::Unwritable(path.to_owned(), std::io::Error::other(error)))?;
     print(&format!("{}\n", path.display()))
 }

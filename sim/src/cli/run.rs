@@ -1,6 +1,6 @@
 //! `wherein run`: scenes and seeds, one after another, each recorded as soon as it is done.
 
-use std::{env, io::Write, path::PathBuf, process::ExitCode};
+use std::{env, io::Write, net::SocketAddr, path::PathBuf, process::ExitCode};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
@@ -8,11 +8,11 @@ use serde_json::Value;
 use crate::{
     check::check,
     record::{self, program_digest, scene_digest},
-    recording::{Form, Recording},
+    recording::{Form, LiveServer, Recording},
     render::Renderer,
     report::Overview,
     results::{CaseResult, Results, quoted},
-    run::{RunOptions, Witness, run_witnessed},
+    run::{RunOptions, run_witnessed},
     scene::{SceneFile, SceneTemplate},
     sweep,
     table::{Outcome, as_text, lines},
@@ -38,6 +38,7 @@ pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Res
     if files.iter().any(|file| file.scene.has_camera()) {
         renderer = Some(Renderer::on_adapter(adapter)?);
     }
+    let live = arguments.live.map(awaited).transpose()?;
     let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
     let bar =
         progress_bar(files.iter().map(|file| file.scene.simulated_s()).sum::<f64>() * seeds.clone().count() as f64);
@@ -48,7 +49,7 @@ pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Res
             let start = bar.position();
             let one = match resumed(arguments, file, seed)? {
                 Some(earlier) => earlier,
-                None => run_one(arguments, file, seed, renderer.as_mut(), &bar)?,
+                None => run_one(arguments, file, seed, renderer.as_mut(), live.as_ref(), &bar)?,
             };
             bar.set_position(start + milliseconds(file.scene.simulated_s()));
             recorded.push(one);
@@ -61,6 +62,14 @@ pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Res
     tell_github(&Overview::of(&results), &results)?;
     let all_passed = recorded.iter().all(|one| one.outcome.passed);
     Ok(ExitCode::from(u8::from(!all_passed)))
+}
+
+/// A server with a viewer.
+fn awaited(address: SocketAddr) -> Result<LiveServer, CommandError> {
+    let server = LiveServer::start(address)?;
+    eprintln!("Waiting for a viewer: open a Foxglove WebSocket connection to ws://{}", server.address());
+    server.await_viewer();
+    Ok(server)
 }
 
 /// The scenes with what is set in them.
@@ -77,6 +86,7 @@ fn run_one(
     file: &SceneFile,
     seed: u64,
     renderer: Option<&mut Renderer>,
+    live: Option<&LiveServer>,
     bar: &ProgressBar,
 ) -> Result<Recorded, CommandError> {
     let start = bar.position();
@@ -84,12 +94,9 @@ fn run_one(
     let options = RunOptions { keep_images: arguments.frames };
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
-    let mut recording = recording.transpose()?;
-    let witness: &mut dyn Witness = match &mut recording {
-        Some(recording) => recording,
-        None => &mut (),
-    };
-    let run_record = run_witnessed(&file.scene, seed, renderer, &options, witness, &mut progress)?;
+    let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));
+    let run_record = run_witnessed(&file.scene, seed, renderer, &options, &mut witnesses, &mut progress)?;
+    let (recording, _) = witnesses;
     let verdict = check(&file.scene, &run_record);
     let folder = record::write_with(&arguments.out, file, &run_record, &verdict, recording)?;
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))

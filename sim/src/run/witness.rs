@@ -23,3 +23,45 @@ impl Witness for () {
     fn account(&mut self, _reading: &Reading, _accounts: &[Account]) {}
     fn step(&mut self, _truth: &Truth, _estimate: &Estimate, _odometry: Pose) {}
 }
+
+/// Perhaps somebody looks on.
+impl<W: Witness> Witness for Option<W> {
+    fn start(&mut self, offset_s: f64, station: Option<usize>) {
+        self.iter_mut().for_each(|witness| witness.start(offset_s, station));
+    }
+
+    fn sense(&mut self, reading: &Reading) {
+        self.iter_mut().for_each(|witness| witness.sense(reading));
+    }
+
+    fn account(&mut self, reading: &Reading, accounts: &[Account]) {
+        self.iter_mut().for_each(|witness| witness.account(reading, accounts));
+    }
+
+    fn step(&mut self, truth: &Truth, estimate: &Estimate, odometry: Pose) {
+        self.iter_mut().for_each(|witness| witness.step(truth, estimate, odometry));
+    }
+}
+
+/// Two look on.
+impl<A: Witness, B: Witness> Witness for (A, B) {
+    fn start(&mut self, offset_s: f64, station: Option<usize>) {
+        self.0.start(offset_s, station);
+        self.1.start(offset_s, station);
+    }
+
+    fn sense(&mut self, reading: &Reading) {
+        self.0.sense(reading);
+        self.1.sense(reading);
+    }
+
+    fn account(&mut self, reading: &Reading, accounts: &[Account]) {
+        self.0.account(reading, accounts);
+        self.1.account(reading, accounts);
+    }
+
+    fn step(&mut self, truth: &Truth, estimate: &Estimate, odometry: Pose) {
+        self.0.step(truth, estimate, odometry);
+        self.1.step(truth, estimate, odometry);
+    }
+}

@@ -1,0 +1,148 @@
+//! A stream of messages to viewers that look on: Foxglove, its open fork Lichtblick, or anything else that speaks Foxglove's WebSocket protocol.
+
+use std::{
+    borrow::Cow,
+    collections::BTreeMap,
+    net::SocketAddr,
+    sync::Arc,
+    thread,
+    time::{Duration, Instant},
+};
+
+use foxglove::{
+    ChannelBuilder, Context, FoxgloveError, PartialMetadata, RawChannel, Schema, WebSocketServer,
+    WebSocketServerHandle, websocket::Capability,
+};
+use thiserror::Error;
+
+use crate::scene::Scene;
+
+use super::{Form, Sink, Stream, definitions};
+
+/// A run as viewers see it.
+pub type Live<'s> = Stream<Broadcast<'s>>;
+
+/// Why nobody can look on. Its text follows "failed to".
+#[derive(Debug, Error)]
+#[error("listen at {address} for viewers: {source}")]
+pub struct LiveError {
+    /// Where.
+    pub address: SocketAddr,
+    /// Why not.
+    pub source: FoxgloveError,
+}
+
+/// Listens for viewers; serves run after run.
+pub struct LiveServer {
+    handle: WebSocketServerHandle,
+    context: Arc<Context>,
+    address: SocketAddr,
+}
+
+impl LiveServer {
+    /// Listens at an address; port 0 lets the system choose.
+    pub fn start(address: SocketAddr) -> Result<LiveServer, LiveError> {
+        let context = Context::new();
+        let server = WebSocketServer::new()
+            .name("wherein")
+            .bind(address.ip().to_string(), address.port())
+            .capabilities([Capability::Time])
+            .context(&context);
+        let handle = server.start_blocking().map_err(|source| LiveError { address, source })?;
+        let address = SocketAddr::new(address.ip(), handle.port());
+        Ok(LiveServer { handle, context, address })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Returns as soon as a viewer is there.
+    pub fn await_viewer(&self) {
+        while self.handle.client_count() == 0 {
+            thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Begins the stream of a run: as fast as the simulated time, or slower where the simulation is.
+    pub fn begin(&self, scene: &Scene) -> Live<'_> {
+        // The times begin anew.
+        self.handle.clear_session(None);
+        let broadcast = Broadcast {
+            server: self,
+            channels: BTreeMap::new(),
+            mounts: Vec::new(),
+            began: Instant::now(),
+            last_ns: 0,
+        };
+        Stream::new(broadcast, Form::Foxglove, scene)
+    }
+}
+
+/// The viewers, as far as the run has been shown to them.
+pub struct Broadcast<'s> {
+    server: &'s LiveServer,
+    channels: BTreeMap<&'static str, Arc<RawChannel>>,
+    /// The cameras' mounts, told again every second: a viewer that comes late has missed them.
+    mounts: Vec<u8>,
+    began: Instant,
+    last_ns: u64,
+}
+
+/// The topic of the mounts and its message.
+const MOUNTS: (&str, &str) = ("/tf_static", "tf2_msgs/TFMessage");
+const SECOND_NS: u64 = 1_000_000_000;
+
+impl Sink for Broadcast<'_> {
+    fn put(&mut self, topic: &'static str, kind: &str, time_ns: u64, message: &[u8]) {
+        // What is exact to the last bit is for replays; viewers have the same in their own terms.
+        if topic.starts_with("/wherein/") {
+            return;
+        }
+        if topic == MOUNTS.0 {
+            self.mounts = message.to_vec();
+        }
+        self.keep_time(time_ns);
+        self.send(topic, kind, time_ns, message);
+    }
+}
+
+impl Broadcast<'_> {
+    /// Waits until as much time has passed as is simulated.
+    fn keep_time(&mut self, time_ns: u64) {
+        if time_ns <= self.last_ns {
+            return;
+        }
+        let ahead = Duration::from_nanos(time_ns).saturating_sub(self.began.elapsed());
+        thread::sleep(ahead);
+        self.server.handle.broadcast_time(time_ns);
+        if time_ns / SECOND_NS > self.last_ns / SECOND_NS && !self.mounts.is_empty() {
+            let mounts = self.mounts.clone();
+            self.send(MOUNTS.0, MOUNTS.1, time_ns, &mounts);
+        }
+        self.last_ns = time_ns;
+    }
+
+    /// Sends a message; its topic is announced with the definition before the first one.
+    fn send(&mut self, topic: &'static str, kind: &str, time_ns: u64, message: &[u8]) {
+        let context = &self.server.context;
+        let channel = self.channels.entry(topic).or_insert_with(|| announced(context, topic, kind));
+        channel.log_with_meta(message, PartialMetadata::with_log_time(time_ns));
+    }
+}
+
+impl Drop for Broadcast<'_> {
+    fn drop(&mut self) {
+        self.channels.values().for_each(|channel| channel.close());
+    }
+}
+
+fn announced(context: &Arc<Context>, topic: &str, kind: &str) -> Arc<RawChannel> {
+    let definition = definitions::definition(kind).into_bytes();
+    let schema =
+        Schema { name: kind.replace('/', "/msg/"), encoding: "ros2msg".to_owned(), data: Cow::Owned(definition) };
+    let channel = ChannelBuilder::new(topic).schema(schema).message_encoding("cdr").context(context);
+    // It fails without an encoding only.
+    channel.build_raw().unwrap_or_else(|_| unreachable!("the encoding is stated"))
+}
