@@ -4,7 +4,7 @@ use std::{
 };
 
 use serde_json::Value;
-use sim::scene::{Scene, SceneFile, schema_text};
+use sim::scene::{Scene, SceneFile, keys_markdown, schema_text};
 
 use crate::command::root;
 
@@ -59,8 +59,10 @@ fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside()
 
 #[test]
 fn every_path_that_a_document_names_exists() {
-    for document in ["README.md", "ARCHITECTURE.md", "docs/sweeps.md"] {
-        let text = fs::read_to_string(root().join(document)).unwrap();
+    let pages = fs::read_dir(root().join("docs/src")).unwrap().map(|entry| entry.unwrap().path());
+    for document in ["README.md", "ARCHITECTURE.md"].into_iter().map(|name| root().join(name)).chain(pages) {
+        let text = fs::read_to_string(&document).unwrap();
+        let document = document.display();
         for path in named_paths(&text) {
             assert!(root().join(&path).exists(), "{document} names `{}`, which does not exist", path.display());
         }
@@ -91,6 +93,41 @@ fn named_paths(text: &str) -> Vec<PathBuf> {
         .filter(|span| !span.contains(['*', '<', '…', '{']) && !span.starts_with("experiments/out"))
         .map(|span| Path::new(span.trim_end_matches([',', '.', ':', ';'])).to_owned())
         .collect()
+}
+
+#[test]
+fn the_page_of_keys_is_that_of_the_schema() {
+    let page = fs::read_to_string(root().join("docs/src/scene_keys.md")).unwrap();
+    assert_eq!(page, keys_markdown(), "wherein schema --markdown > docs/src/scene_keys.md");
+}
+
+#[test]
+fn every_page_of_the_book_is_in_its_summary() {
+    let folder = root().join("docs/src");
+    let summary = fs::read_to_string(folder.join("SUMMARY.md")).unwrap();
+    for entry in fs::read_dir(folder).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        assert!(name == "SUMMARY.md" || summary.contains(&format!("({name})")), "{name}");
+    }
+}
+
+#[test]
+fn every_contractor_is_in_the_book() {
+    let (page, library) = ("docs/src/contractors.md", "localizer/src/contractor.rs");
+    let [page, library] = [page, library].map(|path| fs::read_to_string(root().join(path)).unwrap());
+    let shown = library.lines().filter_map(|line| line.strip_prefix("pub use ")?.split_once("::")?.1.strip_suffix(';'));
+    // What is no contractor of its own: a formula, a pair of boxes, the intersection, and combinators by their verbs.
+    let others = ["Expression", "Landmark", "q_intersection", "Fixpoint", "OnAxes", "Then", "Union"];
+    for name in shown.flat_map(|names| names.trim_matches(['{', '}']).split(", ")) {
+        assert!(others.contains(&name) || page.contains(&format!("| `{name}` |")), "{name}");
+    }
+}
+
+#[test]
+fn the_books_scenes_are_valid() {
+    let page = fs::read_to_string(root().join("docs/src/ci.md")).unwrap();
+    let scene = page.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    Scene::parse(scene, "ci.md").unwrap_or_else(|error| panic!("failed to {error}"));
 }
 
 #[test]

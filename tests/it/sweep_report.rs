@@ -114,12 +114,12 @@ fn the_numbers_of_the_page_and_of_the_summary_are_those_of_the_csv() {
 #[test]
 fn every_column_is_documented() {
     let (folder, _) = swept("report_columns", &[]);
-    let documented = fs::read_to_string(root().join("docs/sweeps.md")).unwrap();
+    let documented = fs::read_to_string(root().join("docs/src/sweeps.md")).unwrap();
     let (names, _) = from_csv(&read(&folder, "out/results.csv")).unwrap();
     for name in names {
         let family = name.split('.').next().unwrap();
         let is_there = documented.contains(&format!("`{family}`")) || documented.contains(&format!("`{family}."));
-        assert!(is_there, "docs/sweeps.md does not say what `{name}` is");
+        assert!(is_there, "docs/src/sweeps.md does not say what `{name}` is");
     }
 }
 
