@@ -46,14 +46,15 @@ photon-transfer: driver
 	cargo run -p wherein-tests --example photon_transfer target/photon_transfer
 	$(PYTHON) scripts/photon_transfer target/photon_transfer
 
-readers: driver build
+readers: driver
+	cargo build -p wherein-sim --features parquet
 	$(PYTHON) scripts/outside_readers $(WHEREIN) target/readers
 
 golden: driver
 	WHEREIN_GOLDEN=1 cargo test -p wherein-tests --test it golden_images
 
 experiments: driver build
-	PYTHON=$(PYTHON) scripts/experiments $(ISSUE)
+	scripts/experiments $(ISSUE)
 
 falsify:
 	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
