@@ -204,3 +204,32 @@ fn the_papers_two_tests_come_out_within_3_mm_and_a_tenth_of_a_degree() {
     // The paper's way reads the same pictures, and is worse by an order of magnitude: free tilt is ill-conditioned at 2.6 m (erratum I5).
     assert!(angles.paper_read + positions.paper_read == (angles.poses + positions.poses) as usize);
 }
+
+#[test]
+fn an_error_before_the_lean_turns_by_no_more_than_the_heading_allows_for() {
+    let mut random = Random::new(seed(32));
+    let mut nearest: f64 = 0.0;
+    for _ in 0..2000 {
+        let (course, lean, tilt_rad) =
+            (random.between(-3.2, 3.2), random.between(0.1, 0.6), random.between(0.0005, 0.03));
+        let mut robot = bench();
+        robot.ceiling_camera = robot.ceiling_camera.map(|camera| CeilingCameraModel {
+            yaw_rad: Interval::ZERO,
+            lean_rad: [lean * course.cos(), lean * course.sin()],
+            tilt_rad,
+            ..camera
+        });
+        let room = Interval::new(-20.0, 20.0);
+        let map = Map { room_m: [room, room], tiles: None, markers: Some(paper_map()) };
+        let allowed = CeilingMarkers::new(&map, &robot).expect("a camera and a marker").yaw_error();
+        let about = random.between(-3.2, 3.2);
+        let error = Rotation3::new(Vector3::new(about.cos(), about.sin(), 0.0) * tilt_rad);
+        let leaning = Rotation3::new(Vector3::new(-course.sin(), course.cos(), 0.0) * lean);
+        // Lean after error is a turn about the vertical after a tilt, after the lean: what of the quaternion is about the vertical.
+        let turned = nalgebra::UnitQuaternion::from_rotation_matrix(&(leaning * error * leaning.inverse()));
+        let turn_rad = 2.0 * turned.k.atan2(turned.w);
+        assert!(allowed.contains(turn_rad), "{turn_rad} {allowed:?}");
+        nearest = nearest.max(turn_rad.abs() / allowed.hi());
+    }
+    assert!(nearest > 0.8, "{nearest}");
+}
