@@ -1,0 +1,87 @@
+//! What a robot does that does not get on: waits, looks for another way, makes way for others.
+
+use crate::{
+    driver::{CREEP_M_PER_S, PERIOD_S, Progress},
+    navigation::{Planner, length_m},
+};
+
+use super::{Anchor, ErrandDriver, Outcome, Task};
+
+/// A robot moves when it has moved by this much.
+const MOVED_M: f64 = 0.02;
+
+/// A robot gets on when it has moved by this much.
+const NOWHERE_M: f64 = 0.2;
+
+/// After so long without getting on the robot makes way: whoever stands before it may be waiting too.
+const YIELD_S: f64 = 8.0;
+
+/// How far away it goes then: more than people keep from its way.
+const YIELD_M: [f64; 2] = [1.2, 2.5];
+
+impl ErrandDriver {
+    /// Waits until the way is free again or patience ends.
+    pub(super) fn wait(&mut self, since_s: f64, time_s: f64) {
+        self.log.wait(PERIOD_S);
+        self.hold_progress(time_s);
+        if self.log.current().is_some_and(|errand| errand.waited_s > self.navigation.give_up_s) {
+            self.end_errand(Outcome::Blocked, time_s);
+            return;
+        }
+        if time_s - self.got_on.since_s > YIELD_S && self.make_way(time_s) {
+            return;
+        }
+        let acceleration_m_per_s2 = self.follower.scene.robot.max_acceleration_m_per_s2;
+        let limit_m_per_s = self.surroundings.speed_limit_m_per_s(0.0, acceleration_m_per_s2);
+        if time_s - since_s >= self.navigation.patience_s {
+            self.task = Task::Plan;
+        } else if limit_m_per_s > 0.5 * self.navigation.speed_m_per_s && self.log.has_leg() {
+            self.moved.since_s = time_s;
+            self.task = Task::Follow;
+        }
+    }
+
+    /// Sets out for the place near by that is farthest from what has been seen besides the map, if there is any.
+    fn make_way(&mut self, time_s: f64) -> bool {
+        let (map, _) = self.surroundings.map();
+        let (here_m, planner) = (self.place_m(), Planner::new(map, self.keep_away_m));
+        let Some(reach) = planner.reach_near(here_m) else { return false };
+        let is_near = |at_m: &[f64; 2]| (YIELD_M[0]..=YIELD_M[1]).contains(&length_m(&[here_m, *at_m]));
+        let room_m = |at_m: &[f64; 2]| self.surroundings.distance_m(*at_m);
+        let places_m = reach.centres_m().into_iter().filter(is_near);
+        let way = places_m
+            .max_by(|one, other| room_m(one).total_cmp(&room_m(other)))
+            .and_then(|place_m| planner.plan(here_m, place_m));
+        let Some(corners_m) = way else { return false };
+        self.set_out(&corners_m);
+        self.log.end_leg(time_s);
+        self.log.begin_leg(corners_m, time_s);
+        self.got_on.since_s = time_s;
+        self.moved.since_s = time_s;
+        self.blocked_since_s = None;
+        self.task = Task::Yield;
+        true
+    }
+
+    pub(super) fn note_motion(&mut self, time_s: f64) {
+        let place_m = self.place_m();
+        for (anchor, least_m) in [(&mut self.moved, MOVED_M), (&mut self.got_on, NOWHERE_M)] {
+            let moved_m = (place_m[0] - anchor.place_m[0]).hypot(place_m[1] - anchor.place_m[1]);
+            if moved_m > least_m {
+                *anchor = Anchor { place_m, since_s: time_s };
+            }
+        }
+        if self.got_on.since_s == time_s {
+            self.blocked_since_s = None;
+        }
+        // Turning in place is getting on, as far as bumps are concerned.
+        if self.follower.speed.value() < CREEP_M_PER_S {
+            self.moved.since_s = time_s;
+        }
+    }
+
+    /// A robot that stands because it was told to is not stuck.
+    pub(super) fn hold_progress(&mut self, time_s: f64) {
+        self.follower.progress = Progress { left_m: f64::INFINITY, at_s: time_s };
+    }
+}

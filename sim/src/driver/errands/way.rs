@@ -1,0 +1,114 @@
+//! Ways to goals: finding them, setting out, steering along them.
+
+use crate::{
+    driver::{
+        CREEP_M_PER_S, JERK_RISE_S, Path, Stage, Wish,
+        turn_then_drive::{Limits, TurnThenDrive},
+    },
+    navigation::Planner,
+    scene::{FollowerName, Route, Waypoint},
+};
+
+use super::{Anchor, ErrandDriver, Outcome, Task};
+
+/// Corners sharper than this are turned in place: pure pursuit would cut them by more than the margin.
+const SHARP_CORNER_RAD: f64 = 0.5;
+
+/// After so many ways, blocked or ended beside the goal as the estimate jumped, an errand is given up.
+const MOST_WAYS: usize = 20;
+
+impl ErrandDriver {
+    /// Finds a way to the goal: past what has been seen besides the map, if it has to be.
+    pub(super) fn plan(&mut self, time_s: f64) {
+        self.blocked_since_s = None;
+        let Some((goal_m, ways)) = self.log.current().map(|errand| (errand.goal_m, errand.ways)) else {
+            self.task = Task::Done { since_s: time_s };
+            return;
+        };
+        if ways >= MOST_WAYS {
+            self.end_errand(Outcome::Blocked, time_s);
+            return;
+        }
+        let (map, is_changed) = self.surroundings.map();
+        let place_m = self.place_m();
+        let mut way = None;
+        if is_changed {
+            way = Planner::new(map, self.keep_away_m).plan(place_m, goal_m);
+        }
+        // Who stands in the only way may go on: towards there, until the proximity sensor stops the robot.
+        if !is_changed || (way.is_none() && !self.log.has_leg()) {
+            way = self.planner.plan(place_m, goal_m);
+        }
+        self.log.add_plan(is_changed);
+        match way {
+            Some(corners_m) => {
+                self.set_out(&corners_m);
+                self.log.end_leg(time_s);
+                self.log.begin_leg(corners_m, time_s);
+                self.moved = Anchor { place_m, since_s: time_s };
+                self.task = Task::Follow;
+            }
+            // The way that was followed may become free again.
+            None if is_changed => self.task = Task::Wait { since_s: time_s },
+            None => self.end_errand(Outcome::NoWay, time_s),
+        }
+    }
+
+    pub(super) fn set_out(&mut self, corners_m: &[[f64; 2]]) {
+        if self.navigation.follower == FollowerName::TurnThenDrive {
+            self.law = Some(TurnThenDrive::new(corners_m.to_vec()));
+            return;
+        }
+        let waypoint = |index: usize| {
+            let [x_m, y_m] = corners_m[index];
+            let turn_in_place =
+                corner_rad(&corners_m[index - 1..]).is_some_and(|corner_rad| corner_rad > SHARP_CORNER_RAD);
+            let is_stop = turn_in_place || index + 1 == corners_m.len();
+            let length_m = (x_m - corners_m[index - 1][0]).hypot(y_m - corners_m[index - 1][1]);
+            let most_m_per_s = if is_stop { self.reachable_m_per_s(length_m) } else { f64::INFINITY };
+            let speed_m_per_s = self.navigation.speed_m_per_s.min(most_m_per_s).max(CREEP_M_PER_S);
+            Waypoint { x_m, y_m, speed_m_per_s, turn_in_place, pause_s: 0.0 }
+        };
+        let route = Route { waypoints: (1..corners_m.len()).map(waypoint).collect(), repeat: false };
+        self.follower.path = Some(Path::new(corners_m[0], &route));
+        self.follower.segment_idx = 0;
+        self.follower.stage = Stage::Turn;
+    }
+
+    /// The speed up to which the robot can rise and from which it can fall again within a length, from standstill to standstill: the root of
+    /// v²/a + 2·v·t = length, with t for an acceleration to rise. Faster, it would run over the end.
+    fn reachable_m_per_s(&self, length_m: f64) -> f64 {
+        let acceleration = self.follower.scene.robot.max_acceleration_m_per_s2;
+        acceleration * ((JERK_RISE_S * JERK_RISE_S + length_m / acceleration).sqrt() - JERK_RISE_S)
+    }
+
+    /// What the follower would like.
+    pub(super) fn steer(&mut self, time_s: f64) -> Wish {
+        let Some(law) = &mut self.law else { return self.follower.wish(time_s) };
+        let robot = &self.follower.scene.robot;
+        let limits = Limits {
+            speed_m_per_s: self.navigation.speed_m_per_s.min(robot.max_speed_m_per_s),
+            turn_rad_per_s: self.follower.turn_limit_rad_per_s(),
+            braking_m_per_s2: 0.5 * robot.max_acceleration_m_per_s2,
+            track_m: robot.track_m,
+        };
+        law.wish(self.follower.pose, self.follower.turn.value(), &limits)
+    }
+
+    pub(super) fn is_at_the_end(&self) -> bool {
+        let is_at_rest = self.follower.speed.value() == 0.0 && self.follower.turn.value() == 0.0;
+        match &self.law {
+            Some(law) => law.is_finished() && is_at_rest,
+            None => self.follower.stage == Stage::Finished,
+        }
+    }
+}
+
+/// Angle by which a way turns at the second of its first three corners, [0, π].
+fn corner_rad(corners_m: &[[f64; 2]]) -> Option<f64> {
+    let [first, second, third, ..] = corners_m else { return None };
+    let before = [second[0] - first[0], second[1] - first[1]];
+    let after = [third[0] - second[0], third[1] - second[1]];
+    let cross = before[0] * after[1] - before[1] * after[0];
+    Some(cross.abs().atan2(before[0] * after[0] + before[1] * after[1]))
+}
