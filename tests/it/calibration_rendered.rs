@@ -7,7 +7,7 @@ use localizer::{
     Pose,
     baselines::least_squares,
     calibration::{
-        chessboard::{self, Corner, corners},
+        chessboard::{self, Bend, Corner, corners},
         mount_offset,
     },
     markers::dot_in_marker_m,
@@ -92,10 +92,10 @@ fn board_pictures(n_views: usize) -> Vec<GrayImage> {
     renderer.draw(&world, &views).unwrap()
 }
 
-/// The principal point is not within a thousandth of the focal length yet, 0.76 px: it was found 1.2 px off along either axis, balanced by tangential
-/// coefficients that the lens has not, of corners that lie some 0.03 px off in a way that is the same in all pictures.
+/// The principal point is not quite within a thousandth of the focal length yet, 0.76 px: with a lens that bends it is found up to 0.82 px off, with
+/// one that does not 0.01 px.
 #[test]
-fn twenty_rendered_views_of_a_chessboard_give_focal_lengths_within_a_thousandth_and_the_centre_within_two() {
+fn twenty_rendered_views_of_a_chessboard_give_focal_lengths_within_a_thousandth_and_the_centre_within_little_more() {
     let pictures = board_pictures(20);
     let saturated = pictures.iter().flat_map(|picture| picture.as_raw()).filter(|level| **level == 255).count();
     assert!(saturated < 1000, "{saturated} pixels are white beyond measure");
@@ -103,13 +103,13 @@ fn twenty_rendered_views_of_a_chessboard_give_focal_lengths_within_a_thousandth_
     let missed: Vec<usize> = (0..20).filter(|index| found[*index].is_none()).collect();
     assert!(missed.is_empty(), "no board in pictures {missed:?}");
     let views: Vec<Vec<Corner>> = found.into_iter().flatten().collect();
-    let calibration = chessboard::calibrate(&views).unwrap();
+    let calibration = chessboard::calibrate(&views, Bend::Radial).unwrap();
     println!("{calibration:?}");
     let intrinsics = calibration.intrinsics;
     for axis in 0..2 {
         let (focal_px, centre_px) = (intrinsics.focal_px[axis], intrinsics.centre_px[axis]);
         assert!((focal_px / FOCAL_PX[axis] - 1.0).abs() < 0.001, "focal length {focal_px}, {calibration:?}");
-        assert!((centre_px - CENTRE_PX[axis]).abs() < 0.002 * FOCAL_PX[axis], "centre {centre_px}, {calibration:?}");
+        assert!((centre_px - CENTRE_PX[axis]).abs() < 0.0012 * FOCAL_PX[axis], "centre {centre_px}, {calibration:?}");
         let coefficient = intrinsics.distortion[axis];
         assert!((coefficient - DISTORTION[axis]).abs() < 0.06, "k {coefficient}, {calibration:?}");
     }

@@ -24,6 +24,15 @@ pub struct Intrinsics {
     pub distortion: [f64; 4],
 }
 
+/// Which coefficients of the lens are sought; the others are 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bend {
+    /// k1 and k2, as Zhang has it. Tangential coefficients look much like another principal point, of which views of a board then say less.
+    Radial,
+    /// k1, k2, p1 and p2, for a lens whose parts are not centred.
+    RadialAndTangential,
+}
+
 /// The camera that explains the views, and what it leaves unexplained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
@@ -41,7 +50,7 @@ struct View {
 }
 
 /// Calibrates from at least three views of at least four corners each, in different directions; `None` if they do not determine a camera.
-pub fn calibrate(views: &[Vec<Corner>]) -> Option<Calibration> {
+pub fn calibrate(views: &[Vec<Corner>], bend: Bend) -> Option<Calibration> {
     if views.len() < 3 {
         return None;
     }
@@ -49,7 +58,7 @@ pub fn calibrate(views: &[Vec<Corner>]) -> Option<Calibration> {
     let (focal_px, centre_px) = closed_form(&homographies)?;
     let start = Intrinsics { focal_px, centre_px, distortion: [0.0; 4] };
     let poses = homographies.iter().map(|homography| board_pose(homography, &start)).collect::<Option<Vec<_>>>()?;
-    refine(start, poses, views)
+    refine(start, poses, views, bend)
 }
 
 /// H with pixel ~ H (x, y, 1), by the direct linear transform on coordinates scaled to about one (R. Hartley, TPAMI 19, 1997).
@@ -189,7 +198,7 @@ mod tests {
         let mut random = Random::new(41);
         for _ in 0..5 {
             // Corners to 0.05 px, as sub-pixel corner finders have them.
-            let found = calibrate(&views(0.05, &mut random)).expect("20 views");
+            let found = calibrate(&views(0.05, &mut random), Bend::RadialAndTangential).expect("20 views");
             let Intrinsics { focal_px, centre_px, distortion } = found.intrinsics;
             for axis in 0..2 {
                 assert!((focal_px[axis] / TRUE.focal_px[axis] - 1.0).abs() < 0.001, "{found:?}");
@@ -203,7 +212,7 @@ mod tests {
 
     #[test]
     fn perfect_corners_give_the_perfect_camera() {
-        let found = calibrate(&views(0.0, &mut Random::new(42))).expect("20 views");
+        let found = calibrate(&views(0.0, &mut Random::new(42)), Bend::RadialAndTangential).expect("20 views");
         let Intrinsics { focal_px, centre_px, distortion } = found.intrinsics;
         for axis in 0..2 {
             assert!((focal_px[axis] - TRUE.focal_px[axis]).abs() < 1e-6, "{found:?}");
@@ -218,7 +227,7 @@ mod tests {
     fn views_in_one_direction_determine_nothing() {
         let mut random = Random::new(43);
         let view = views(0.0, &mut random).swap_remove(0);
-        assert!(calibrate(&[view.clone(), view.clone()]).is_none());
-        assert!(calibrate(&[Vec::new(), Vec::new(), Vec::new()]).is_none());
+        assert!(calibrate(&[view.clone(), view.clone()], Bend::Radial).is_none());
+        assert!(calibrate(&[Vec::new(), Vec::new(), Vec::new()], Bend::Radial).is_none());
     }
 }

@@ -5,10 +5,12 @@
 
 use nalgebra::{Matrix2x3, Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3};
 
-use super::{Calibration, Corner, Intrinsics, View};
+use super::{Bend, Calibration, Corner, Intrinsics, View};
 
 /// fx, fy, cx, cy, k1, k2, p1, p2.
 const N_INTRINSICS: usize = 8;
+/// Where p1 and p2 begin.
+const TANGENTIAL: usize = 6;
 /// A small turn about the camera's axes and a shift.
 const N_POSE: usize = 6;
 const MOST_STEPS: usize = 60;
@@ -25,15 +27,20 @@ struct Normal {
 }
 
 /// Levenberg and Marquardt's method from a first guess.
-pub(super) fn refine(start: Intrinsics, start_views: Vec<View>, corners: &[Vec<Corner>]) -> Option<Calibration> {
+pub(super) fn refine(
+    start: Intrinsics,
+    start_views: Vec<View>,
+    corners: &[Vec<Corner>],
+    bend: Bend,
+) -> Option<Calibration> {
     let (mut camera, mut views) = (start, start_views);
     let mut damping = 1e-3;
-    let mut normal = Normal::at(&camera, &views, corners);
+    let mut normal = Normal::at(&camera, &views, corners, bend);
     for _ in 0..MOST_STEPS {
         let (step, steps) = normal.step(damping)?;
         let next_camera = moved_camera(&camera, &step);
         let next_views: Vec<View> = views.iter().zip(&steps).map(|(view, step)| moved_view(view, step)).collect();
-        let next = Normal::at(&next_camera, &next_views, corners);
+        let next = Normal::at(&next_camera, &next_views, corners, bend);
         if next.cost.is_finite() && next.cost <= normal.cost {
             let gained = normal.cost - next.cost;
             (camera, views, normal) = (next_camera, next_views, next);
@@ -54,7 +61,7 @@ pub(super) fn refine(start: Intrinsics, start_views: Vec<View>, corners: &[Vec<C
 }
 
 impl Normal {
-    fn at(camera: &Intrinsics, views: &[View], corners: &[Vec<Corner>]) -> Normal {
+    fn at(camera: &Intrinsics, views: &[View], corners: &[Vec<Corner>], bend: Bend) -> Normal {
         let mut normal = Normal {
             intrinsic: SMatrix::zeros(),
             intrinsic_right: SVector::zeros(),
@@ -65,7 +72,10 @@ impl Normal {
             let (mut own, mut between, mut right) = (SMatrix::zeros(), SMatrix::zeros(), SVector::zeros());
             for (pixel, board) in corners {
                 let turned = view.rotation * Vector3::new(board[0], board[1], 0.0);
-                let (image, by_camera, by_point) = project(camera, &(turned + view.translation_m));
+                let (image, mut by_camera, by_point) = project(camera, &(turned + view.translation_m));
+                if bend == Bend::Radial {
+                    by_camera.fixed_columns_mut::<2>(TANGENTIAL).fill(0.0);
+                }
                 let residual = Vector2::from(*pixel) - image;
                 // A turn w moves the point by w × turned.
                 let mut by_pose = SMatrix::<f64, 2, N_POSE>::zeros();
@@ -79,6 +89,10 @@ impl Normal {
                 normal.cost += residual.norm_squared();
             }
             normal.views.push((own, between, right));
+        }
+        if bend == Bend::Radial {
+            // Nothing moves them, and the equations stay regular.
+            (TANGENTIAL..N_INTRINSICS).for_each(|k| normal.intrinsic[(k, k)] = 1.0);
         }
         normal
     }
