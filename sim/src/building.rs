@@ -7,7 +7,7 @@ mod upright_box;
 mod wall_things;
 mod walls;
 
-pub use body::{BodyMesh, BodyVertex, UprightBody, body_mesh};
+pub use body::{BodyMesh, BodyVertex, STRIDE_M, UprightBody, body_mesh};
 pub(crate) use coverings::covering_albedo;
 pub use panel::{Material, Panel, Part, Texture};
 pub use upright_box::UprightBox;

@@ -88,7 +88,8 @@ impl RenderedWorld {
         self.lamps_at_floor_lux
     }
 
-    /// Puts people where the next pictures show them; their shadows are worked out here, once for all views.
+    /// Puts people where the next pictures show them when their exposure ends; until then they walk. Their shadows are worked out here,
+    /// once for all views.
     pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
         if let Some(room) = &mut self.room {
             room.place_bodies(&self.graphics, bodies);
@@ -139,7 +140,7 @@ pub enum RenderError {
     #[error("draw a picture: the graphics driver did not answer within {waited_s} s")]
     Hung {
         /// Time waited.
-        waited_s: u64,
+        waited_s: f64,
     },
 }
 
@@ -283,18 +284,24 @@ impl Renderer {
                 (None, _) => {
                     self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?
                 }
-                (Some(lens), Some(seen)) => {
-                    self.room_pass.draw(&self.graphics, &mut encoder, seen, (view, lens), room, luminance)?
-                }
+                (Some(lens), Some(seen)) => self.room_pass.draw(
+                    &self.graphics,
+                    &mut encoder,
+                    seen,
+                    (view, lens),
+                    room,
+                    &self.photon_pass.lens_layout,
+                )?,
                 (Some(_), None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
             }
-            self.photon_pass.draw(&self.graphics.queue, &mut encoder, view, target);
+            self.photon_pass.draw(&self.graphics, &mut encoder, view, target);
             target.stage(&mut encoder);
         }
         let submission = self.graphics.queue.submit([encoder.finish()]);
         let mappings: Vec<_> = self.targets.iter().take(views.len()).map(Target::map).collect();
         self.graphics.wait(submission)?;
-        self.targets.iter().zip(mappings).map(|(target, mapping)| target.read(&mapping)).collect()
+        mappings.iter().try_for_each(|mapping| self.graphics.answer(mapping))?;
+        self.targets.iter().take(views.len()).map(Target::read).collect()
     }
 
     /// Makes sure that target `index` has the size of the view.

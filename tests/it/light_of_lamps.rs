@@ -150,7 +150,14 @@ fn shadow_edges_are_where_similar_triangles_put_them() {
 fn the_shadow_of_a_person_ends_where_rays_past_head_and_shoulders_meet_the_floor() {
     let (building, lighting, map) = baked(&black_room(BULB), &[]);
     // The bulb is 2 m up at x = 1. The way over a head 1 m up at x = 1.6 meets the floor at x = 1 + 0.6·2/(2 − 1) = 2.2.
-    let person = UprightBody { middle_m: [1.6, 1.5], heading_rad: 0.0, height_m: 1.0, radius_m: 0.2, stride: 0.0 };
+    let person = UprightBody {
+        middle_m: [1.6, 1.5],
+        heading_rad: 0.0,
+        height_m: 1.0,
+        radius_m: 0.2,
+        stride: 0.0,
+        velocity_m_per_s: [0.0; 2],
+    };
     let nodes = nodes_with_people(&lighting, &map, &building.panels, &[person]);
     let shaded = LightMap { nodes, ..map.clone() };
     let share = |x: f64, y: f64| at_floor(&shaded, &building, x, y) / at_floor(&map, &building, x, y);

@@ -178,7 +178,14 @@ fn beams_end_where_geometry_says() {
     let scene = errands(&[[6.5, 3.0]], keys);
     let mut sensors = Sensors::new(&scene, 0, &nominal(&scene), None);
     let truth = Truth { pose: Pose { x_m: 1.5, y_m: 3.0, heading_rad: 0.0 }, ..Truth::default() };
-    let person = Bystander { place_m: [1.5, 4.2], radius_m: 0.25, height_m: 1.7, heading_rad: 0.0, walked_m: 0.0 };
+    let person = Bystander {
+        place_m: [1.5, 4.2],
+        radius_m: 0.25,
+        height_m: 1.7,
+        heading_rad: 0.0,
+        walked_m: 0.0,
+        velocity_m_per_s: [0.0; 2],
+    };
     let fan = sensors.look_out(&truth, &[person]).unwrap();
     let found: Vec<(f64, Option<f64>)> = fan.beams.iter().map(|beam| (beam.bearing_rad, beam.distance_m)).collect();
     // To the right the wall at y = 0; ahead the box's face at x = 3, over a lower one; to the left the person's front.
@@ -203,7 +210,14 @@ fn clearance_is_measured_from_the_bodys_edge() {
         serde_json::json!({ "furniture": [{ "x_m": 4.0, "y_m": 3.0, "size_m": [1.0, 1.0], "rotation_deg": 45 }] }),
     );
     let truth = Truth { pose: Pose { x_m: 2.0, y_m: 3.0, heading_rad: 1.0 }, ..Truth::default() };
-    let person = Bystander { place_m: [2.0, 5.0], radius_m: 0.25, height_m: 1.7, heading_rad: 0.0, walked_m: 0.0 };
+    let person = Bystander {
+        place_m: [2.0, 5.0],
+        radius_m: 0.25,
+        height_m: 1.7,
+        heading_rad: 0.0,
+        walked_m: 0.0,
+        velocity_m_per_s: [0.0; 2],
+    };
     let room = Clearance::of(&scene, &truth, &[person]);
     // The turned square's corner is at 4 − √½; the body reaches 0.25 m.
     assert!((room.walls_m - 1.75).abs() < 1e-12 && (room.people_m - 1.5).abs() < 1e-12, "{room:?}");

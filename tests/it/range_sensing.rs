@@ -126,6 +126,7 @@ fn a_person_hides_what_is_behind() {
         height_m,
         heading_rad: 0.0,
         walked_m: 0.0,
+        velocity_m_per_s: [0.0; 2],
     };
     assert!(seen(&scene, &[person(3.1, 1.7)]).is_empty());
     assert!(!seen(&scene, &[person(3.26, 1.7)]).is_empty());

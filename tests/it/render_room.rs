@@ -332,7 +332,14 @@ fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
     let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
     let mut renderer = renderer();
     let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
-    let person = UprightBody { middle_m: [3.0, 1.5], heading_rad: PI, height_m: 1.75, radius_m: 0.23, stride: 0.0 };
+    let person = UprightBody {
+        middle_m: [3.0, 1.5],
+        heading_rad: PI,
+        height_m: 1.75,
+        radius_m: 0.23,
+        stride: 0.0,
+        velocity_m_per_s: [0.0; 2],
+    };
     world.place_bodies(&[person]);
     // Looking along world x from (0.5, 1.5, 0.9), image right along −y.
     let columns = nalgebra::Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
@@ -349,4 +356,40 @@ fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
     let row = 159 - (300.0 * (0.79 * 1.75 - 0.9) / 2.5) as u32;
     let lit = (0..320).filter(|u| level(&image, *u, row) > 2.0).count() as f64;
     assert!((lit / (300.0 * 0.46 / 2.5) - 1.0).abs() < 0.35, "{lit} px wide");
+}
+
+#[test]
+fn a_person_who_walks_is_seen_around_the_middle_of_the_way_and_at_least_as_wide() {
+    let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
+    let mut renderer = renderer();
+    let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    // Across the view at 0.2 m/s; legs and arms swing, the head does not.
+    let walker = |speed_m_per_s: f64| UprightBody {
+        middle_m: [3.0, 1.5],
+        heading_rad: -PI / 2.0,
+        height_m: 1.75,
+        radius_m: 0.23,
+        stride: 0.0,
+        velocity_m_per_s: [0.0, -speed_m_per_s],
+    };
+    let columns = nalgebra::Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
+    let pose = Isometry3::from_parts(Translation3::new(0.5, 1.5, 1.6), UnitQuaternion::from_matrix(&columns));
+    let lens = Lens::ideal([320, 320], 300.0);
+    // Light along the row of the neck: its middle and its variance.
+    let mut along_row = |speed_m_per_s: f64| {
+        world.place_bodies(&[walker(speed_m_per_s)]);
+        let view = View { illuminance_at_floor_lux: 200.0, ..quiet_view(lens.clone(), vec![pose], 30.0) };
+        let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+        let row = 159 + (300.0 * (1.6 - 0.86 * 1.75) / 2.5) as u32;
+        let levels = || (0..320).map(|u| (f64::from(u), level(&image, u, row)));
+        let sum: f64 = levels().map(|(_, level)| level).sum();
+        let mean = levels().map(|(u, level)| u * level).sum::<f64>() / sum;
+        (mean, levels().map(|(u, level)| (u - mean).powi(2) * level).sum::<f64>() / sum)
+    };
+    let (still, walking) = (along_row(0.0), along_row(0.2));
+    // Half a second at 0.2 m/s and 2.5 m away: 12 px, up to the place at the exposure's end.
+    let way_px = 0.5 * 0.2 / 2.5 * 300.0;
+    assert!((still.0 - walking.0 - way_px / 2.0).abs() < 0.3, "{still:?}, {walking:?}");
+    // A steady motion adds a box of this length, whose variance is way²/12; white that is cut off hides some of the middle's share.
+    assert!(walking.1 - still.1 > 0.9 * way_px * way_px / 12.0, "{still:?}, {walking:?}");
 }

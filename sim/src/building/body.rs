@@ -18,9 +18,32 @@ pub struct UprightBody {
     pub radius_m: f64,
     /// Where in a pair of steps the legs are, from 0 to 1; 0 with both legs side by side.
     pub stride: f64,
+    /// How fast the middle moves along world x and y.
+    pub velocity_m_per_s: [f64; 2],
 }
 
+/// Way of two steps.
+pub const STRIDE_M: f64 = 1.4;
+
 impl UprightBody {
+    /// As [`UprightBody::at_start`], but walking already, if there is a way to go.
+    pub fn setting_out(person: &Person) -> Option<UprightBody> {
+        let stands = UprightBody::at_start(person)?;
+        let speed_m_per_s = if person.waypoints_m.len() > 1 { person.speed_m_per_s } else { 0.0 };
+        let ahead = level(stands.heading_rad) * speed_m_per_s;
+        Some(UprightBody { velocity_m_per_s: [ahead.x, ahead.y], ..stands })
+    }
+
+    /// The person a while later, walking on as now.
+    pub fn later(&self, by_s: f64) -> UprightBody {
+        let [x, y] = self.velocity_m_per_s;
+        UprightBody {
+            middle_m: [self.middle_m[0] + x * by_s, self.middle_m[1] + y * by_s],
+            stride: self.stride + x.hypot(y) * by_s / STRIDE_M,
+            ..*self
+        }
+    }
+
     /// A person at the start of the walk, who faces the next place to walk to.
     pub fn at_start(person: &Person) -> Option<UprightBody> {
         let [x_m, y_m] = *person.waypoints_m.first()?;
@@ -31,6 +54,7 @@ impl UprightBody {
             height_m: person.height_m,
             radius_m: person.radius_m,
             stride: 0.0,
+            velocity_m_per_s: [0.0; 2],
         })
     }
 }

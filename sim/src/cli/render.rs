@@ -6,6 +6,7 @@ use localizer::{Pose, reading::Camera};
 
 use super::{CommandError, RenderArguments, print};
 use crate::{
+    building::UprightBody,
     drawn::Drawn,
     frames::{Column, contact_sheet, tone_mapped},
     render::{RenderedWorld, Renderer},
@@ -74,7 +75,8 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
     let pose = pose(arguments.at, &file)?;
     let drawn = Drawn::draw(&file.scene, arguments.seed);
     let mut renderer = Renderer::on_adapter(adapter)?;
-    let world = renderer.upload_room(&file.scene, &drawn)?;
+    let mut world = renderer.upload_room(&file.scene, &drawn)?;
+    world.place_bodies(&file.scene.people.iter().filter_map(UprightBody::setting_out).collect::<Vec<_>>());
     let folder = arguments.out.join(&file.name);
     fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;
     let mut take_in = |lux: Option<f64>| -> Result<Column, CommandError> {

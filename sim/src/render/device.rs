@@ -1,19 +1,19 @@
 //! The graphics adapter: which one, and how errors and hung waits come back as `RenderError`.
 
 use std::{
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError, mpsc::RecvTimeoutError},
     time::Duration,
 };
 
 use wgpu::{Adapter, Backends, DeviceType};
 
-use super::RenderError;
+use super::{RenderError, target::Mapping};
 
 /// Environment variable that picks an adapter by a part of its name, driver or backend.
 const ADAPTER_VARIABLE: &str = "WHEREIN_ADAPTER";
 
 /// A tick of pictures takes milliseconds; a driver that is silent this long does not come back.
-pub(super) const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// An open device and the first error its driver reported. Clones share the device.
 #[derive(Clone, Debug)]
@@ -21,6 +21,8 @@ pub(super) struct Graphics {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     info: wgpu::AdapterInfo,
+    /// How long the driver may be silent.
+    patience: Duration,
     reported: Arc<Mutex<Option<String>>>,
 }
 
@@ -33,7 +35,7 @@ impl Graphics {
         let unusable = |reason: String| RenderError::Unusable { adapter: describe(&info), reason };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("wherein"),
-            required_features: wgpu::Features::FLOAT32_BLENDABLE,
+            required_features: wgpu::Features::FLOAT32_BLENDABLE | wgpu::Features::FLOAT32_FILTERABLE,
             required_limits: adapter.limits(),
             ..Default::default()
         };
@@ -51,7 +53,7 @@ impl Graphics {
                 keep_first(&on_loss, format!("device lost: {message}"));
             }
         });
-        Ok(Graphics { device, queue, info, reported })
+        Ok(Graphics { device, queue, info, patience: PATIENCE, reported })
     }
 
     /// Name, driver and backend.
@@ -70,14 +72,28 @@ impl Graphics {
         reported.as_ref().map_or(Ok(()), |message| Err(RenderError::Device(message.clone())))
     }
 
+    /// What a staging buffer's mapping came to. Where threads share the device, the answer may be on its way in another thread's poll,
+    /// so that it is waited for as well.
+    pub(super) fn answer(&self, mapping: &Mapping) -> Result<(), RenderError> {
+        match mapping.recv_timeout(self.patience) {
+            Ok(outcome) => outcome.map_err(|error| RenderError::Device(error.to_string())),
+            Err(RecvTimeoutError::Timeout) => Err(self.hung()),
+            Err(error) => Err(RenderError::Device(error.to_string())),
+        }
+    }
+
+    fn hung(&self) -> RenderError {
+        RenderError::Hung { waited_s: self.patience.as_secs_f64() }
+    }
+
     /// Waits until the submission is done and its mappings are answered.
     pub(super) fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), RenderError> {
         let outcome =
-            self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(PATIENCE) });
+            self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(self.patience) });
         self.check()?;
         match outcome {
             Ok(_) => Ok(()),
-            Err(wgpu::PollError::Timeout) => Err(RenderError::Hung { waited_s: PATIENCE.as_secs() }),
+            Err(wgpu::PollError::Timeout) => Err(self.hung()),
             Err(error) => Err(RenderError::Device(error.to_string())),
         }
     }
@@ -123,4 +139,83 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
 
 fn keep_first(slot: &Mutex<Option<String>>, message: String) {
     slot.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::time::Instant;
+
+    use localizer::{Pose, reading::Camera};
+
+    use super::*;
+    use crate::{drawn::Drawn, render::Renderer, scene::Scene, still::views_at};
+
+    /// A loop whose length only the device knows: some seconds of work.
+    const SLOW: &str = "
+        @group(0) @binding(0) var<storage, read_write> words: array<u32>;
+        @compute @workgroup_size(64)
+        fn count(@builtin(global_invocation_id) id: vec3<u32>) {
+            var word = id.x;
+            for (var round = 0u; round < 3000000u; round++) {
+                word = word * 1664525u + words[(word + round) % 64u];
+            }
+            words[id.x % 64u] = word;
+        }";
+
+    #[test]
+    fn a_driver_that_does_not_answer_ends_in_an_error_in_time() {
+        let graphics = Graphics { patience: Duration::from_millis(50), ..Graphics::open(None).unwrap() };
+        let device = &graphics.device;
+        let source = wgpu::ShaderSource::Wgsl(SLOW.into());
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: None,
+            module: &device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source }),
+            entry_point: None,
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        let words = device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 256,
+            usage: wgpu::BufferUsages::STORAGE,
+            mapped_at_creation: false,
+        });
+        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: words.as_entire_binding() }],
+        });
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &bindings, &[]);
+        pass.dispatch_workgroups(8, 1, 1);
+        drop(pass);
+        let submission = graphics.queue.submit([encoder.finish()]);
+        let began = Instant::now();
+        let outcome = graphics.wait(submission);
+        assert!(began.elapsed() < Duration::from_secs(1), "{:?}", began.elapsed());
+        let message = outcome.unwrap_err().to_string();
+        assert_eq!(message, "draw a picture: the graphics driver did not answer within 0.05 s");
+    }
+
+    #[test]
+    fn a_device_that_is_gone_ends_in_an_error() {
+        let text = "duration_s = 1.0\n[room]\nwidth_m = 3.0\ndepth_m = 3.0\n[start]\nx_m = 1.0\ny_m = 1.0\nheading_deg = 0\n\
+            [[route.waypoint]]\nx_m = 2.0\ny_m = 1.0\n";
+        let scene = Scene::parse(text, "gone.toml").unwrap();
+        let drawn = Drawn::draw(&scene, 0);
+        let mut renderer = Renderer::new().unwrap();
+        let world = renderer.upload(&scene, &drawn).unwrap();
+        let pose = Pose { x_m: 1.0, y_m: 1.0, heading_rad: 0.0 };
+        let views = views_at(&scene, &drawn, pose, 300.0, &[Camera::Floor], 0);
+        renderer.draw(&world, &views).unwrap();
+        renderer.graphics.device.destroy();
+        let began = Instant::now();
+        let error = renderer.draw(&world, &views).unwrap_err();
+        assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
+        assert!(matches!(&error, RenderError::Device(_)), "{error}");
+    }
 }

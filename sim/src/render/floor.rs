@@ -31,16 +31,17 @@ impl FloorPass {
     pub(super) fn new(device: &wgpu::Device) -> FloorPass {
         let view_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("floor view"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Storage { read_only: true },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
+            entries: &[wgpu::BufferBindingType::Uniform, wgpu::BufferBindingType::Storage { read_only: true }]
+                .map(|ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None })
+                .into_iter()
+                .zip(0..)
+                .map(|(ty, binding)| wgpu::BindGroupLayoutEntry {
+                    binding,
+                    visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                    ty,
+                    count: None,
+                })
+                .collect::<Vec<_>>(),
         });
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("floor"),
@@ -57,13 +58,13 @@ impl FloorPass {
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("floor view"),
             size: size_of::<ViewOnDevice>() as u64,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("floor view"),
             layout: &self.view_layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+            entries: &[0, 1].map(|binding| wgpu::BindGroupEntry { binding, resource: uniform.as_entire_binding() }),
         });
         FloorSlot {
             uniform,

@@ -1,26 +1,70 @@
-//! The sensor pass: luminance to grey levels, with the photons' noise.
+//! The sensor pass: luminance, as it is or through a lens, to grey levels with the photons' noise.
+
+use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{View, target::Target};
-use crate::scene::BitDepth;
+use super::{View, device::Graphics, target::Target};
+use crate::{scene::BitDepth, sensors::lens::Lens};
 
 /// Invocations of a workgroup, as in photons.wgsl.
 const WORKGROUP: u32 = 64;
 /// Workgroups in a row; a picture of any size then stays below the limit of every adapter in both directions.
 const WORKGROUPS_IN_ROW: u32 = 1024;
 
-/// Pipeline of the sensor model.
+const IDEAL_SHADER: &str = concat!(include_str!("photons.wgsl"), include_str!("ideal.wgsl"));
+const LENS_SHADER: &str = concat!(include_str!("photons.wgsl"), include_str!("room/lens.wgsl"));
+
+/// Pipelines of the sensor model, made when first needed.
 pub(super) struct PhotonPass {
-    /// For pixels that are alike or differ, in one byte each, then in two.
-    pipelines: [wgpu::ComputePipeline; 4],
-    layout: wgpu::BindGroupLayout,
+    made: BTreeMap<Kind, wgpu::ComputePipeline>,
+    lay_pattern: wgpu::ComputePipeline,
+    readout_layout: wgpu::BindGroupLayout,
+    luminance_layout: wgpu::BindGroupLayout,
+    pub(super) lens_layout: wgpu::BindGroupLayout,
 }
 
 /// A view's bindings.
 pub(super) struct PhotonSlot {
     uniform: wgpu::Buffer,
-    bindings: wgpu::BindGroup,
+    readout: wgpu::BindGroup,
+    luminance: wgpu::BindGroup,
+    /// Which sensor's pattern is laid: its seed, and the spreads of offset and sensitivity.
+    laid: Option<(u64, [f64; 2])>,
+}
+
+/// What a pipeline is made for.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Kind {
+    /// Whether pixels differ, and whether levels take two bytes.
+    uneven: bool,
+    deep: bool,
+    lens: Option<LensKind>,
+}
+
+/// What of a lens matters from the plate on.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct LensKind {
+    bent: bool,
+    defocused: bool,
+    vignetting: bool,
+}
+
+impl Kind {
+    fn of(view: &View) -> Kind {
+        let sensor = &view.sensor;
+        let spreads = [sensor.dsnu_electrons, sensor.prnu, sensor.dark_current_electrons_per_s];
+        let of_lens = |lens: &Lens| LensKind {
+            bent: lens.bends(),
+            defocused: lens.defocus_px > 0.0,
+            vignetting: lens.vignetting,
+        };
+        Kind {
+            uneven: spreads.iter().any(|share| *share > 0.0),
+            deep: sensor.bits != BitDepth::Eight,
+            lens: view.lens.as_ref().map(of_lens),
+        }
+    }
 }
 
 /// `Readout` of photons.wgsl.
@@ -45,98 +89,163 @@ struct ReadoutOnDevice {
 
 impl PhotonPass {
     pub(super) fn new(device: &wgpu::Device) -> PhotonPass {
-        let module = device.create_shader_module(wgpu::include_wgsl!("photons.wgsl"));
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::COMPUTE,
-            ty,
-            count: None,
+        let layout = |label, types: &[wgpu::BindingType]| {
+            let entry = |(ty, binding): (&wgpu::BindingType, u32)| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: *ty,
+                count: None,
+            };
+            let entries: Vec<_> = types.iter().zip(0..).map(entry).collect();
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
         };
         let storage = |read_only| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only },
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let luminance = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
+        let texture = |filterable, view_dimension| wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable },
+            view_dimension,
             multisampled: false,
         };
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("readout"),
-            entries: &[entry(0, storage(true)), entry(1, luminance), entry(2, storage(false))],
-        });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("photons"),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = |uneven: bool, deep: bool| {
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some("photons"),
-                layout: Some(&pipeline_layout),
-                module: &module,
-                entry_point: Some("read_out"),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &[("UNEVEN", f64::from(u8::from(uneven))), ("DEEP", f64::from(u8::from(deep)))],
-                    ..Default::default()
-                },
-                cache: None,
-            })
+        let uniform = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
         };
-        let pipelines = [pipeline(false, false), pipeline(true, false), pipeline(false, true), pipeline(true, true)];
-        PhotonPass { pipelines, layout }
+        let readout_layout = layout("readout", &[uniform, storage(false), storage(false)]);
+        let luminance_layout = layout("luminance", &[texture(false, wgpu::TextureViewDimension::D2)]);
+        let lens_layout = layout(
+            "lens",
+            &[
+                storage(true),
+                texture(true, wgpu::TextureViewDimension::D2Array),
+                storage(true),
+                wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+            ],
+        );
+        let kind = Kind { uneven: true, deep: false, lens: None };
+        let lay_pattern = pipeline(device, &[&readout_layout, &luminance_layout], kind, "lay_pattern");
+        PhotonPass { made: BTreeMap::new(), lay_pattern, readout_layout, luminance_layout, lens_layout }
     }
 
     /// Bindings that read one view's luminance and write its grey levels.
     pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView, grey: &wgpu::Buffer) -> PhotonSlot {
-        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+        // A picture's last word may reach beyond its last pixel.
+        let size = luminance.texture().size();
+        let n_pixels = (u64::from(size.width) * u64::from(size.height)).next_multiple_of(4);
+        let buffer = |label, size, usage| {
+            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+        };
+        let pattern = buffer("pattern", n_pixels * size_of::<[f32; 2]>() as u64, wgpu::BufferUsages::STORAGE);
+        let uniform = buffer(
+            "readout",
+            size_of::<ReadoutOnDevice>() as u64,
+            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        );
+        let readout = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("readout"),
-            size: size_of::<ReadoutOnDevice>() as u64,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("readout"),
-            layout: &self.layout,
+            layout: &self.readout_layout,
             entries: &[
                 wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(luminance) },
-                wgpu::BindGroupEntry { binding: 2, resource: grey.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: grey.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 2, resource: pattern.as_entire_binding() },
             ],
         });
-        PhotonSlot { uniform, bindings }
+        let luminance = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("luminance"),
+            layout: &self.luminance_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(luminance) }],
+        });
+        PhotonSlot { uniform, readout, luminance, laid: None }
     }
 
-    /// Turns one view's luminance into grey levels.
-    pub(super) fn draw(&self, queue: &wgpu::Queue, encoder: &mut wgpu::CommandEncoder, view: &View, target: &Target) {
+    /// Turns one view's luminance, or its plates, into grey levels.
+    pub(super) fn draw(
+        &mut self,
+        graphics: &Graphics,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &View,
+        target: &mut Target,
+    ) {
         let sensor = &view.sensor;
         let words = (target.size_px[0] * target.size_px[1]).div_ceil(4);
         let workgroups = words.div_ceil(WORKGROUP);
         let columns = workgroups.min(WORKGROUPS_IN_ROW);
-        let uniform = ReadoutOnDevice {
-            size_px: target.size_px,
-            seed: [view.noise.seed as u32, (view.noise.seed >> 32) as u32],
-            image: view.noise.image,
-            electrons_per_luminance: sensor.electrons_per_luminance(view.exposure_s) as f32,
-            full_well_electrons: sensor.full_well_electrons as f32,
-            read_noise_electrons: sensor.read_noise_electrons as f32,
-            gain_levels_per_electron: view.gain_levels_per_electron as f32,
-            row: columns * WORKGROUP,
-            row_per_pixel: 1.0 / target.size_px[0] as f32,
-            dark_electrons: (sensor.dark_current_electrons_per_s * view.exposure_s) as f32,
-            offset_electrons: sensor.dsnu_electrons as f32,
-            sensitivity: sensor.prnu as f32,
-            lifted_levels: sensor.black_level as f32 + 0.5,
-            greatest_level: sensor.bits.greatest_level() as f32,
+        let uniform = readout(view, columns * WORKGROUP);
+        graphics.queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&uniform));
+
+        let kind = Kind::of(view);
+        let (source_layout, source) = match (&target.room, &view.lens) {
+            (Some(room), Some(_)) => (&self.lens_layout, &room.lens_bindings),
+            _ => (&self.luminance_layout, &target.photons.luminance),
         };
-        queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&uniform));
+        let layouts = [&self.readout_layout, source_layout];
+        let read_out = self.made.entry(kind).or_insert_with(|| pipeline(&graphics.device, &layouts, kind, "read_out"));
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        let uneven =
-            [sensor.dsnu_electrons, sensor.prnu, sensor.dark_current_electrons_per_s].iter().any(|share| *share > 0.0);
-        let deep = sensor.bits != BitDepth::Eight;
-        pass.set_pipeline(&self.pipelines[usize::from(uneven) + 2 * usize::from(deep)]);
-        pass.set_bind_group(0, &target.photons.bindings, &[]);
+        pass.set_bind_group(0, &target.photons.readout, &[]);
+        let pattern = (view.noise.seed, [sensor.dsnu_electrons, sensor.prnu]);
+        if kind.uneven && target.photons.laid != Some(pattern) {
+            pass.set_pipeline(&self.lay_pattern);
+            pass.set_bind_group(1, &target.photons.luminance, &[]);
+            pass.dispatch_workgroups(columns, (4 * words).div_ceil(WORKGROUP).div_ceil(columns), 1);
+            target.photons.laid = Some(pattern);
+        }
+        pass.set_pipeline(read_out);
+        pass.set_bind_group(1, source, &[]);
         pass.dispatch_workgroups(columns, workgroups.div_ceil(columns), 1);
     }
+}
+
+/// What the shader knows of a view's sensor; `row` invocations in a row of workgroups.
+fn readout(view: &View, row: u32) -> ReadoutOnDevice {
+    let (sensor, size_px) = (&view.sensor, view.intrinsics.size_px);
+    ReadoutOnDevice {
+        size_px,
+        seed: [view.noise.seed as u32, (view.noise.seed >> 32) as u32],
+        image: view.noise.image,
+        electrons_per_luminance: sensor.electrons_per_luminance(view.exposure_s) as f32,
+        full_well_electrons: sensor.full_well_electrons as f32,
+        read_noise_electrons: sensor.read_noise_electrons as f32,
+        gain_levels_per_electron: view.gain_levels_per_electron as f32,
+        row,
+        row_per_pixel: 1.0 / size_px[0] as f32,
+        dark_electrons: (sensor.dark_current_electrons_per_s * view.exposure_s) as f32,
+        offset_electrons: sensor.dsnu_electrons as f32,
+        sensitivity: sensor.prnu as f32,
+        lifted_levels: sensor.black_level as f32 + 0.5,
+        greatest_level: sensor.bits.greatest_level() as f32,
+    }
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    layouts: &[&wgpu::BindGroupLayout; 2],
+    kind: Kind,
+    entry_point: &str,
+) -> wgpu::ComputePipeline {
+    let flag = |on: bool| f64::from(u8::from(on));
+    let mut constants = vec![("UNEVEN", flag(kind.uneven)), ("DEEP", flag(kind.deep))];
+    if let Some(lens) = kind.lens {
+        let of_lens = [("BENT", lens.bent), ("DEFOCUSED", lens.defocused), ("VIGNETTING", lens.vignetting)];
+        constants.extend(of_lens.map(|(name, on)| (name, flag(on))));
+    }
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(entry_point),
+        bind_group_layouts: &layouts.map(Some),
+        immediate_size: 0,
+    });
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("photons"),
+        source: wgpu::ShaderSource::Wgsl(if kind.lens.is_some() { LENS_SHADER } else { IDEAL_SHADER }.into()),
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry_point),
+        layout: Some(&layout),
+        module: &module,
+        entry_point: Some(entry_point),
+        compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+        cache: None,
+    })
 }

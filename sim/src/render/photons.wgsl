@@ -1,4 +1,4 @@
-// From luminance to grey levels by EMVA 1288's linear model: photons and dark current to electrons, shot noise, full well, offsets and
+// From luminance, which `luminance_at` of ideal.wgsl or lens.wgsl tells, to grey levels by EMVA 1288's linear model: photons and dark current to electrons, shot noise, full well, offsets and
 // read noise, gain, black level, 8 to 12 bits. Four pixels an invocation.
 
 // Whether pixels differ in sensitivity, offset and dark current, and whether levels take two bytes.
@@ -28,11 +28,12 @@ struct Readout {
     greatest_level: f32,
 }
 
-// In storage for the same reason as the floor's view.
-@group(0) @binding(0) var<storage, read> readout: Readout;
-@group(0) @binding(1) var luminance: texture_2d<f32>;
+// In uniform memory, as the floor's view: no branch depends on it alone.
+@group(0) @binding(0) var<uniform> readout: Readout;
 // Row-major grey levels without padding, four to a word or two when deep, the first in the lowest bytes.
-@group(0) @binding(2) var<storage, read_write> grey: array<u32>;
+@group(0) @binding(1) var<storage, read_write> grey: array<u32>;
+// Of every pixel its sensitivity as a factor and its offset in electrons: the same in every image of a seed.
+@group(0) @binding(2) var<storage, read_write> pattern: array<vec2<f32>>;
 
 // From this mean on, shot noise is taken from a normal variable by Cornish and Fisher's expansion: its distribution function
 // then departs from the Poisson law's by 5e-4 at most. Below, the Poisson law is sampled exactly.
@@ -72,16 +73,26 @@ fn place_of(index: u32) -> vec2<u32> {
 
 // A pixel past the end, in the last word, reads black.
 fn grey_level(index: u32) -> u32 {
-    let light = textureLoad(luminance, place_of(index), 0).x * readout.electrons_per_luminance;
+    let light = luminance_at(index) * readout.electrons_per_luminance;
     if (!UNEVEN) {
         return level_of(light, 0.0, index);
     }
-    // The same in every image of a seed.
+    let own = pattern[index];
+    return level_of(light * own.x + readout.dark_electrons, own.y, index);
+}
+
+// Draws the pattern, for all images to come.
+@compute @workgroup_size(64)
+fn lay_pattern(@builtin(global_invocation_id) id: vec3<u32>) {
+    let index = id.y * readout.row + id.x;
+    if (index >= arrayLength(&pattern)) {
+        return;
+    }
     let own = pcg4d(vec4(index, PATTERN_KEY, readout.seed));
     let size = sqrt(-2.0 * log(unit(own.x)));
     let turn = 6.2831853 * unit(own.y);
     let sensitivity = max(1.0 + readout.sensitivity * size * cos(turn), 0.0);
-    return level_of(light * sensitivity + readout.dark_electrons, readout.offset_electrons * size * sin(turn), index);
+    pattern[index] = vec2(sensitivity, readout.offset_electrons * size * sin(turn));
 }
 
 // Grey level of a pixel that gets `mean` electrons on average and reads `offset` more.

@@ -1,28 +1,37 @@
 //! The room pass: everything that a camera with a lens sees, as luminance averaged over the exposure.
 //!
 //! ```text
-//! for each sub-frame: faces, lamps, bodies, discs ─> plate (a pinhole's image, four samples a pixel)
-//!                     plate ─> lens (where each pixel takes its light from) ─> += luminance
+//! for each sub-frame: faces, lamps, bodies ─> edges made smooth, discs ─> its plate, a pinhole's image
+//! all plates ─> lens (where each pixel takes its light from), at once with the sensor
 //! ```
+
+use std::ops::Range;
 
 use super::{RenderError, View, device::Graphics};
 use crate::sensors::lens::Lens;
 
+mod edges;
 mod faces;
+mod glints;
 mod layouts;
 mod map;
 mod motion;
 mod pipelines;
 mod people;
 mod plate;
+mod slivers;
 mod world;
 
 pub(super) use plate::RoomSlot;
 pub(super) use world::RoomWorld;
 
 use motion::{SubFrame, sub_frames};
-use pipelines::{Pipelines, Use};
+use pipelines::{Kind, Pipelines, Use};
 use plate::ViewOnDevice;
+use slivers::is_sliver;
+
+/// Where no face is seen the plate is darker than any: edge.wgsl closes cracks between faces by that, and no sensor notices.
+const NOTHING: wgpu::Color = wgpu::Color { r: -1e-12, g: 0.0, b: 0.0, a: 1.0 };
 
 /// Pipelines and layouts of the room.
 pub(super) struct RoomPass {
@@ -52,95 +61,120 @@ impl RoomPass {
         world: &RoomWorld,
         (view, lens): (&View, &Lens),
         slot: &mut Option<RoomSlot>,
-        luminance: &wgpu::TextureView,
+        lens_layout: &wgpu::BindGroupLayout,
     ) -> Result<(), RenderError> {
         if !slot.as_ref().is_some_and(|slot| slot.lens == *lens) {
-            *slot = Some(RoomSlot::new(graphics, &self.pipelines, lens)?);
+            *slot = Some(RoomSlot::new(graphics, &self.pipelines, lens_layout, lens)?);
         }
         let Some(slot) = slot else { return Ok(()) };
-        let frames = sub_frames(lens, &view.world_from_camera, view.exposure_s)
+        let frames = sub_frames(lens, &view.world_from_camera, view.exposure_s, &world.people.placed)
             .ok_or(RenderError::BadView("it has no camera pose"))?;
         let turned_up = view.illuminance_at_floor_lux / world.mean_at_floor_lux().max(1e-12);
+        slot.reserve(graphics, &self.pipelines, lens_layout, frames.len());
+        slot.write_sheet(graphics, frames.len());
         for (index, frame) in frames.iter().enumerate() {
             let on_device = ViewOnDevice::new(lens, slot, frame, world, turned_up);
-            slot.write_view(graphics, index, &on_device, 1.0 / frames.len() as f32);
+            slot.write_view(graphics, index, &on_device);
         }
         let how = Use::of(lens);
-        self.pipelines.prepare(&graphics.device, &how, world.kinds());
+        let eyes: Vec<_> = frames.iter().map(|frame| frame.world_from_camera.translation.vector.into()).collect();
+        let middle = &frames[frames.len() / 2].world_from_camera;
+        let hidden: Vec<bool> = world.building.panels.iter().map(|panel| is_sliver(panel, middle, lens)).collect();
+        let drawing = world.cells.seen_from(&eyes, &world.lighting, &hidden);
+        let edges = world.edge_list.runs(&hidden);
+        slot.choose(graphics, &drawing.indices);
+        self.pipelines.prepare(&graphics.device, &how, drawing.ranges.iter().map(|(kind, _)| *kind));
         for index in 0..frames.len() {
-            self.draw_plate(encoder, world, slot, &how, index);
-            self.draw_lens(encoder, slot, &how, index, luminance);
+            self.draw_faces(encoder, world, (&drawing.ranges, slot), &how, index);
+            encoder.copy_texture_to_texture(
+                slot.stepped.texture().as_image_copy(),
+                slot.plate(index),
+                slot.stepped.texture().size(),
+            );
+            self.draw_edges(encoder, world, (&edges, slot), &how, index);
         }
         Ok(())
     }
 
-    fn draw_plate(
+    fn draw_faces(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         world: &RoomWorld,
-        slot: &RoomSlot,
+        (ranges, slot): (&[(Kind, Range<u32>)], &RoomSlot),
         how: &Use,
         index: usize,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("plate"),
+            label: Some("faces"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &slot.plate,
+                view: &slot.stepped,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(NOTHING), store: wgpu::StoreOp::Store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &slot.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
                 stencil_ops: None,
             }),
             ..Default::default()
         });
-        pass.set_bind_group(0, &slot.view_bindings, &[plate::view_offset(index)]);
+        pass.set_bind_group(0, &slot.view_bindings, &[plate::view_offset(index); 2]);
         pass.set_bind_group(1, world.bindings(how.band()), &[]);
-        pass.set_vertex_buffer(0, world.nodes.slice(..));
-        pass.set_index_buffer(world.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for (kind, range) in &world.ranges {
-            pass.set_pipeline(self.pipelines.surface(how, *kind));
-            pass.draw_indexed(range.clone(), 0, 0..1);
-        }
-        pass.set_pipeline(self.pipelines.lamps(how));
-        pass.draw(0..6, 0..world.first_bulb);
+        // People first: what they hide need not be shaded.
         if world.people.corner_count > 0 {
             pass.set_pipeline(self.pipelines.bodies(how));
             pass.set_vertex_buffer(0, world.people.corners[how.band()].slice(..));
             pass.draw(0..world.people.corner_count, 0..1);
         }
+        pass.set_vertex_buffer(0, world.nodes.slice(..));
+        pass.set_index_buffer(slot.chosen.slice(..), wgpu::IndexFormat::Uint32);
+        for (kind, range) in ranges {
+            pass.set_pipeline(self.pipelines.surface(how, *kind));
+            pass.draw_indexed(range.clone(), 0, 0..1);
+        }
+        pass.set_pipeline(self.pipelines.lamps(how));
+        pass.draw(0..6, 0..world.first_bulb);
+    }
+
+    fn draw_edges(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        world: &RoomWorld,
+        (runs, slot): (&[Range<u32>], &RoomSlot),
+        how: &Use,
+        index: usize,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("edges"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: slot.plate_view(index),
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &slot.depth,
+                depth_ops: None,
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &slot.view_bindings, &[plate::view_offset(index); 2]);
+        pass.set_bind_group(1, world.bindings(how.band()), &[]);
+        pass.set_bind_group(2, &slot.stepped_bindings, &[]);
+        pass.set_pipeline(self.pipelines.edges(how));
+        pass.set_vertex_buffer(0, world.edges.slice(..));
+        for run in runs {
+            pass.draw(0..4, run.clone());
+        }
+        pass.set_vertex_buffer(0, world.people.edges.slice(..));
+        pass.draw(0..4, 0..world.people.edge_count);
         if world.disc_count > 0 {
             pass.set_pipeline(self.pipelines.discs(how));
             pass.set_vertex_buffer(0, world.discs(how.band()).slice(..));
             pass.draw(0..4, 0..world.disc_count);
         }
-    }
-
-    fn draw_lens(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        slot: &RoomSlot,
-        how: &Use,
-        index: usize,
-        luminance: &wgpu::TextureView,
-    ) {
-        let load = if index == 0 { wgpu::LoadOp::Clear(wgpu::Color::BLACK) } else { wgpu::LoadOp::Load };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("lens"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: luminance,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(self.pipelines.lens(how));
-        pass.set_bind_group(0, &slot.lens_bindings, &[]);
-        pass.draw(0..3, 0..1);
     }
 }
 

@@ -1,12 +1,9 @@
 //! People who walk to and fro and stand still while the robot is in their way.
 
 use crate::{
-    building::UprightBody,
+    building::{STRIDE_M, UprightBody},
     scene::{Person, Scene},
 };
-
-/// Way of two steps.
-const STRIDE_M: f64 = 1.4;
 
 /// A person stands while the robot's edge is nearer than this to where the next second of walking leads.
 const KEEPS_AWAY_M: f64 = 0.4;
@@ -24,6 +21,8 @@ pub struct Bystander {
     pub heading_rad: f64,
     /// Way walked since the start.
     pub walked_m: f64,
+    /// Of the last step, along world x and y.
+    pub velocity_m_per_s: [f64; 2],
 }
 
 impl From<Bystander> for UprightBody {
@@ -34,6 +33,7 @@ impl From<Bystander> for UprightBody {
             height_m: person.height_m,
             radius_m: person.radius_m,
             stride: (person.walked_m / STRIDE_M).fract(),
+            velocity_m_per_s: person.velocity_m_per_s,
         }
     }
 }
@@ -63,6 +63,7 @@ impl Walker {
             height_m: start.height_m,
             heading_rad: start.heading_rad,
             walked_m: 0.0,
+            velocity_m_per_s: [0.0; 2],
         };
         Some(Walker {
             waypoints_m: person.waypoints_m.clone(),
@@ -80,6 +81,7 @@ impl Walker {
 
     /// Walks for one step, unless the robot is in the way.
     pub(super) fn advance(&mut self, robot_m: [f64; 2], step_s: f64) {
+        self.body.velocity_m_per_s = [0.0; 2];
         let Some(&goal_m) = self.waypoints_m.get(self.towards.0) else { return };
         let [x_m, y_m] = self.body.place_m;
         let way = [goal_m[0] - x_m, goal_m[1] - y_m];
@@ -97,6 +99,7 @@ impl Walker {
             self.body.place_m = [x_m + along[0] * step_m, y_m + along[1] * step_m];
             self.body.heading_rad = along[1].atan2(along[0]);
             self.body.walked_m += step_m;
+            self.body.velocity_m_per_s = along.map(|share| share * self.speed_m_per_s);
         }
     }
 

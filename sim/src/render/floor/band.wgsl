@@ -52,8 +52,8 @@ fn band_luminance(strip: Strip) -> @location(0) vec4<f32> {
     var on_the_left = 0.0;
     var start = place_at(view.sub_frame_ends[0], pixel);
     let sides = sides_at(view.middle, pixel, place_at(view.middle, pixel));
-    for (var frame = 0u; frame < view.sub_frames; frame++) {
-        let end = place_at(view.sub_frame_ends[frame + 1u], pixel);
+    for (var frame = 0u; frame < counted.sub_frames; frame++) {
+        let end = place_at(counted.sub_frame_ends[frame + 1u], pixel);
         let footprint = Footprint(sides[0], sides[1], end - start);
         let from_middle = 0.5 * (start + end) - strip.line.xy;
         let widths = widths_along(left, footprint);

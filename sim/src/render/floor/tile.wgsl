@@ -40,7 +40,7 @@ fn tile_luminance(face: Face) -> @location(0) vec4<f32> {
         let extent = abs(sides[0]) + abs(sides[1]) + step * abs(end - start);
         let size_m = 0.5 * (extent.x + extent.y);
         var sum = 0.0;
-        for (var sample = 0u; sample < view.pattern_samples; sample++) {
+        for (var sample = 0u; sample < counted.pattern_samples; sample++) {
             let time = (f32(sample) + 0.5) * step;
             let place = start + time * (speed + time * bend);
             sum += pattern_at(place - face.anchor, face.seed, size_m, extent.x);

@@ -35,9 +35,11 @@ struct View {
     sub_frame_ends: array<Homography, 33>, // MAX_SUB_FRAMES of exposure.rs, and one
 }
 
-// In storage, not in uniform memory: lavapipe compiles a shader anew for every new value of a uniform that a branch or a
-// loop depends on, which takes 90 ms and is never freed.
-@group(0) @binding(0) var<storage, read> view: View;
+// In uniform memory, which a software driver reads once for all pixels at hand, where from storage it loads pixel by pixel.
+@group(0) @binding(0) var<uniform> view: View;
+// The same in storage, for what a branch or a loop depends on: lavapipe compiles a shader anew for every new value of such
+// a uniform, which takes 90 ms and is never freed.
+@group(0) @binding(1) var<storage, read> counted: View;
 
 // The pixel whose centre the rasteriser calls (0.5, 0.5), about the principal point.
 fn pixel_at(position: vec4<f32>) -> vec3<f32> {

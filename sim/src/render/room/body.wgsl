@@ -6,6 +6,7 @@ struct Corner {
     // Albedo times equivalent lux, and albedo.
     @location(2) lit: f32,
     @location(3) albedo: f32,
+    @location(4) velocity: vec3<f32>,
 }
 
 struct Skin {
@@ -17,7 +18,8 @@ struct Skin {
 
 @vertex
 fn body_corner(corner: Corner) -> Skin {
-    return Skin(clip_of(in_camera(corner.world)), corner.world, corner.normal, vec2(corner.lit, corner.albedo));
+    let world = corner.world + corner.velocity * view.bodies_s;
+    return Skin(clip_of(moving_in_camera(corner.world, corner.velocity)), world, corner.normal, vec2(corner.lit, corner.albedo));
 }
 
 @fragment

@@ -5,7 +5,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Point3, Vector3};
 
-use super::pipelines::Kind;
+use super::{glints::GlossyCell, pipelines::Kind};
 use crate::{
     building::Building,
     light::{Lighting, Patch, Shape},
@@ -91,39 +91,96 @@ pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> V
 }
 
 /// All panels cut into cells.
+#[derive(Debug)]
 pub(super) struct Cells {
-    /// Corners.
-    pub(super) nodes: Vec<NodeOnDevice>,
+    /// Cells of each kind of surface.
+    by_kind: Vec<(Kind, Vec<Cell>)>,
+}
+
+/// A rectangle of a panel.
+#[derive(Debug)]
+struct Cell {
+    panel: usize,
     /// Three nodes to a triangle.
+    indices: [u32; 6],
+    glossy: Option<GlossyCell>,
+}
+
+/// Nodes to draw, three to a triangle, and which of them belong to each kind of surface.
+#[derive(Debug, Default)]
+pub(super) struct Drawing {
     pub(super) indices: Vec<u32>,
-    /// Which of the indices belong to each kind of surface.
     pub(super) ranges: Vec<(Kind, Range<u32>)>,
 }
 
-/// Cuts the panels of a building into cells.
-pub(super) fn cells(building: &Building) -> Cells {
-    let (mut nodes, mut indices, mut ranges) = (Vec::new(), Vec::new(), Vec::new());
+impl Cells {
+    /// Everything but the panels that are hidden, as it is seen from some places; lamps are looked for only where one may show.
+    pub(super) fn seen_from(&self, eyes: &[Point3<f64>], lighting: &Lighting, hidden: &[bool]) -> Drawing {
+        let mut drawing = Drawing::default();
+        for (kind, cells) in &self.by_kind {
+            let shows = |cell: &&Cell| {
+                let glossy = cell.glossy.as_ref();
+                glossy.is_none_or(|cell| eyes.iter().any(|eye| cell.shows_a_lamp(*eye, lighting)))
+            };
+            let shown = cells.iter().filter(|cell| !hidden[cell.panel]);
+            let (all, none): (Vec<&Cell>, Vec<&Cell>) = shown.partition(shows);
+            for (kind, cells) in [(*kind, all), (kind.without_glints(), none)] {
+                let start = drawing.indices.len() as u32;
+                drawing.indices.extend(cells.iter().flat_map(|cell| cell.indices));
+                drawing.ranges.push((kind, start..drawing.indices.len() as u32));
+            }
+        }
+        drawing.ranges.retain(|(_, range)| !range.is_empty());
+        drawing
+    }
+}
+
+/// Into how many cells a side is cut.
+pub(super) fn cells_along(side_m: f64) -> u32 {
+    (side_m / CELL_M).ceil().max(1.0) as u32
+}
+
+/// Cuts the panels of a building into cells, with their nodes.
+pub(super) fn cells(building: &Building) -> (Vec<NodeOnDevice>, Cells) {
+    let (mut nodes, mut by_kind) = (Vec::new(), Vec::new());
     let kind_of = |index: usize| Kind::of(&building.panels[index].material);
     let mut order: Vec<usize> = (0..building.panels.len()).collect();
     order.sort_by_key(|index| kind_of(*index));
     for group in order.chunk_by(|one, other| kind_of(*one) == kind_of(*other)) {
-        let start = indices.len() as u32;
-        for &surface in group {
-            let [columns, rows] =
-                building.panels[surface].size_m().map(|side_m| (side_m / CELL_M).ceil().max(1.0) as u32);
-            let first = nodes.len() as u32;
-            for (j, i) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (j, i))) {
-                let share = [i as f32 / columns as f32, j as f32 / rows as f32];
-                nodes.push(NodeOnDevice { surface: surface as u32, share });
-            }
-            for (j, i) in (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i))) {
-                let at = |i: u32, j: u32| first + j * (columns + 1) + i;
-                indices.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-            }
-        }
-        ranges.push((kind_of(group[0]), start..indices.len() as u32));
+        let cells = group.iter().flat_map(|panel| cells_of(building, *panel, &mut nodes)).collect();
+        by_kind.push((kind_of(group[0]), cells));
     }
-    Cells { nodes, indices, ranges }
+    (nodes, Cells { by_kind })
+}
+
+/// Cells of one panel, whose nodes are appended.
+fn cells_of(building: &Building, panel_index: usize, nodes: &mut Vec<NodeOnDevice>) -> Vec<Cell> {
+    let panel = &building.panels[panel_index];
+    let [columns, rows] = panel.size_m().map(cells_along);
+    let share = |i: u32, j: u32| [f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows)];
+    let first = nodes.len() as u32;
+    nodes.extend((0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| NodeOnDevice {
+        surface: panel_index as u32,
+        share: [i as f32 / columns as f32, j as f32 / rows as f32],
+    }));
+    let cell = |(i, j): (u32, u32)| {
+        let at = |i: u32, j: u32| first + j * (columns + 1) + i;
+        let place = |i: u32, j: u32| {
+            let [along, up] = share(i, j);
+            panel.corner + panel.along * along + panel.up * up
+        };
+        let glossy = Kind::of(&panel.material).gloss().then(|| GlossyCell {
+            corners: [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)],
+            normal: panel.along.cross(&panel.up).normalize(),
+            roughness_rad: panel.material.roughness_rad,
+        });
+        Cell {
+            panel: panel_index,
+            indices: [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)],
+            glossy,
+        }
+    };
+    (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))).map(cell).collect()
 }
 
 /// Lamps with their luminance in one band, rectangles first; to their own light comes what the room throws on them.

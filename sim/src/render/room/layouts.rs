@@ -26,28 +26,43 @@ pub(super) fn vertices(stride: u64, step_mode: wgpu::VertexStepMode, formats: &[
 
 /// A storage buffer that shaders only read.
 pub(super) fn stored(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
+    read(binding, wgpu::BufferBindingType::Storage { read_only: true }, has_dynamic_offset)
+}
+
+/// Values of a view, each sub-frame's at an offset of its own.
+pub(super) fn uniform(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    read(binding, wgpu::BufferBindingType::Uniform, true)
+}
+
+fn read(binding: u32, ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset,
-            min_binding_size: None,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None },
+        count: None,
+    }
+}
+
+/// A texture of one channel.
+pub(super) fn texture(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
         },
         count: None,
     }
 }
 
-/// A texture of one channel that shaders load from.
-pub(super) fn texture(binding: u32, multisampled: bool) -> wgpu::BindGroupLayoutEntry {
+/// What fills the places between a texture's texels.
+pub(super) fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
-        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-        ty: wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled,
-        },
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         count: None,
     }
 }

@@ -10,7 +10,7 @@ fn below(deviations: f32) -> f32 {
 // the spread, so that over all directions no light is lost or won.
 fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32) -> f32 {
     var sum = 0.0;
-    for (var index = 0u; index < view.first_bulb; index++) {
+    for (var index = 0u; index < counted.first_bulb; index++) {
         let lamp = lamps[index];
         let way = lamp.centre.xyz - from_place;
         let height = -dot(way, lamp.normal.xyz);
@@ -24,7 +24,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32) -> f
             * (below((at.y + half.y) * per_spread) - below((at.y - half.y) * per_spread));
         sum += select(0.0, lamp.centre.w * share, height > 0.0 && towards < -1e-4);
     }
-    for (var index = view.first_bulb; index < view.lamp_count; index++) {
+    for (var index = counted.first_bulb; index < counted.lamp_count; index++) {
         let lamp = lamps[index];
         let way = lamp.centre.xyz - from_place;
         let along = dot(way, direction);
@@ -41,7 +41,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32) -> f
 fn nearest_along(from_place: vec3<f32>, direction: vec3<f32>) -> f32 {
     var nearest = 1e9;
     var seen = 0.0;
-    for (var index = 0u; index < view.mirrored_count; index++) {
+    for (var index = 0u; index < counted.mirrored_count; index++) {
         let surface = surfaces[index];
         let normal = cross(surface.along.xyz, surface.up.xyz);
         let towards = dot(direction, normal);
@@ -54,7 +54,8 @@ fn nearest_along(from_place: vec3<f32>, direction: vec3<f32>) -> f32 {
         let inside = all(share >= vec2(0.0)) && all(share <= vec2(1.0));
         if (towards < 0.0 && inside && distance > 0.0 && distance < nearest) {
             nearest = distance;
-            seen = surface.corner.w * mapped_lux(surface.nodes.xy + surface.nodes.zw * share) * view.luminance_per_lux;
+            let node = (surface.nodes.xy + surface.nodes.zw * share + 0.5) / vec2<f32>(textureDimensions(light_map));
+            seen = surface.corner.w * textureSampleLevel(light_map, between_nodes, node, 0.0).x * view.luminance_per_lux;
         }
     }
     let lamp_light = lamps_along(from_place, direction, 0.002);

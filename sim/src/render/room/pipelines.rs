@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, VertexFormat};
 
-use super::layouts::{Vertices, stored, texture, vertices};
+use super::layouts::{Vertices, sampler, stored, texture, uniform, vertices};
 use crate::{
     building::{Material, Texture},
     render::target::LUMINANCE_FORMAT,
@@ -24,12 +24,10 @@ const THING_SHADER: &str = concat!(
     include_str!("world.wgsl"),
     include_str!("lamp.wgsl"),
     include_str!("disc.wgsl"),
-    include_str!("body.wgsl")
+    include_str!("body.wgsl"),
+    include_str!("edge.wgsl")
 );
-const LENS_SHADER: &str = include_str!("lens.wgsl");
 
-/// Samples of a plate's pixel.
-pub(super) const SAMPLES: u32 = 4;
 /// Depth is near/z, cleared to 0 far away.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -38,11 +36,22 @@ pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth3
 pub(super) struct Kind {
     texture: Texture,
     gloss: bool,
+    glints: bool,
 }
 
 impl Kind {
     pub(super) fn of(material: &Material) -> Kind {
-        Kind { texture: material.texture, gloss: material.mirrored > 0.0 }
+        let gloss = material.mirrored > 0.0;
+        Kind { texture: material.texture, gloss, glints: gloss }
+    }
+
+    pub(super) fn gloss(&self) -> bool {
+        self.gloss
+    }
+
+    /// The same where no lamp is seen in it.
+    pub(super) fn without_glints(self) -> Kind {
+        Kind { glints: false, ..self }
     }
 }
 
@@ -52,36 +61,16 @@ pub(super) struct Use {
     rolling: bool,
     ring: bool,
     infrared: bool,
-    bent: bool,
-    defocused: bool,
-    vignetting: bool,
 }
 
 impl Use {
     pub(super) fn of(lens: &Lens) -> Use {
-        Use {
-            rolling: lens.row_time_s > 0.0,
-            ring: lens.ring_candela > 0.0,
-            infrared: lens.band == Band::Infrared,
-            bent: lens.bends(),
-            defocused: lens.defocus_px > 0.0,
-            vignetting: lens.vignetting,
-        }
+        Use { rolling: lens.row_time_s > 0.0, ring: lens.ring_candela > 0.0, infrared: lens.band == Band::Infrared }
     }
 
     /// 0 visible, 1 infrared.
     pub(super) fn band(&self) -> usize {
         usize::from(self.infrared)
-    }
-
-    /// What matters on the way to the plate.
-    fn before_plate(&self) -> Use {
-        Use { bent: false, defocused: false, vignetting: false, ..*self }
-    }
-
-    /// What matters from the plate on.
-    fn after_plate(&self) -> Use {
-        Use { rolling: false, ring: false, infrared: false, ..*self }
     }
 }
 
@@ -92,19 +81,20 @@ enum Drawn {
     Lamps,
     Bodies,
     Discs,
-    Lens,
+    Edges,
 }
 
 /// Layouts, shaders and the pipelines made so far.
 pub(super) struct Pipelines {
     pub(super) view_layout: wgpu::BindGroupLayout,
     pub(super) world_layout: wgpu::BindGroupLayout,
-    pub(super) lens_layout: wgpu::BindGroupLayout,
+    pub(super) stepped_layout: wgpu::BindGroupLayout,
+    /// Fills the places between texels.
+    pub(super) linear: wgpu::Sampler,
     plate_layout: wgpu::PipelineLayout,
-    sheet_layout: wgpu::PipelineLayout,
+    edge_layout: wgpu::PipelineLayout,
     surfaces: wgpu::ShaderModule,
     things: wgpu::ShaderModule,
-    lens: wgpu::ShaderModule,
     made: BTreeMap<(Drawn, Use), wgpu::RenderPipeline>,
 }
 
@@ -113,12 +103,12 @@ impl Pipelines {
         let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
-        let view_layout = layout("room view", &[stored(0, true)]);
+        let view_layout = layout("room view", &[uniform(0), stored(1, true)]);
         let world_layout = layout(
             "room world",
-            &[stored(0, false), stored(1, false), stored(2, false), stored(3, false), texture(4, false)],
+            &[stored(0, false), stored(1, false), stored(2, false), stored(3, false), texture(4), sampler(5)],
         );
-        let lens_layout = layout("lens", &[stored(0, false), texture(1, true), stored(2, false)]);
+        let stepped_layout = layout("stepped", &[texture(0)]);
         let pipeline_layout = |label, groups: &[Option<&wgpu::BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some(label),
@@ -134,22 +124,27 @@ impl Pipelines {
         };
         Pipelines {
             plate_layout: pipeline_layout("plate", &[Some(&view_layout), Some(&world_layout)]),
-            sheet_layout: pipeline_layout("lens", &[Some(&lens_layout)]),
+            edge_layout: pipeline_layout("edges", &[Some(&view_layout), Some(&world_layout), Some(&stepped_layout)]),
             surfaces: module("surfaces", SURFACE_SHADER),
             things: module("things", THING_SHADER),
-            lens: module("lens", LENS_SHADER),
             made: BTreeMap::new(),
             view_layout,
             world_layout,
-            lens_layout,
+            stepped_layout,
+            linear: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("linear"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
         }
     }
 
     /// Makes what a view of these kinds of surfaces needs and is not there yet.
     pub(super) fn prepare(&mut self, device: &wgpu::Device, how: &Use, kinds: impl Iterator<Item = Kind>) {
-        let things = [Drawn::Lamps, Drawn::Bodies, Drawn::Discs, Drawn::Lens];
+        let things = [Drawn::Lamps, Drawn::Bodies, Drawn::Discs, Drawn::Edges];
         for drawn in kinds.map(Drawn::Surface).chain(things) {
-            let key = key(drawn, how);
+            let key = (drawn, *how);
             if !self.made.contains_key(&key) {
                 let pipeline = self.make(device, drawn, how);
                 self.made.insert(key, pipeline);
@@ -158,23 +153,23 @@ impl Pipelines {
     }
 
     pub(super) fn surface(&self, how: &Use, kind: Kind) -> &wgpu::RenderPipeline {
-        &self.made[&key(Drawn::Surface(kind), how)]
+        &self.made[&(Drawn::Surface(kind), *how)]
     }
 
     pub(super) fn lamps(&self, how: &Use) -> &wgpu::RenderPipeline {
-        &self.made[&key(Drawn::Lamps, how)]
+        &self.made[&(Drawn::Lamps, *how)]
     }
 
     pub(super) fn bodies(&self, how: &Use) -> &wgpu::RenderPipeline {
-        &self.made[&key(Drawn::Bodies, how)]
+        &self.made[&(Drawn::Bodies, *how)]
     }
 
     pub(super) fn discs(&self, how: &Use) -> &wgpu::RenderPipeline {
-        &self.made[&key(Drawn::Discs, how)]
+        &self.made[&(Drawn::Discs, *how)]
     }
 
-    pub(super) fn lens(&self, how: &Use) -> &wgpu::RenderPipeline {
-        &self.made[&key(Drawn::Lens, how)]
+    pub(super) fn edges(&self, how: &Use) -> &wgpu::RenderPipeline {
+        &self.made[&(Drawn::Edges, *how)]
     }
 
     fn make(&self, device: &wgpu::Device, drawn: Drawn, how: &Use) -> wgpu::RenderPipeline {
@@ -184,7 +179,11 @@ impl Pipelines {
         match drawn {
             Drawn::Surface(kind) => {
                 let mut constants = used(&["ROLLING", "RING"]);
-                constants.extend([("TEXTURE", f64::from(kind.texture as u32)), ("GLOSS", flag(kind.gloss))]);
+                constants.extend([
+                    ("TEXTURE", f64::from(kind.texture as u32)),
+                    ("GLOSS", flag(kind.gloss)),
+                    ("GLINTS", flag(kind.glints)),
+                ]);
                 let layout =
                     vertices(12, wgpu::VertexStepMode::Vertex, &[VertexFormat::Uint32, VertexFormat::Float32x2]);
                 let stage = Stage { entry_points: ["surface_node", "surface_luminance"], cull: true, ..PLATE };
@@ -195,9 +194,14 @@ impl Pipelines {
                 self.pipeline(device, &self.things, &stage, None, &used(&["ROLLING", "RING"]))
             }
             Drawn::Bodies => {
-                let formats =
-                    [VertexFormat::Float32x3, VertexFormat::Float32x3, VertexFormat::Float32, VertexFormat::Float32];
-                let layout = vertices(32, wgpu::VertexStepMode::Vertex, &formats);
+                let formats = [
+                    VertexFormat::Float32x3,
+                    VertexFormat::Float32x3,
+                    VertexFormat::Float32,
+                    VertexFormat::Float32,
+                    VertexFormat::Float32x3,
+                ];
+                let layout = vertices(44, wgpu::VertexStepMode::Vertex, &formats);
                 let stage = Stage { entry_points: ["body_corner", "body_luminance"], cull: true, ..PLATE };
                 self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING", "RING"]))
             }
@@ -210,15 +214,12 @@ impl Pipelines {
                 let stage = Stage { entry_points, blend: Some(OVER), writes_depth: false, topology, ..PLATE };
                 self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING", "RING"]))
             }
-            Drawn::Lens => {
-                let constants = [
-                    ("BENT", flag(how.bent)),
-                    ("DEFOCUSED", flag(how.defocused)),
-                    ("VIGNETTING", flag(how.vignetting)),
-                ];
-                let entry_points = ["sheet_corner", "sheet_luminance"];
-                let stage = Stage { entry_points, blend: Some(SUM), on_plate: false, ..PLATE };
-                self.pipeline(device, &self.lens, &stage, None, &constants)
+            Drawn::Edges => {
+                let layout = vertices(72, wgpu::VertexStepMode::Instance, &[VertexFormat::Float32x3; 6]);
+                let topology = wgpu::PrimitiveTopology::TriangleStrip;
+                let entry_points = ["edge_corner", "edge_luminance"];
+                let stage = Stage { entry_points, writes_depth: false, topology, layout: Layout::Edges, ..PLATE };
+                self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING"]))
             }
         }
     }
@@ -232,7 +233,7 @@ impl Pipelines {
         constants: &[(&str, f64)],
     ) -> wgpu::RenderPipeline {
         let options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
-        let depth_stencil = stage.on_plate.then(|| wgpu::DepthStencilState {
+        let depth_stencil = Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(stage.writes_depth),
             depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
@@ -246,7 +247,10 @@ impl Pipelines {
         });
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(stage.entry_points[1]),
-            layout: Some(if stage.on_plate { &self.plate_layout } else { &self.sheet_layout }),
+            layout: Some(match stage.layout {
+                Layout::Plate => &self.plate_layout,
+                Layout::Edges => &self.edge_layout,
+            }),
             vertex: wgpu::VertexState {
                 module,
                 entry_point: Some(stage.entry_points[0]),
@@ -259,10 +263,7 @@ impl Pipelines {
                 ..Default::default()
             },
             depth_stencil,
-            multisample: wgpu::MultisampleState {
-                count: if stage.on_plate { SAMPLES } else { 1 },
-                ..Default::default()
-            },
+            multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module,
                 entry_point: Some(stage.entry_points[1]),
@@ -286,8 +287,15 @@ struct Stage {
     blend: Option<BlendState>,
     writes_depth: bool,
     cull: bool,
-    on_plate: bool,
+    layout: Layout,
     topology: wgpu::PrimitiveTopology,
+}
+
+/// What a pipeline reads.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Layout {
+    Plate,
+    Edges,
 }
 
 const PLATE: Stage = Stage {
@@ -295,19 +303,14 @@ const PLATE: Stage = Stage {
     blend: None,
     writes_depth: true,
     cull: false,
-    on_plate: true,
+    layout: Layout::Plate,
     topology: wgpu::PrimitiveTopology::TriangleList,
 };
 
 const OVER: BlendState = both(BlendFactor::OneMinusSrcAlpha);
-const SUM: BlendState = both(BlendFactor::One);
 
 /// `source + factor·target`.
 const fn both(dst_factor: BlendFactor) -> BlendState {
     let component = BlendComponent { src_factor: BlendFactor::One, dst_factor, operation: BlendOperation::Add };
     BlendState { color: component, alpha: component }
-}
-
-fn key(drawn: Drawn, how: &Use) -> (Drawn, Use) {
-    (drawn, if drawn == Drawn::Lens { how.after_plate() } else { how.before_plate() })
 }

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::{
     map::LensMap,
     motion::{MAX_SUB_FRAMES, SubFrame},
-    pipelines::{DEPTH_FORMAT, Pipelines, SAMPLES},
+    pipelines::{DEPTH_FORMAT, Pipelines},
     world::{RoomWorld, buffer},
 };
 use crate::{
@@ -24,12 +24,20 @@ pub(super) fn view_offset(index: usize) -> u32 {
 /// Buffers and bindings of one view, kept as long as its lens stays the same.
 pub(in crate::render) struct RoomSlot {
     pub(super) lens: Lens,
-    pub(super) plate: wgpu::TextureView,
+    /// The plate with edges in steps.
+    pub(super) stepped: wgpu::TextureView,
+    /// With smooth ones: a layer for each sub-frame, as many as were ever needed.
+    plates: wgpu::Texture,
+    plate_views: Vec<wgpu::TextureView>,
     pub(super) depth: wgpu::TextureView,
     pub(super) view_bindings: wgpu::BindGroup,
-    pub(super) lens_bindings: wgpu::BindGroup,
+    pub(super) stepped_bindings: wgpu::BindGroup,
+    pub(in crate::render) lens_bindings: wgpu::BindGroup,
     views: wgpu::Buffer,
     sheet: wgpu::Buffer,
+    places: wgpu::Buffer,
+    /// Which cells of the world's faces are drawn, and how.
+    pub(super) chosen: wgpu::Buffer,
     plate_size_px: [u32; 2],
     plate_centre_px: [f64; 2],
 }
@@ -59,7 +67,8 @@ pub(super) struct ViewOnDevice {
     first_bulb: u32,
     lamp_count: u32,
     mirrored_count: u32,
-    padding: [u32; 2],
+    bodies_s: f32,
+    padding: u32,
 }
 
 /// `Sheet` of lens.wgsl.
@@ -68,7 +77,8 @@ pub(super) struct ViewOnDevice {
 struct SheetOnDevice {
     focal_px: [f32; 2],
     centre_px: [f32; 2],
-    width_px: u32,
+    per_size: [f32; 2],
+    n_plates: u32,
     share: f32,
     defocus_radius_px: f32,
     padding: f32,
@@ -106,13 +116,19 @@ impl ViewOnDevice {
             first_bulb: world.first_bulb,
             lamp_count: world.lamp_count,
             mirrored_count: world.mirrored_count,
-            padding: [0; 2],
+            bodies_s: frame.before_end_s as f32,
+            padding: 0,
         }
     }
 }
 
 impl RoomSlot {
-    pub(super) fn new(graphics: &Graphics, pipelines: &Pipelines, lens: &Lens) -> Result<RoomSlot, RenderError> {
+    pub(super) fn new(
+        graphics: &Graphics,
+        pipelines: &Pipelines,
+        lens_layout: &wgpu::BindGroupLayout,
+        lens: &Lens,
+    ) -> Result<RoomSlot, RenderError> {
         let device = &graphics.device;
         let map = LensMap::new(lens)?;
         let limit_px = device.limits().max_texture_dimension_2d;
@@ -123,82 +139,167 @@ impl RoomSlot {
                 limit: format!("{limit_px} px"),
             });
         }
-        let plate = attachment(device, map.size_px, LUMINANCE_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
-        let depth = attachment(device, map.size_px, DEPTH_FORMAT, wgpu::TextureUsages::empty());
+        let read = wgpu::TextureUsages::TEXTURE_BINDING;
+        let stepped = attachment(device, map.size_px, 1, LUMINANCE_FORMAT, read | wgpu::TextureUsages::COPY_SRC)
+            .create_view(&wgpu::TextureViewDescriptor::default());
+        let (plates, plate_views) = plates(device, map.size_px, 1);
+        let depth = attachment(device, map.size_px, 1, DEPTH_FORMAT, wgpu::TextureUsages::empty())
+            .create_view(&wgpu::TextureViewDescriptor::default());
         let places = buffer(graphics, "lens map", wgpu::BufferUsages::STORAGE, &map.places_px);
         let empty = |label, size, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
         let written = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
-        let views = empty("room views", VIEW_STRIDE * MAX_SUB_FRAMES as u64, written);
+        let views = empty("room views", VIEW_STRIDE * MAX_SUB_FRAMES as u64, wgpu::BufferUsages::UNIFORM | written);
         let sheet = empty("lens", size_of::<SheetOnDevice>() as u64, written);
         let view_bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("room view"),
             layout: &pipelines.view_layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
+            entries: &[0, 1].map(|binding| wgpu::BindGroupEntry {
+                binding,
                 resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                     buffer: &views,
                     offset: 0,
                     size: std::num::NonZeroU64::new(size_of::<ViewOnDevice>() as u64),
                 }),
-            }],
+            }),
         });
-        let lens_bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("lens"),
-            layout: &pipelines.lens_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&plate) },
-                wgpu::BindGroupEntry { binding: 2, resource: places.as_entire_binding() },
-            ],
+        let stepped_bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("stepped"),
+            layout: &pipelines.stepped_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&stepped) }],
         });
+        let lens_bindings = bind(device, lens_layout, &sheet, &plates, &places, &pipelines.linear);
         Ok(RoomSlot {
             lens: lens.clone(),
-            plate,
+            stepped,
+            plates,
+            plate_views,
             depth,
             view_bindings,
+            stepped_bindings,
             lens_bindings,
             views,
             sheet,
+            places,
+            chosen: buffer::<u32>(graphics, "chosen", wgpu::BufferUsages::INDEX, &[]),
             plate_size_px: map.size_px,
             plate_centre_px: map.centre_px,
         })
     }
 
-    /// Writes a sub-frame's values; `share` is its part of the exposure.
-    pub(super) fn write_view(&self, graphics: &Graphics, index: usize, view: &ViewOnDevice, share: f32) {
-        graphics.queue.write_buffer(&self.views, u64::from(view_offset(index)), bytemuck::bytes_of(view));
-        if index == 0 {
-            let sheet = SheetOnDevice {
-                focal_px: view.plate_focal_px,
-                centre_px: view.plate_centre_px,
-                width_px: self.lens.size_px[0],
-                share,
-                defocus_radius_px: (self.lens.defocus_px / 2.0) as f32,
-                padding: 0.0,
-            };
-            graphics.queue.write_buffer(&self.sheet, 0, bytemuck::bytes_of(&sheet));
+    /// Makes room for the plates of so many sub-frames.
+    pub(super) fn reserve(
+        &mut self,
+        graphics: &Graphics,
+        pipelines: &Pipelines,
+        lens_layout: &wgpu::BindGroupLayout,
+        count: usize,
+    ) {
+        if self.plate_views.len() < count {
+            let device = &graphics.device;
+            (self.plates, self.plate_views) = plates(device, self.plate_size_px, count as u32);
+            self.lens_bindings = bind(device, lens_layout, &self.sheet, &self.plates, &self.places, &pipelines.linear);
         }
     }
+
+    /// Where a sub-frame's plate is copied to.
+    pub(super) fn plate(&self, index: usize) -> wgpu::TexelCopyTextureInfo<'_> {
+        let origin = wgpu::Origin3d { x: 0, y: 0, z: index as u32 };
+        wgpu::TexelCopyTextureInfo { origin, ..self.plates.as_image_copy() }
+    }
+
+    /// A sub-frame's plate.
+    pub(super) fn plate_view(&self, index: usize) -> &wgpu::TextureView {
+        &self.plate_views[index]
+    }
+
+    /// Writes which nodes are drawn, into a larger buffer where it has to be.
+    pub(super) fn choose(&mut self, graphics: &Graphics, indices: &[u32]) {
+        let bytes: &[u8] = bytemuck::cast_slice(indices);
+        if bytes.len() as u64 > self.chosen.size() {
+            self.chosen = buffer(graphics, "chosen", wgpu::BufferUsages::INDEX, indices);
+        } else {
+            graphics.queue.write_buffer(&self.chosen, 0, bytes);
+        }
+    }
+
+    /// Writes a sub-frame's values.
+    pub(super) fn write_view(&self, graphics: &Graphics, index: usize, view: &ViewOnDevice) {
+        graphics.queue.write_buffer(&self.views, u64::from(view_offset(index)), bytemuck::bytes_of(view));
+    }
+
+    /// Writes what the lens needs for so many sub-frames.
+    pub(super) fn write_sheet(&self, graphics: &Graphics, n_plates: usize) {
+        let sheet = SheetOnDevice {
+            focal_px: self.lens.focal_px.map(|focal_px| focal_px as f32),
+            centre_px: self.plate_centre_px.map(|at_px| at_px as f32),
+            per_size: self.plate_size_px.map(|size_px| 1.0 / size_px as f32),
+            n_plates: n_plates as u32,
+            share: 1.0 / n_plates as f32,
+            defocus_radius_px: (self.lens.defocus_px / 2.0) as f32,
+            padding: 0.0,
+        };
+        graphics.queue.write_buffer(&self.sheet, 0, bytemuck::bytes_of(&sheet));
+    }
+}
+
+/// What the lens reads.
+fn bind(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    sheet: &wgpu::Buffer,
+    plates: &wgpu::Texture,
+    places: &wgpu::Buffer,
+    linear: &wgpu::Sampler,
+) -> wgpu::BindGroup {
+    let layers = plates.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    });
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("lens"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&layers) },
+            wgpu::BindGroupEntry { binding: 2, resource: places.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(linear) },
+        ],
+    })
+}
+
+/// Plates in layers, and a view of each.
+fn plates(device: &wgpu::Device, size_px: [u32; 2], count: u32) -> (wgpu::Texture, Vec<wgpu::TextureView>) {
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let plates = attachment(device, size_px, count, LUMINANCE_FORMAT, usage);
+    let layer = |base_array_layer| {
+        plates.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer,
+            array_layer_count: Some(1),
+            ..Default::default()
+        })
+    };
+    let views = (0..count).map(layer).collect();
+    (plates, views)
 }
 
 fn attachment(
     device: &wgpu::Device,
     size_px: [u32; 2],
+    layers: u32,
     format: wgpu::TextureFormat,
     more: wgpu::TextureUsages,
-) -> wgpu::TextureView {
-    device
-        .create_texture(&wgpu::TextureDescriptor {
-            label: Some("plate"),
-            size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: SAMPLES,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | more,
-            view_formats: &[],
-        })
-        .create_view(&wgpu::TextureViewDescriptor::default())
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("plate"),
+        size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | more,
+        view_formats: &[],
+    })
 }

@@ -1,6 +1,8 @@
 // Faces of the building: mapped light on a texture, the ring's light, and what mirrors.
 
 override GLOSS: bool = false;
+// Whether lamps may be seen in it.
+override GLINTS: bool = false;
 
 struct Node {
     @location(0) surface: u32,
@@ -14,13 +16,13 @@ struct Face {
     @location(0) world: vec3<f32>,
     // In metres along both sides.
     @location(1) place: vec2<f32>,
-    // In the light map, at a place that the face covers: beyond its edge are another face's nodes.
-    @location(2) @interpolate(perspective, centroid) node: vec2<f32>,
+    // In the light map, from 0 to 1.
+    @location(2) node: vec2<f32>,
     // Albedo, mirrored share, roughness, seed.
     @location(3) @interpolate(flat) material: vec4<f32>,
     @location(4) @interpolate(flat) normal: vec3<f32>,
     @location(5) @interpolate(flat) size: vec2<f32>,
-    // First and last node: some drivers interpolate a little beyond the edge all the same.
+    // First and last node: beyond are another face's, and some drivers interpolate a little too far.
     @location(6) @interpolate(flat) nodes: vec4<f32>,
 }
 
@@ -28,15 +30,16 @@ struct Face {
 fn surface_node(node: Node) -> Face {
     let surface = surfaces[node.surface];
     let world = surface.corner.xyz + surface.along.xyz * node.share.x + surface.up.xyz * node.share.y;
+    let per_size = 1.0 / vec2<f32>(textureDimensions(light_map));
     return Face(
         clip_of(in_camera(world)),
         world,
         node.share * surface.size.xy,
-        surface.nodes.xy + surface.nodes.zw * node.share,
+        (surface.nodes.xy + surface.nodes.zw * node.share + 0.5) * per_size,
         vec4(surface.corner.w, surface.along.w, surface.up.w, surface.size.z),
         normalize(cross(surface.along.xyz, surface.up.xyz)),
         surface.size.xy,
-        vec4(surface.nodes.xy, surface.nodes.xy + surface.nodes.zw),
+        vec4((surface.nodes.xy + 0.5) * per_size, (surface.nodes.xy + surface.nodes.zw + 0.5) * per_size),
     );
 }
 
@@ -82,7 +85,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     if (TEXTURE != 0u) {
         albedo *= texture_at(face);
     }
-    let lux = mapped_lux(clamp(face.node, face.nodes.xy, face.nodes.zw));
+    let lux = textureSampleLevel(light_map, between_nodes, clamp(face.node, face.nodes.xy, face.nodes.zw), 0.0).x;
     let matt = lux * view.luminance_per_lux;
     var lit = matt;
     if (!RING && !GLOSS) {
@@ -102,7 +105,10 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     let mirrored = face.material.y + (1.0 - face.material.y) * square * square * grazing;
     let out = way + 2.0 * cosine * face.normal;
     // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
-    var seen = lamps_along(face.world, out, face.material.z) + 0.5 * matt;
+    var seen = 0.5 * matt;
+    if (GLINTS) {
+        seen += lamps_along(face.world, out, face.material.z);
+    }
     if (TEXTURE == 7u) {
         // Water mirrors what stands there and darkens what it soaks, within the edge of a puddle.
         let deep = puddle(face.place, face.size);

@@ -34,8 +34,9 @@ struct View {
     lamp_count: u32,
     // Surfaces that are looked for in a puddle.
     mirrored_count: u32,
-    padding_a: u32,
-    padding_b: u32,
+    // From when people were placed to when the middle row is exposed.
+    bodies_s: f32,
+    padding: u32,
 }
 
 override ROLLING: bool = false;
@@ -45,7 +46,9 @@ override BAND: u32 = 0u;
 
 const NEAR_M: f32 = 0.02;
 
-@group(0) @binding(0) var<storage, read> view: View;
+// In uniform memory, and in storage what loops depend on, as in the floor's view.wgsl.
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> counted: View;
 
 // Brown and Conrady's row of a point of the plane at depth 1.
 fn sensor_row(at: vec2<f32>) -> f32 {
@@ -82,6 +85,16 @@ fn in_camera(world: vec3<f32>) -> vec3<f32> {
         seen = at_time(middle, (row - view.middle_row) * view.row_time_s);
     }
     return seen;
+}
+
+// The same of a place that moves: where it is when the row sees it on which it is seen.
+fn moving_in_camera(world: vec3<f32>, velocity: vec3<f32>) -> vec3<f32> {
+    let seen = in_camera(world + velocity * view.bodies_s);
+    if (!ROLLING) {
+        return seen;
+    }
+    let row = clamp(sensor_row(seen.xy / max(seen.z, NEAR_M)), 0.0, view.last_row);
+    return in_camera(world + velocity * (view.bodies_s + (row - view.middle_row) * view.row_time_s));
 }
 
 // Depth is near/z, so that it is 1 at the near plane and single precision serves far places too.

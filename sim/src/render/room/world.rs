@@ -1,13 +1,12 @@
 //! A building on the device: faces, lamps, light maps, once per scene and seed.
 
-use std::ops::Range;
-
 use bytemuck::Pod;
 
 use super::{
+    edges::{self, Edges},
     faces::{self, Cells},
     people::People,
-    pipelines::{Kind, Pipelines},
+    pipelines::Pipelines,
 };
 use crate::{
     building::Building,
@@ -27,13 +26,14 @@ pub(in crate::render) struct RoomWorld {
     pub(super) light_maps: [wgpu::Texture; 2],
     pub(super) people: People,
     pub(super) nodes: wgpu::Buffer,
-    pub(super) indices: wgpu::Buffer,
-    pub(super) ranges: Vec<(Kind, Range<u32>)>,
+    pub(super) cells: Cells,
     /// Rectangles come before bulbs.
     pub(super) first_bulb: u32,
     pub(super) lamp_count: u32,
     pub(super) mirrored_count: u32,
     pub(super) disc_count: u32,
+    pub(super) edges: wgpu::Buffer,
+    pub(super) edge_list: Edges,
     /// Visible and infrared.
     bindings: [wgpu::BindGroup; 2],
     discs: [wgpu::Buffer; 2],
@@ -43,7 +43,8 @@ impl RoomWorld {
     pub(super) fn new(graphics: &Graphics, pipelines: &Pipelines, scene: &Scene, drawn: &Drawn) -> RoomWorld {
         let building = Building::new(scene, drawn);
         let (lighting, map) = bake(scene, &building);
-        let Cells { nodes, indices, ranges } = faces::cells(&building);
+        let (nodes, cells) = faces::cells(&building);
+        let (edges, edge_list) = edges::of_building(&building, &lighting);
         let discs = [0, 1].map(|band| faces::discs(&building, &lighting, band));
         let light_maps = [0, 1].map(|band| {
             let texture = light_texture(graphics, &map);
@@ -56,12 +57,13 @@ impl RoomWorld {
         });
         RoomWorld {
             nodes: buffer(graphics, "nodes", wgpu::BufferUsages::VERTEX, &nodes),
-            indices: buffer(graphics, "indices", wgpu::BufferUsages::INDEX, &indices),
-            ranges,
+            cells,
             first_bulb: lighting.sources.iter().filter(|source| source.shape.normal().is_some()).count() as u32,
             lamp_count: lighting.sources.len() as u32,
             mirrored_count: building.n_large_panels as u32,
             disc_count: discs[0].len() as u32,
+            edge_list,
+            edges: buffer(graphics, "edges", wgpu::BufferUsages::VERTEX, &edges),
             bindings,
             discs: discs.map(|discs| buffer(graphics, "discs", wgpu::BufferUsages::VERTEX, &discs)),
             people: People::none(graphics),
@@ -70,10 +72,6 @@ impl RoomWorld {
             map,
             light_maps,
         }
-    }
-
-    pub(super) fn kinds(&self) -> impl Iterator<Item = Kind> {
-        self.ranges.iter().map(|(kind, _)| *kind)
     }
 
     pub(super) fn bindings(&self, band: usize) -> &wgpu::BindGroup {
@@ -118,6 +116,7 @@ fn bind(
             wgpu::BindGroupEntry { binding: 2, resource: grid.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 3, resource: albedo.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::TextureView(light) },
+            wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::Sampler(&pipelines.linear) },
         ],
     })
 }

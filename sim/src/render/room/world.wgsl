@@ -43,15 +43,6 @@ struct Grid {
 @group(1) @binding(1) var<storage, read> lamps: array<Lamp>;
 @group(1) @binding(2) var<storage, read> grid: Grid;
 @group(1) @binding(3) var<storage, read> tile_albedo: array<f32>;
+// Equivalent lux at the nodes, linear between them in both directions.
 @group(1) @binding(4) var light_map: texture_2d<f32>;
-// Equivalent lux of the map between its nodes, linear in both directions.
-fn mapped_lux(place: vec2<f32>) -> f32 {
-    let cell = floor(place);
-    let f = place - cell;
-    let at = vec2<i32>(cell);
-    let limit = vec2<i32>(textureDimensions(light_map)) - 1;
-    let next = min(at + 1, limit);
-    let low = mix(textureLoad(light_map, at, 0).x, textureLoad(light_map, vec2(next.x, at.y), 0).x, f.x);
-    let high = mix(textureLoad(light_map, vec2(at.x, next.y), 0).x, textureLoad(light_map, next, 0).x, f.x);
-    return mix(low, high, f.y);
-}
+@group(1) @binding(5) var between_nodes: sampler;

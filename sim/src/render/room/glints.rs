@@ -1,0 +1,124 @@
+//! Where on glossy faces lamps can be seen: elsewhere a pixel need not look for them.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::light::{Lighting, Shape};
+
+/// The bump through which mirror.wgsl sees lamps ends so many standard deviations from its middle, √20/2, with some to spare for cells
+/// across which the ray's length changes.
+const BUMP_REACH: f64 = 2.236 * 1.3;
+/// A bulb's bell has fallen below 10⁻⁶ of its height so many standard deviations from its middle.
+const BELL_REACH: f64 = 5.3;
+/// Least roughness, as in mirror.wgsl.
+const LEAST_ROUGHNESS_RAD: f64 = 0.002;
+
+/// A cell of a glossy face.
+#[derive(Clone, Debug)]
+pub(super) struct GlossyCell {
+    pub(super) corners: [Point3<f64>; 4],
+    /// Unit vector.
+    pub(super) normal: Vector3<f64>,
+    pub(super) roughness_rad: f64,
+}
+
+impl GlossyCell {
+    /// Whether any lamp may be seen in the cell from `eye`; now and then it says so though none is.
+    pub(super) fn shows_a_lamp(&self, eye: Point3<f64>, lighting: &Lighting) -> bool {
+        let roughness = self.roughness_rad.max(LEAST_ROUGHNESS_RAD);
+        // What is seen in the cell lies behind it as seen from the eye mirrored at its plane.
+        let mirrored_eye = eye - self.normal * (2.0 * self.normal.dot(&(eye - self.corners[0])));
+        lighting.sources.iter().any(|source| match source.shape {
+            Shape::Rectangle { centre, half_u, half_v } => {
+                self.shows_rectangle(mirrored_eye, centre, [half_u, half_v], roughness)
+            }
+            Shape::Point { at, radius_m } => self.shows_bulb(mirrored_eye, at, radius_m, roughness),
+        })
+    }
+
+    /// The rays past the cell's corners meet the lamp's plane at the corners of a figure that holds all rays past the cell.
+    fn shows_rectangle(
+        &self,
+        mirrored_eye: Point3<f64>,
+        centre: Point3<f64>,
+        halves: [Vector3<f64>; 2],
+        roughness: f64,
+    ) -> bool {
+        let normal = halves[0].cross(&halves[1]).normalize();
+        let rays = self.corners.map(|corner| (corner - mirrored_eye).normalize());
+        let heights_m = self.corners.map(|corner| normal.dot(&(corner - centre)));
+        let sinking = rays.map(|ray| -normal.dot(&ray));
+        if heights_m.iter().all(|height_m| *height_m <= 0.0) || sinking.iter().all(|share| *share <= 0.0) {
+            return false;
+        }
+        // Some rays run past the lamp's plane: no figure holds them.
+        if heights_m.iter().any(|height_m| *height_m <= 0.0) || sinking.iter().any(|share| *share <= 1e-3) {
+            return true;
+        }
+        let lengths_m: [f64; 4] = std::array::from_fn(|index| heights_m[index] / sinking[index]);
+        let reach_m = BUMP_REACH * roughness * lengths_m.into_iter().fold(0.0, f64::max);
+        halves.into_iter().all(|half| {
+            let half_m = half.norm();
+            let along =
+                |index: usize| (self.corners[index] + rays[index] * lengths_m[index] - centre).dot(&half) / half_m;
+            let places_m: [f64; 4] = std::array::from_fn(along);
+            let low_m = places_m.into_iter().fold(f64::INFINITY, f64::min);
+            let high_m = places_m.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            low_m - reach_m < half_m && high_m + reach_m > -half_m
+        })
+    }
+
+    /// By the angle between ray and bulb in the cell's middle, and how much it can differ in its corners.
+    fn shows_bulb(&self, mirrored_eye: Point3<f64>, at: Point3<f64>, radius_m: f64, roughness: f64) -> bool {
+        let middle = Point3::from(self.corners.iter().map(|corner| corner.coords).sum::<Vector3<f64>>() / 4.0);
+        let half_m = (self.corners[0] - middle).norm();
+        let (ray, way) = (middle - mirrored_eye, at - middle);
+        let (from_eye_m, from_bulb_m) = (ray.norm() - half_m, way.norm() - half_m);
+        if from_eye_m <= 0.0 || from_bulb_m <= 0.0 {
+            return true;
+        }
+        let differs_rad = half_m / from_eye_m + half_m / from_bulb_m;
+        let spread = roughness.max(0.5 * radius_m / from_bulb_m);
+        ray.angle(&way) - differs_rad < (BELL_REACH * spread).atan()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use nalgebra::vector;
+
+    use super::*;
+
+    /// A square metre of floor about the origin.
+    fn floor_cell(x_m: f64) -> GlossyCell {
+        let corner = |dx: f64, dy: f64| Point3::new(x_m + dx, dy, 0.0);
+        GlossyCell {
+            corners: [corner(-0.25, -0.25), corner(0.25, -0.25), corner(0.25, 0.25), corner(-0.25, 0.25)],
+            normal: Vector3::z(),
+            roughness_rad: 0.03,
+        }
+    }
+
+    #[test]
+    fn a_panel_is_seen_where_the_angles_of_incidence_and_reflection_are_equal() {
+        // Eye and panel 1 m and 2 m above the floor, 3 m apart: the ray meets the floor a third of the way on. Half of the panel's side of
+        // 0.4 m shows over 0.07 m, its blur of 0.07 m times the ray's 2.8 m over 0.08 m more: cells 1 m away show nothing.
+        let eye = Point3::new(0.0, 0.0, 1.0);
+        let (centre, halves) = (Point3::new(3.0, 0.0, 2.0), [vector![0.0, 0.2, 0.0], vector![0.2, 0.0, 0.0]]);
+        let shows = |x_m: f64| {
+            let cell = floor_cell(x_m);
+            let mirrored = Point3::new(eye.x, eye.y, -eye.z);
+            cell.shows_rectangle(mirrored, centre, halves, cell.roughness_rad)
+        };
+        assert!(shows(1.0) && shows(1.2));
+        assert!(!shows(2.0) && !shows(0.0));
+    }
+
+    #[test]
+    fn a_bulb_is_seen_where_the_angles_of_incidence_and_reflection_are_equal() {
+        let mirrored = Point3::new(0.0, 0.0, -1.0);
+        let shows = |x_m: f64| floor_cell(x_m).shows_bulb(mirrored, Point3::new(3.0, 0.0, 2.0), 0.03, 0.01);
+        assert!(shows(1.0) && shows(1.2));
+        assert!(!shows(2.5) && !shows(-1.0));
+    }
+}
