@@ -26,7 +26,8 @@ pub(super) struct Tones {
 }
 
 impl Tones {
-    /// Stretches an image between its darkest and its brightest percent, which makes one of 3 lx as legible as one of 300.
+    /// Stretches an image between its darkest percent and its brightest five hundredth, which makes one of 3 lx as legible as one of
+    /// 300, and leaves a ceiling dark on which only a few dots shine.
     pub(super) fn of(pixels: &GrayImage) -> Tones {
         let mut counts = [0_usize; 256];
         pixels.as_raw().iter().for_each(|level| counts[usize::from(*level)] += 1);
@@ -40,7 +41,7 @@ impl Tones {
             });
             found.map_or(u8::MAX, |level| u8::try_from(level).unwrap_or(u8::MAX))
         };
-        let (black, white) = (quantile(0.01), quantile(0.99));
+        let (black, white) = (quantile(0.01), quantile(0.998));
         // An image of a single level still needs two to be divided between.
         Tones { black, white: white.max(black.saturating_add(1)) }
     }

@@ -1,6 +1,7 @@
 //! Contact sheets: a still pose seen by each camera in different light, and single pictures made legible.
 
 use image::{GrayImage, Luma, Rgb, RgbImage, imageops};
+use localizer::reading::Camera;
 
 use super::{
     canvas::{Canvas, Panel},
@@ -48,27 +49,62 @@ pub fn tone_mapped(image: &GrayImage) -> GrayImage {
     toned
 }
 
-/// Draws a sheet: a row for each camera, a column for each light.
+/// A picture with its histogram made even: each level goes to the share of pixels below it and half of those at it, so that an image of a
+/// few photons a pixel uses all greys that there are.
+fn equalised(image: &GrayImage) -> GrayImage {
+    let mut counts = [0_usize; 256];
+    image.as_raw().iter().for_each(|level| counts[usize::from(*level)] += 1);
+    let total = image.as_raw().len().max(1) as f64;
+    let mut below = 0.0;
+    let shown = counts.map(|count| {
+        let middle = below + count as f64 / 2.0;
+        below += count as f64;
+        (255.0 * middle / total).round() as u8
+    });
+    let mut even = image.clone();
+    even.pixels_mut().for_each(|Luma([level])| *level = shown[usize::from(*level)]);
+    even
+}
+
+/// A row of a sheet.
+struct Row {
+    still: usize,
+    equalised: bool,
+    height_px: f64,
+}
+
+/// A row for each camera, and one more for the camera that looks ahead, with its histogram made even.
+fn rows(stills: &[Still]) -> Vec<Row> {
+    let row = |(index, still): (usize, &Still), equalised: bool| {
+        let height_px = (CELL_WIDTH_PX * f64::from(still.image.height()) / f64::from(still.image.width())).round();
+        Row { still: index, equalised, height_px }
+    };
+    let ahead = |still: &Still| still.camera == Camera::Forward;
+    let plain = stills.iter().enumerate().map(|place| row(place, false));
+    plain.chain(stills.iter().enumerate().filter(|(_, still)| ahead(still)).map(|place| row(place, true))).collect()
+}
+
+/// Draws a sheet: a row for each camera, a column for each light; the view ahead also with its histogram made even.
 pub fn contact_sheet(title: &str, columns: &[Column]) -> RgbImage {
     let Some(first) = columns.first() else { return RgbImage::new(1, 1) };
-    let heights_px: Vec<f64> = first
-        .stills
-        .iter()
-        .map(|still| (CELL_WIDTH_PX * f64::from(still.image.height()) / f64::from(still.image.width())).round())
-        .collect();
+    let rows = rows(&first.stills);
     let width_px = 2.0 * MARGIN_PX + NAMES_PX + columns.len() as f64 * (CELL_WIDTH_PX + GAP_PX) - GAP_PX;
-    let height_px = HEADER_PX + heights_px.iter().map(|height_px| height_px + CAPTION_PX).sum::<f64>() + MARGIN_PX;
+    let height_px = HEADER_PX + rows.iter().map(|row| row.height_px + CAPTION_PX).sum::<f64>() + MARGIN_PX;
     let mut canvas = Canvas::new(width_px as u32, height_px as u32, palette::PAPER);
     canvas.text([MARGIN_PX, 16.0], TITLE_PX, palette::INK, title);
     for (index, column) in columns.iter().enumerate() {
         let left_px = MARGIN_PX + NAMES_PX + index as f64 * (CELL_WIDTH_PX + GAP_PX);
         let mut top_px = HEADER_PX;
-        for (still, height_px) in column.stills.iter().zip(&heights_px) {
+        for Row { still, equalised: even, height_px } in &rows {
+            let still = &column.stills[*still];
             let panel = Panel { left_px, top_px, width_px: CELL_WIDTH_PX, height_px: *height_px };
-            paint(&mut canvas, panel, &tone_mapped(&still.image));
+            paint(&mut canvas, panel, &if *even { equalised(&still.image) } else { tone_mapped(&still.image) });
             if index == 0 {
                 let place = [MARGIN_PX, top_px + 4.0];
                 canvas.text(place, 1.25 * TEXT_PX, palette::INK, still.camera.as_str());
+                if *even {
+                    canvas.text([place[0], place[1] + 24.0], TEXT_PX, palette::INK, "equalised");
+                }
             }
             caption(&mut canvas, [left_px, top_px + height_px + 6.0], column, still);
             top_px += height_px + CAPTION_PX;
@@ -97,5 +133,17 @@ fn paint(canvas: &mut Canvas, panel: Panel, pixels: &GrayImage) {
     let scaled = imageops::resize(pixels, width_px, height_px, imageops::FilterType::Triangle);
     for (u, v, Luma([level])) in scaled.enumerate_pixels() {
         canvas.image.put_pixel(panel.left_px as u32 + u, panel.top_px as u32 + v, Rgb([*level; 3]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_even_histogram_gives_each_level_the_share_of_pixels_below_it() {
+        // Half of the pixels at 3, a quarter each at 4 and 200: middles of their shares are 1/4, 5/8 and 7/8.
+        let image = GrayImage::from_fn(4, 1, |u, _| Luma([[3, 4, 3, 200][u as usize]]));
+        assert_eq!(equalised(&image).as_raw(), &[64, 159, 64, 223]);
     }
 }
