@@ -119,6 +119,14 @@ fn views() {
             views.len() as f64 / began.elapsed().as_secs_f64()
         };
         line(what, median((0..41).map(per_s).collect()), "views/s", aim);
+        let mut spent_ms = |_| {
+            let began_s = processor_s()?;
+            black_box(renderer.draw(&world, views).unwrap());
+            Some(1e3 * (processor_s()? - began_s))
+        };
+        if let Some(spent_ms) = (0..41).map(&mut spent_ms).collect::<Option<Vec<f64>>>() {
+            line("  processor time of a tick, all cores", spent_ms.into_iter().fold(f64::MAX, f64::min), "ms", "");
+        }
     }
     for (camera, view) in Camera::ALL.iter().zip(&still) {
         let views = std::slice::from_ref(view);
@@ -158,6 +166,15 @@ fn memory() {
     if let (Some(early_mb), Some(late_mb)) = (early_mb, resident_mb()) {
         line("memory gained from picture 100 to 1000", late_mb - early_mb, "MB", "≤ 5");
     }
+}
+
+/// Processor time of all threads so far, which tells speed even where others use the machine; `None` where the system does not tell.
+fn processor_s() -> Option<f64> {
+    let of_thread = |thread: std::io::Result<std::fs::DirEntry>| {
+        let spent = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
+        spent.split(' ').next()?.parse::<f64>().ok()
+    };
+    Some(std::fs::read_dir("/proc/self/task").ok()?.filter_map(of_thread).sum::<f64>() * 1e-9)
 }
 
 /// Memory that the process holds; `None` where the system does not tell in Linux's way.

@@ -217,7 +217,5 @@ mod tests {
         let error = renderer.draw(&world, &views).unwrap_err();
         assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
         assert!(matches!(&error, RenderError::Device(_)), "{error}");
-        // And so does all that follows.
-        assert!(matches!(renderer.upload(&scene, &drawn).unwrap_err(), RenderError::Device(_)));
     }
 }
