@@ -17,6 +17,8 @@ use ring::{Ring, Slot};
 
 /// How far back stamps may lie: a reading older than this is refused, and readings are gone over again no further back.
 const REMEMBER_S: f64 = 3.0;
+/// Times closer than this are the same instant: periods are decimal, stamps binary.
+const SAME_S: f64 = 1e-9;
 /// The bounds that a prediction by wheels stands on.
 const WHEELS: [Assumption; 6] =
     ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
@@ -113,6 +115,7 @@ impl Localizer {
                 self.wheels.push_rate(*measured_s, *rate_rad_per_s);
                 Vec::new()
             }
+            Reading::Flow { .. } => Vec::new(),
             Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
         }
     }
@@ -121,6 +124,22 @@ impl Localizer {
     pub fn estimate(&self) -> Estimate {
         let status = if self.doubt.is_some() { Status::Recovering } else { Status::Sound };
         Estimate { time_s: self.now_s, pose: self.current.clone(), status, relies_on: self.relies_on.clone() }
+    }
+
+    /// The answer at an instant: where the latest wheel reading is older, as when readings come late, reach bounds the rest.
+    pub fn estimate_at(&self, time_s: f64) -> Estimate {
+        let mut estimate = self.estimate();
+        if time_s <= self.now_s + SAME_S {
+            return estimate;
+        }
+        // Whole microseconds: the same instant counted from another zero has other last digits.
+        let span_s = ((time_s - self.now_s) * 1e6).ceil() * 1e-6;
+        let motion = self.wheels.reach_motion(self.now_s, self.now_s + span_s, &self.robot.reach);
+        estimate.pose = self.inside_room(moved_union(&estimate.pose, &motion));
+        estimate.time_s = time_s;
+        let reach = REACH.into_iter().filter(|assumption| !self.relies_on.contains(assumption));
+        estimate.relies_on.extend(reach);
+        estimate
     }
 
     /// Predicts up to a wheel reading.

@@ -274,6 +274,7 @@ impl Witness for Recording {
                 self.put(topic, "wherein_msgs/Gyro", arrived_s, &message);
                 self.put("/imu", "sensor_msgs/Imu", arrived_s, &messages::turn_rate(measured_s, *rate_rad_per_s));
             }
+            Reading::Flow { .. } => self.put(topic, "wherein_msgs/Flow", arrived_s, &message),
             Reading::Range { .. } => self.put(topic, "wherein_msgs/Range", arrived_s, &message),
         }
     }

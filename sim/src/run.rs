@@ -3,6 +3,7 @@
 mod clearance;
 mod history;
 mod marker_baselines;
+mod motion_sensors;
 mod range_baselines;
 mod witness;
 
@@ -34,6 +35,7 @@ use crate::{
 pub use clearance::Clearance;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
+pub use motion_sensors::{FlowSight, MotionSensors};
 pub use range_baselines::{Answers, RangeBaselines};
 pub use witness::Witness;
 
@@ -115,7 +117,7 @@ fn drive(
             break;
         }
         let fan = sensors.look_out(&world.truth(), &world.people());
-        let command = pilot.command(&localizer.estimate(), fan.as_ref(), time_s);
+        let command = pilot.command(&localizer.estimate_at(world.truth().time_s), fan.as_ref(), time_s);
         for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
             look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
@@ -145,7 +147,7 @@ fn look(
         let accounts = record.timed(
             |timing| match observation.reading {
                 Reading::Camera { .. } => &mut timing.vision_s,
-                Reading::Wheels { .. } | Reading::Gyro { .. } | Reading::Range { .. } => &mut timing.localizer_s,
+                _ => &mut timing.localizer_s,
             },
             || localizer.observe(&observation.reading),
         );
@@ -238,6 +240,7 @@ impl<'a> Recorder<'a> {
         self.start = here.nominal_start();
         self.odometry = PointOdometry::new(self.start);
         self.history.range_baselines.restart();
+        self.history.motion_sensors.restart();
         self.history.restarts.push(self.history.truths.len());
         self.witness.start(self.offset_s, Some(index));
     }
@@ -254,8 +257,7 @@ impl<'a> Recorder<'a> {
     fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
         self.witness.sense(reading);
-        self.history.greatest_gyro_noise_rad_per_s =
-            self.history.greatest_gyro_noise_rad_per_s.max(observation.gyro_noise_rad_per_s.abs());
+        self.history.motion_sensors.note(observation, self.offset_s);
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
         match reading {
@@ -268,6 +270,10 @@ impl<'a> Recorder<'a> {
                 self.readings.update(image.as_raw());
             }
             Reading::Gyro { rate_rad_per_s, .. } => self.readings.update(rate_rad_per_s.to_le_bytes()),
+            Reading::Flow { counts, blind_periods, .. } => {
+                counts.iter().for_each(|count| self.readings.update(count.to_le_bytes()));
+                self.readings.update(blind_periods.to_le_bytes());
+            }
             Reading::Range { sightings, .. } => {
                 for sighting in sightings {
                     self.readings.update(sighting.landmark.0.to_le_bytes());
@@ -321,7 +327,7 @@ impl<'a> Recorder<'a> {
 
     /// Notes truth and estimate, apart from each other.
     fn step(&mut self, truth: &Truth, localizer: &Localizer) {
-        let mut estimate = localizer.estimate();
+        let mut estimate = localizer.estimate_at(truth.time_s);
         estimate.time_s += self.offset_s;
         let truth = Truth { time_s: truth.time_s + self.offset_s, ..*truth };
         self.witness.step(&truth, &estimate, self.odometry.pose());

@@ -16,6 +16,7 @@ mod events;
 mod expect;
 mod files;
 mod floor;
+mod flow;
 mod lamps;
 mod markers;
 mod models;
@@ -24,6 +25,7 @@ mod parse;
 mod places;
 mod range_camera;
 mod robot;
+mod robot_preset;
 mod route;
 mod schema;
 mod sensor;
@@ -34,16 +36,17 @@ pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
 pub use cameras::{Band, Calibration, CameraTiming, CeilingCamera, ForwardCamera, LensKeys};
 pub use error::SceneError;
-pub use events::Event;
+pub use events::{Event, Side, Stuck};
 pub use expect::Expect;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
+pub use flow::{Delivery, Flow, FlowOptics};
 pub use lamps::{Lamp, LampKind, Spectrum};
 pub(crate) use markers::UNDER_CEILING_M;
 pub use markers::{Coding, Layout, Marker, Markers};
 pub use navigation::{Errand, FollowerName, Navigation, Proximity};
 pub use range_camera::{Gyro, RangeCamera};
-pub use robot::{Distribution, Encoders, FloorCamera, Robot};
+pub use robot::{Distribution, Encoders, FloorCamera, Robot, RobotPreset};
 pub use route::{Route, Spread, Start, Station, Waypoint};
 pub use schema::schema_text;
 pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
@@ -87,7 +90,7 @@ pub struct Scene {
     /// Coded landmarks for a range camera, numbered from 0 in the order of the file.
     #[serde(default, rename = "landmark")]
     pub landmarks: Vec<Landmark>,
-    /// The robot: a Pioneer P3-DX unless stated otherwise.
+    /// The robot: a Pioneer P3-DX unless stated otherwise, key by key or by its `preset`.
     #[serde(default)]
     pub robot: Robot,
     /// Where the robot stands at time 0, and how well the localizer knows it.

@@ -57,6 +57,10 @@ mod world_tyre;
 mod world_motion;
 /// Slip by region, friction events and pushes.
 mod world_floor;
+/// Carpets, ramps, stuck wheels, lifts, snapshots and Borenstein's square against closed forms.
+mod carpet_physics;
+/// Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
+mod motion_sensors;
 /// Routes driven by estimates, and the default bounds on such a drive.
 mod world_driver;
 /// Occupancy grids, ways through them and their files, against maps drawn by hand and map_server's rules.

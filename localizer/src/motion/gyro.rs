@@ -22,6 +22,9 @@ pub struct GyroHistory {
 /// Stamps closer than this are the same instant: periods are decimal, stamps binary.
 const SAME_S: f64 = 1e-9;
 
+/// Share of a period by which two may overlap and still be one after the other.
+const PERIOD_S_SLACK: f64 = 1e-3;
+
 impl GyroHistory {
     /// A history that forgets what is older than `keep_s`.
     pub fn new(model: GyroModel, keep_s: f64) -> Self {
@@ -33,13 +36,23 @@ impl GyroHistory {
         self.model.period_s
     }
 
-    /// Adds a reading; one no later than the last is a duplicate and is dropped.
+    /// Adds a reading where its period has its place among the others. A duplicate has none and is dropped, and so is a reading that comes
+    /// after all that its memory holds has gone by.
     pub fn push(&mut self, time_s: f64, rate_rad_per_s: f64) {
-        if self.readings.back().is_some_and(|(latest_s, _)| time_s <= latest_s + SAME_S) {
+        let place = self.readings.partition_point(|(end_s, _)| *end_s < time_s);
+        let begin_s = time_s - self.model.period_s;
+        let before = place.checked_sub(1).and_then(|idx| self.readings.get(idx));
+        let after = self.readings.get(place);
+        let overlaps = before.is_some_and(|(end_s, _)| begin_s < end_s - PERIOD_S_SLACK * self.model.period_s)
+            || after
+                .is_some_and(|(end_s, _)| end_s - self.model.period_s < time_s - PERIOD_S_SLACK * self.model.period_s);
+        let is_late = self.readings.back().is_some_and(|(latest_s, _)| time_s <= latest_s + SAME_S);
+        if is_late && (overlaps || before.is_none()) {
             return;
         }
-        self.readings.push_back((time_s, rate_rad_per_s));
-        while self.readings.front().is_some_and(|(first_s, _)| *first_s < time_s - self.keep_s) {
+        self.readings.insert(place, (time_s, rate_rad_per_s));
+        let latest_s = self.readings.back().map_or(time_s, |(latest_s, _)| *latest_s);
+        while self.readings.front().is_some_and(|(first_s, _)| *first_s < latest_s - self.keep_s) {
             self.readings.pop_front();
         }
     }

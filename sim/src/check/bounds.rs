@@ -3,6 +3,7 @@
 mod ceiling;
 mod monitor;
 mod motion;
+mod motion_sensors;
 mod range;
 
 use crate::{
@@ -18,6 +19,7 @@ use monitor::Monitor;
 pub fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let mut found = motion::violations(scene, record);
     found.extend(wheels(scene, record));
+    found.extend(motion_sensors::violations(scene, record));
     found.extend(range::violations(scene, record));
     found.extend(ceiling::violations(scene, record));
     if let (Some(camera), Some(_)) = (&scene.robot.floor_camera, &record.drawn.floor_camera) {
