@@ -6,7 +6,7 @@ use crate::{
     Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
     method::{Assumption, Claim},
-    motion::{WheelHistory, WheelIntegral, moved_union},
+    motion::{Motion, WheelHistory, WheelIntegral, moved_union},
     reading::LandmarkId,
 };
 
@@ -206,22 +206,29 @@ impl Localizer {
         let accounts = methods
             .iter_mut()
             .filter(|method| method.reads(reading))
-            .map(|method| match method.constrain(reading, &prior, &twist) {
-                Some(constraint) => {
-                    let mut account = self.hang(constraint);
-                    if self.doubt.is_none() {
-                        method.learn(&account.posterior, &|from_s, to_s| {
-                            self.wheels.motion(from_s, to_s, &self.robot.wheels, &self.robot.reach)
-                        });
-                    }
-                    account.landmarks = method.landmarks();
-                    account
+            .map(|method| {
+                method.carry_to(stamp_s, &|from_s, to_s| self.motion_between(from_s, to_s));
+                let Some(constraint) = method.constrain(reading, &prior, &twist) else {
+                    return Account::absent(method.name(), prior.clone());
+                };
+                let mut account = self.hang(constraint);
+                if self.doubt.is_none() {
+                    method.learn(&account.posterior, &|from_s, to_s| self.motion_between(from_s, to_s));
                 }
-                None => Account::absent(method.name(), prior.clone()),
+                account.landmarks = method.landmarks();
+                account
             })
             .collect();
         self.methods = methods;
         accounts
+    }
+
+    /// Motion between two stamps of the memory, by reach alone while the wheels are doubted.
+    fn motion_between(&self, from_s: f64, to_s: f64) -> Option<Motion> {
+        if self.doubt.is_some() {
+            return Some(self.wheels.reach_motion(from_s, to_s, &self.robot.reach));
+        }
+        self.wheels.motion(from_s, to_s, &self.robot.wheels, &self.robot.reach)
     }
 
     /// What is known of the pose at a past stamp; `None` when it lies outside of the memory or after the last wheel reading.

@@ -2,3 +2,4 @@
 
 pub mod floor_tiles;
 pub mod range_landmarks;
+pub mod wall_directions;

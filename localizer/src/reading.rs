@@ -69,6 +69,8 @@ pub struct LandmarkId(pub u32);
 pub enum Camera {
     /// Looks straight down at the floor.
     Floor,
+    /// Looks ahead, tilted up.
+    Forward,
 }
 
 impl Reading {

@@ -134,3 +134,22 @@ pub struct RangeCameraModel {
     /// `range_landmarks.wrong_spacing`.
     pub wrong_spacing: usize,
 }
+
+/// A camera that looks ahead, tilted up about its own u axis, which is level and points to the robot's right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForwardCameraModel {
+    /// Both focal lengths, `forward_camera.focal`.
+    pub focal_px: Interval,
+    /// Where the optical axis meets the image, `forward_camera.principal_point`.
+    pub principal_point_px: [Interval; 2],
+    /// Brown and Conrady's k1, k2, p1, p2, k3, as calibrated.
+    pub distortion: [f64; 5],
+    /// Nominal upward tilt of the optical axis.
+    pub tilt_up_rad: f64,
+    /// Direction of the optical axis from robot forward, counter-clockwise, `forward_camera.yaw`.
+    pub yaw_rad: Interval,
+    /// Greatest turn of the camera about any level axis from its nominal attitude, `forward_camera.tilt`.
+    pub tilt_error_rad: f64,
+    /// Greatest error of an image's stamp, `forward_camera.stamp`.
+    pub stamp_error_s: f64,
+}

@@ -11,6 +11,7 @@
 //! ```
 
 pub mod direct;
+pub mod forward;
 pub mod line_fit;
 pub mod paper;
 
