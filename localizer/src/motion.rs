@@ -3,7 +3,9 @@
 //! The true arc of a differential drive, per-wheel bounds with a floor, side slip, and reach. Ticks telescope: over any span
 //! the quantisation counts once, because a wheel's count is a difference of two latched totals.
 
+mod flow;
 mod gyro;
+mod gyro_bias;
 mod integral;
 mod odometry;
 
@@ -15,7 +17,9 @@ use crate::{
     robot::{GyroModel, Reach, WheelModel},
 };
 
+pub use flow::{Agreement, FlowIntegral, agree};
 pub use gyro::GyroHistory;
+pub use gyro_bias::GyroBias;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
 

@@ -153,3 +153,18 @@ pub struct ForwardCameraModel {
     /// Greatest error of an image's stamp, `forward_camera.stamp`.
     pub stamp_error_s: f64,
 }
+
+/// A two-axis optical flow sensor that looks at the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowModel {
+    /// Where it looks, in the robot frame: forward and left, `flow.position`.
+    pub position_m: [Interval; 2],
+    /// Travel of one count, over every height it is declared for, `flow.scale`.
+    pub metres_per_count: Interval,
+    /// Turn of its forward axis from the robot's, counter-clockwise, `flow.yaw`.
+    pub yaw_rad: Interval,
+    /// Greatest error, at any stamp, of an axis' counts since the start, `flow.quantisation`.
+    pub quantisation_counts: f64,
+    /// Greatest way, in counts, that it goes forth and back within one period beyond what it counts.
+    pub back_and_forth_counts: f64,
+}

@@ -4,7 +4,7 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3, vector};
 
-use super::{Picture, Segment, equalise, guidance_filter, segments};
+use super::{Picture, Segment, draws::Draws, equalise, guidance_filter, segments};
 
 /// How the paper's chain brightens a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,7 +56,7 @@ pub fn vanishing_points(segments: &[Segment], ray: impl Fn([f64; 2]) -> Vector3<
     if dominant.len() < 2 || rest.is_empty() {
         return None;
     }
-    let mut draw = Draws(1);
+    let mut draw = Draws::new();
     let mut best: Option<VanishingPoints> = None;
     for _ in 0..SAMPLES {
         let (i, j) = (dominant[draw.below(dominant.len())], dominant[draw.below(dominant.len())]);
@@ -146,16 +146,4 @@ fn nearest(normal: &Vector3<f64>, directions: &[Vector3<f64>; 3]) -> Option<usiz
     let off = |at: usize| normal.dot(&directions[at]).abs();
     let best = (1..3).fold(0, |best, next| if off(next) < off(best) { next } else { best });
     (off(best) < PLANE_TOLERANCE).then_some(best)
-}
-
-/// Numbers that are the same in each run: Marsaglia's 64-bit xorshift.
-struct Draws(u64);
-
-impl Draws {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % bound as u64) as usize
-    }
 }
