@@ -28,13 +28,14 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let violations = violations(scene, record);
     let false_claims: Vec<usize> =
         record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
-    let containment = judge::containment(record, &violations, &false_claims);
+    let (containment, judgements) = judge::containment(record, &violations, &false_claims);
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
     let baselines = baselines(record, &truths);
     let mut verdict = Verdict {
         containment,
+        judgements,
         violations,
         error: statistics::errors(&midpoints, &truths),
         width: statistics::widths(record),

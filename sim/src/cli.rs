@@ -9,15 +9,30 @@ use std::{
 use clap::{Args, Parser, Subcommand};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
-use crate::{frames::FramesPolicy, record::RecordError, render::RenderError, scene::SceneError, still::CameraName};
+use crate::{
+    compare::SideError,
+    frames::FramesPolicy,
+    record::RecordError,
+    render::RenderError,
+    replay::ReplayError,
+    scene::{SceneError, Setting},
+    still::CameraName,
+    sweep::{Seeds, SweepError},
+};
 
+mod compare;
+mod conclude;
+mod github;
 mod render;
+mod replay;
+mod report;
+mod results_arguments;
 mod run;
-mod seeds;
+mod sweep;
 mod table;
 
 pub use render::{At, Lights};
-pub use seeds::Seeds;
+use results_arguments::{CompareArguments, MergeArguments, Outputs, ReportArguments, SweepArguments};
 
 /// Simulates an indoor robot and its cameras, localizes it by interval boxes, and checks every box against the truth.
 #[derive(Debug, Parser)]
@@ -32,7 +47,11 @@ Examples:
   wherein run scenes/papers/floor_vision_odometry.toml            one run with seed 0
   wherein run scenes --seeds 0..10 --out results                  every scene, ten seeds each
   wherein run scenes/x.toml --seed 7 --frames failures            pictures of what went wrong with seed 7
+  wherein sweep scenes/x.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..20
+                                                                  every value with twenty seeds, and a report
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
+  wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
+  wherein replay renders/x/0/recording.mcap                       the localizer on that recording, bit for bit
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -41,8 +60,18 @@ Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not
 enum Command {
     /// Runs scenes and records what they leave behind.
     Run(RunArguments),
+    /// Runs one scene with every combination of the values of some keys, and reports on all of them.
+    Sweep(SweepArguments),
+    /// Writes the report of a folder of results: report.html, summary.md and results.csv.
+    Report(ReportArguments),
+    /// Says in which figures results are better or worse than others, case by case.
+    Compare(CompareArguments),
+    /// Brings the parts of a sweep together that several machines ran with --shard.
+    Merge(MergeArguments),
     /// Takes pictures of a robot that stands still, one per camera.
     Render(RenderArguments),
+    /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones.
+    Replay(ReplayArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
     Table(TableArguments),
     /// Prints the JSON schema of scene files.
@@ -64,6 +93,9 @@ struct RunArguments {
     /// Several seeds, A included and B not.
     #[arg(long, value_name = "A..B")]
     seeds: Option<Seeds>,
+    /// Set a key of the scenes, such as floor.friction=0.3; may be given several times.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Setting>,
     /// Where results go.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
@@ -73,6 +105,15 @@ struct RunArguments {
     /// Print the summaries as a JSON list instead of a table.
     #[arg(long)]
     json: bool,
+    /// Leave recording.mcap too: images, readings, poses, boxes and log messages, for Foxglove, Rerun and `wherein replay`.
+    #[arg(long)]
+    record: bool,
+    /// Leave the recording as rosbag2/, a bag that ROS 2 and `evo` open; its boxes are markers of ROS 2.
+    #[arg(long, conflicts_with = "record")]
+    ros2: bool,
+    /// Write the results as JUnit XML, too.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
     /// Skip runs that this build of the program has already recorded for the same scene; continues what was interrupted.
     #[arg(long)]
     resume: bool,
@@ -80,7 +121,7 @@ struct RunArguments {
 
 const RUN_AFTER_HELP: &str = "\
 Each run leaves DIR/<scene>/<seed>/ with summary.json (all figures, and whether the scene's [expect] was met),
-timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames asked for.
+timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames and the recording asked for.
 
 In the table, a check is one step of 10 ms. `contained`: the truth is in a box. Outside of it, the cause is named:
 `bound broken`: a declared bound was really exceeded; `perception`: the vision saw what is not there; `unsound`: neither.
@@ -122,6 +163,24 @@ fn camera_name(text: &str) -> Result<CameraName, String> {
     found.ok_or_else(|| format!("expected one of {}", CameraName::ALL.map(CameraName::as_str).join(", ")))
 }
 
+/// What `wherein replay` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = REPLAY_AFTER_HELP)]
+struct ReplayArguments {
+    /// A recording that `wherein run --record` or `--ros2` left.
+    #[arg(value_name = "FILE")]
+    recording: PathBuf,
+    /// Set up the localizer as this scene does instead of the recorded one.
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<PathBuf>,
+    /// Write estimate.tum and boxes.csv of the replay there.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+const REPLAY_AFTER_HELP: &str = "\
+Exit code: 0 every estimate is the recorded one bit for bit, 1 some are not, 2 could not replay. With --scene estimates may differ.";
+
 /// What `wherein table` is asked.
 #[derive(Debug, Args)]
 struct TableArguments {
@@ -142,7 +201,15 @@ enum CommandError {
     #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]
+    Replay(#[from] ReplayError),
+    #[error(transparent)]
     Record(#[from] RecordError),
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    #[error(transparent)]
+    Side(#[from] SideError),
+    #[error("compare {} and {}: no case ran in both, expected the same scenes, settings and seeds", .0.display(), .1.display())]
+    NoPairs(PathBuf, PathBuf),
     #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
     NoResults(PathBuf),
     #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
@@ -167,13 +234,18 @@ enum CommandError {
 pub fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Run(arguments) => run::run_scenes(&arguments),
+        Command::Sweep(arguments) => sweep::sweep(&arguments),
+        Command::Merge(arguments) => sweep::merge_folders(&arguments),
+        Command::Report(arguments) => report::report_folder(&arguments),
+        Command::Compare(arguments) => compare::compare_sides(&arguments),
         Command::Render(arguments) => render::render(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
         Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),
     };
     outcome.unwrap_or_else(|error| {
-        report(&error);
+        complain(&error);
         ExitCode::from(2)
     })
 }
@@ -192,9 +264,14 @@ fn print(text: &str) -> Result<(), CommandError> {
     }
 }
 
-fn report(error: &CommandError) {
+fn complain(error: &CommandError) {
     eprintln!("wherein: failed to {error}");
-    let CommandError::Scene(scene @ SceneError::Invalid { .. }) = error else { return };
+    let (CommandError::Scene(scene @ SceneError::Invalid { .. })
+    | CommandError::Replay(ReplayError::Scene(scene @ SceneError::Invalid { .. }))
+    | CommandError::Sweep(SweepError::Scene(scene @ SceneError::Invalid { .. }))) = error
+    else {
+        return;
+    };
     let theme = if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
     let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
     let mut snippet = String::new();

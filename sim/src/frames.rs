@@ -1,6 +1,6 @@
 //! Debug frames: what a camera gave, and what the localizer made of it.
 
-use std::{path::Path, str::FromStr};
+use std::{fmt, path::Path, str::FromStr};
 
 use image::{GrayImage, RgbImage};
 use localizer::Reading;
@@ -27,7 +27,8 @@ pub enum FramesPolicy {
     /// Of none.
     #[default]
     None,
-    /// Of those after which the truth is outside the estimate, or that emptied it.
+    /// Of those after which the truth is outside the estimate, or that emptied it; of the one that left the widest box when
+    /// a run without any of those misses an expectation.
     Failures,
     /// Of every n-th, the first included.
     Every(usize),
@@ -62,25 +63,57 @@ impl FromStr for FramesPolicy {
     }
 }
 
-/// Draws what the localizer saw in an image beside where that put the robot; none when the record did not keep the image.
-pub fn figure(file: &SceneFile, record: &RunRecord, image: &ImageRecord) -> Option<RgbImage> {
-    Some(figure::draw(file, record, image, &Seen::of(file, image)?))
+impl fmt::Display for FramesPolicy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FramesPolicy::None => f.write_str("none"),
+            FramesPolicy::Failures => f.write_str("failures"),
+            FramesPolicy::Every(n) => write!(f, "every={n}"),
+            FramesPolicy::All => f.write_str("all"),
+        }
+    }
 }
 
-/// Writes `image_*.png` as a camera gave it and `figure_*.png` for every reading that `record` kept.
-pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
+/// Draws what the localizer saw in an image beside where that put the robot; none when the record did not keep the image.
+pub fn figure(file: &SceneFile, record: &RunRecord, image: &ImageRecord) -> Option<RgbImage> {
+    Some(figure::draw(file, record, image, &Seen::of(file, image.reading.as_ref()?)?))
+}
+
+/// Writes `image_*.png` as a camera gave it and `figure_*.png` for every reading that `record` kept, and says of how many.
+pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<usize, RecordError> {
+    let mut count = 0;
     for image in &record.images {
-        let Some(seen) = Seen::of(file, image) else { continue };
-        let number = image.number;
-        if let Seen::Image { pixels, .. } = seen {
-            let raw = folder.join(format!("image_{number:05}.png"));
-            naming("write", &raw, pixels.save(&raw).map_err(std::io::Error::other))?;
-        }
-        let drawn = folder.join(format!("figure_{number:05}.png"));
-        let figure = figure::draw(file, record, image, &seen);
-        naming("write", &drawn, figure.save(&drawn).map_err(std::io::Error::other))?;
+        let Some(seen) = image.reading.as_ref().and_then(|reading| Seen::of(file, reading)) else { continue };
+        write_one(folder, file, record, image, &seen)?;
+        count += 1;
     }
-    Ok(())
+    Ok(count)
+}
+
+/// Writes the same of the reading that left the widest box.
+pub(crate) fn write_widest(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
+    let widest = record.widest_image.as_ref();
+    let Some((image, reading)) = widest.and_then(|(index, reading)| Some((record.images.get(*index)?, reading))) else {
+        return Ok(());
+    };
+    Seen::of(file, reading).map_or(Ok(()), |seen| write_one(folder, file, record, image, &seen))
+}
+
+fn write_one(
+    folder: &Path,
+    file: &SceneFile,
+    record: &RunRecord,
+    image: &ImageRecord,
+    seen: &Seen,
+) -> Result<(), RecordError> {
+    let number = image.number;
+    if let Seen::Image { pixels, .. } = seen {
+        let raw = folder.join(format!("image_{number:05}.png"));
+        naming("write", &raw, pixels.save(&raw).map_err(std::io::Error::other))?;
+    }
+    let drawn = folder.join(format!("figure_{number:05}.png"));
+    let figure = figure::draw(file, record, image, seen);
+    naming("write", &drawn, figure.save(&drawn).map_err(std::io::Error::other))
 }
 
 /// What a figure shows at its left.
@@ -92,8 +125,8 @@ enum Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn of(file: &'a SceneFile, image: &'a ImageRecord) -> Option<Self> {
-        match image.reading.as_ref()? {
+    fn of(file: &'a SceneFile, reading: &'a Reading) -> Option<Self> {
+        match reading {
             Reading::Camera { image, exposure_s, .. } => Some(Seen::Image { pixels: image, exposure_s: *exposure_s }),
             Reading::Range { .. } => Some(Seen::Codes { camera: file.scene.robot.range_camera.as_ref()? }),
             Reading::Wheels { .. } | Reading::Gyro { .. } => None,

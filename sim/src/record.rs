@@ -6,6 +6,8 @@
 //! | `timing.json` | how long it took, apart because it differs from run to run |
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every branch of every estimate |
+//! | `steps.csv` | error, width and judgement at every step |
+//! | `recording.mcap` or `rosbag2/` | all that the localizer was told and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
 use std::{
@@ -15,15 +17,17 @@ use std::{
     time::{Duration, SystemTime},
 };
 
+use localizer::Estimate;
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::{check::Verdict, frames, run::RunRecord, scene::SceneFile};
+use crate::{check::Verdict, frames, recording::Recording, run::RunRecord, scene::SceneFile};
 
 mod digest;
 mod poses;
 mod summary;
 
+pub(crate) use digest::estimates_digest;
 pub use digest::{program_digest, scene_digest};
 pub use summary::{Summary, Timing};
 
@@ -61,17 +65,54 @@ pub fn prepare(out: &Path) -> Result<(), RecordError> {
 ///
 /// A folder that the run left before is replaced. An error leaves it as it was.
 pub fn write(out: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<PathBuf, RecordError> {
+    write_with(out, file, record, verdict, None)
+}
+
+/// Writes like [`write()`], with the recording that was made during the run.
+pub fn write_with(
+    out: &Path,
+    file: &SceneFile,
+    record: &RunRecord,
+    verdict: &Verdict,
+    recording: Option<Recording>,
+) -> Result<PathBuf, RecordError> {
     let target = folder(out, &file.name, record.seed);
-    let beside = target.parent().unwrap_or(out);
+    clear_stale(target.parent().unwrap_or(out));
+    replace_whole(&target, |partial| fill(partial, file, record, verdict, recording))?;
+    Ok(target)
+}
+
+/// Puts a new folder, filled by `fill`, in the place of `target`: whole or, when `fill` errs, not at all.
+pub(crate) fn replace_whole(
+    target: &Path,
+    fill: impl FnOnce(&Path) -> Result<(), RecordError>,
+) -> Result<(), RecordError> {
+    let beside = target.parent().unwrap_or(target);
     naming("create the folder", beside, fs::create_dir_all(beside))?;
-    clear_stale(beside);
-    let partial = beside.join(format!(".{}-{}{PARTIAL}", record.seed, process::id()));
-    let written = fill(&partial, file, record, verdict).and_then(|()| replace(&target, &partial));
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    let partial = beside.join(format!(".{name}-{}{PARTIAL}", process::id()));
+    let created = naming("create the folder", &partial, fs::create_dir_all(&partial));
+    let written = created.and_then(|()| fill(&partial)).and_then(|()| replace(target, &partial));
     if written.is_err() {
         // The error at hand says what is wrong; what cannot be deleted now is cleared by a later run.
         let _ = fs::remove_dir_all(&partial);
     }
-    written.map(|()| target)
+    written
+}
+
+/// Writes `estimate.tum` and `boxes.csv` of estimates into `folder`, in the place of older ones.
+pub fn write_estimates(folder: &Path, estimates: &[Estimate]) -> Result<(), RecordError> {
+    naming("create the folder", folder, fs::create_dir_all(folder))?;
+    for (name, text) in [("estimate.tum", poses::estimate_tum(estimates)), ("boxes.csv", poses::boxes_csv(estimates))] {
+        let (path, partial) = (folder.join(name), folder.join(format!(".{name}-{}{PARTIAL}", process::id())));
+        let written = naming("write", &partial, fs::write(&partial, text))
+            .and_then(|()| naming("create", &path, fs::rename(&partial, &path)));
+        if written.is_err() {
+            let _ = fs::remove_file(&partial);
+            return written;
+        }
+    }
+    Ok(())
 }
 
 /// The summary and the timing that a run left in `folder`; none when it left no summary.
@@ -94,18 +135,32 @@ const PARTIAL: &str = ".partial";
 /// Ending of a folder that has made way for a newer one.
 const REPLACED: &str = ".replaced";
 
-fn fill(partial: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<(), RecordError> {
-    naming("create the folder", partial, fs::create_dir_all(partial))?;
+/// Writes all files of a run into an empty folder.
+pub(crate) fn fill(
+    partial: &Path,
+    file: &SceneFile,
+    record: &RunRecord,
+    verdict: &Verdict,
+    recording: Option<Recording>,
+) -> Result<(), RecordError> {
     let write = |name: &str, content: String| {
         let path = partial.join(name);
         naming("write", &path, fs::write(&path, content))
     };
     write("truth.tum", poses::truth_tum(record))?;
-    write("estimate.tum", poses::estimate_tum(record))?;
-    write("boxes.csv", poses::boxes_csv(record))?;
-    frames::write(partial, file, record)?;
-    write("timing.json", format!("{:#}\n", Timing::of(record).to_json()))?;
-    write("summary.json", Summary::of(file, record, verdict).to_text())
+    write("estimate.tum", poses::estimate_tum(&record.estimates))?;
+    write("boxes.csv", poses::boxes_csv(&record.estimates))?;
+    write("steps.csv", poses::steps_csv(record, verdict))?;
+    let shown = frames::write(partial, file, record)?;
+    if shown == 0 && !verdict.verdict.passed {
+        frames::write_widest(partial, file, record)?;
+    }
+    write("timing.json", format!("{:#}\n", Timing::of(file, record).to_json()))?;
+    let summary = Summary::of(file, record, verdict);
+    if let Some(recording) = recording {
+        recording.finish(&summary, partial)?;
+    }
+    write("summary.json", summary.to_text())
 }
 
 /// Puts `partial` in the place of `target`. A run that is killed between the two renames leaves the old folder aside.
@@ -133,7 +188,7 @@ fn clear_stale(folder: &Path) {
         let is_stale = modified.elapsed().is_ok_and(|age| age > STALE);
         if name.starts_with('.') && (name.ends_with(PARTIAL) || name.ends_with(REPLACED)) && is_stale {
             // Another process may clear the same folder at the same time; either way it is gone.
-            let _ = fs::remove_dir_all(entry.path());
+            let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
         }
     }
 }

@@ -141,7 +141,8 @@ pub enum RenderError {
     },
 }
 
-/// The graphics device with its pipelines. Make one per process: several instances on one driver may abort.
+/// The graphics device with its pipelines. Make one per process, and siblings of it for further threads: several instances
+/// on one driver may abort.
 pub struct Renderer {
     graphics: Graphics,
     floor_pass: FloorPass,
@@ -157,7 +158,18 @@ impl Renderer {
     /// # Errors
     /// If there is no such adapter or it cannot be opened.
     pub fn new() -> Result<Renderer, RenderError> {
-        let graphics = Graphics::open()?;
+        Renderer::on(Graphics::open()?)
+    }
+
+    /// Another renderer on the same device, for another thread; none when the device does not allow several threads.
+    ///
+    /// # Errors
+    /// If the driver reported an error.
+    pub fn sibling(&self) -> Result<Option<Renderer>, RenderError> {
+        if self.graphics.allows_threads() { Renderer::on(self.graphics.clone()).map(Some) } else { Ok(None) }
+    }
+
+    fn on(graphics: Graphics) -> Result<Renderer, RenderError> {
         let floor_pass = FloorPass::new(&graphics.device);
         let room_pass = RoomPass::new(&graphics.device);
         let photon_pass = PhotonPass::new(&graphics.device);

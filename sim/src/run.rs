@@ -2,6 +2,7 @@
 
 mod history;
 mod range_baselines;
+mod witness;
 
 use std::time::Instant;
 
@@ -28,6 +29,7 @@ use crate::{
 
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use range_baselines::{Answers, RangeBaselines};
+pub use witness::Witness;
 
 /// Time between two estimates, two commands and two checks.
 const STEP_S: f64 = 0.01;
@@ -47,16 +49,29 @@ pub struct RunOptions {
 pub fn run(
     scene: &Scene,
     seed: u64,
+    renderer: Option<&mut Renderer>,
+    options: &RunOptions,
+    progress: &mut dyn FnMut(f64),
+) -> Result<RunRecord, RenderError> {
+    run_witnessed(scene, seed, renderer, options, &mut (), progress)
+}
+
+/// Runs like [`run`] while `witness` looks on.
+pub fn run_witnessed(
+    scene: &Scene,
+    seed: u64,
     mut renderer: Option<&mut Renderer>,
     options: &RunOptions,
+    witness: &mut dyn Witness,
     progress: &mut dyn FnMut(f64),
 ) -> Result<RunRecord, RenderError> {
     let began = Instant::now();
     let drawn = Drawn::draw(scene, seed);
     let adapter = renderer.as_deref().map(Renderer::adapter);
-    let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options);
-    let mut localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options, witness);
+    let mut localizer = localizer(scene);
     if scene.stations.is_empty() {
+        record.witness.start(0.0, None);
         drive(scene, seed, &drawn, renderer.as_deref_mut(), &mut localizer, &mut record, progress)?;
     }
     for (index, station) in scene.stations.iter().enumerate() {
@@ -78,7 +93,7 @@ fn drive(
     drawn: &Drawn,
     mut renderer: Option<&mut Renderer>,
     localizer: &mut Localizer,
-    record: &mut Recorder,
+    record: &mut Recorder<'_>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(), RenderError> {
     let mut world = World::new(scene, drawn);
@@ -107,7 +122,7 @@ fn look(
     sensors: &mut Sensors,
     renderer: Option<&mut Renderer>,
     localizer: &mut Localizer,
-    record: &mut Recorder,
+    record: &mut Recorder<'_>,
 ) -> Result<(), RenderError> {
     let arrived =
         record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), renderer))?;
@@ -123,6 +138,11 @@ fn look(
         record.images(observation, accounts);
     }
     Ok(())
+}
+
+/// The localizer that the scene asks for, told what the scene tells it.
+pub(crate) fn localizer(scene: &Scene) -> Localizer {
+    Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
 }
 
 /// The methods that the scene asks for; a new method is one line here.
@@ -157,7 +177,7 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
 }
 
 /// Writes the run's history down while it happens.
-struct Recorder {
+struct Recorder<'a> {
     history: RunRecord,
     odometry: PointOdometry,
     wheels: localizer::robot::WheelModel,
@@ -167,10 +187,18 @@ struct Recorder {
     offset_s: f64,
     /// Where the localizer is told that it began, in the middle.
     start: Pose,
+    witness: &'a mut dyn Witness,
 }
 
-impl Recorder {
-    fn new(scene: &Scene, seed: u64, drawn: Drawn, adapter: Option<String>, options: &RunOptions) -> Self {
+impl<'a> Recorder<'a> {
+    fn new(
+        scene: &Scene,
+        seed: u64,
+        drawn: Drawn,
+        adapter: Option<String>,
+        options: &RunOptions,
+        witness: &'a mut dyn Witness,
+    ) -> Self {
         // Odometry alone knows no better start than the middle of the box that the localizer is given.
         let odometry = PointOdometry::new(scene.nominal_start());
         Recorder {
@@ -180,6 +208,7 @@ impl Recorder {
             readings: Sha256::new(),
             keep_images: options.keep_images,
             offset_s: 0.0,
+            witness,
             start: scene.nominal_start(),
         }
     }
@@ -191,6 +220,7 @@ impl Recorder {
         self.odometry = PointOdometry::new(self.start);
         self.history.range_baselines.restart();
         self.history.restarts.push(self.history.truths.len());
+        self.witness.start(self.offset_s, Some(index));
     }
 
     /// Runs `work` and adds its wall-clock time to a stage.
@@ -204,6 +234,7 @@ impl Recorder {
     /// Notes a reading on its way into the localizer.
     fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
+        self.witness.sense(reading);
         self.history.greatest_gyro_noise_rad_per_s =
             self.history.greatest_gyro_noise_rad_per_s.max(observation.gyro_noise_rad_per_s.abs());
         self.readings.update(reading.measured_s().to_le_bytes());
@@ -231,6 +262,7 @@ impl Recorder {
     /// Notes what the methods made of a reading.
     fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
         let Observation { reading, mut truth, codes, .. } = observation;
+        self.witness.account(&reading, &accounts);
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         for account in accounts {
@@ -243,6 +275,9 @@ impl Recorder {
             }
             let failed = account.emptied || !account.posterior.contains(truth.pose);
             let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
+            if self.keep_images == FramesPolicy::Failures {
+                self.history.keep_widest(&reading, &account.posterior);
+            }
             self.history.images.push(ImageRecord {
                 number,
                 measured_s: reading.measured_s() + self.offset_s,
@@ -266,7 +301,9 @@ impl Recorder {
     fn step(&mut self, truth: &Truth, localizer: &Localizer) {
         let mut estimate = localizer.estimate();
         estimate.time_s += self.offset_s;
-        self.history.truths.push(Truth { time_s: truth.time_s + self.offset_s, ..*truth });
+        let truth = Truth { time_s: truth.time_s + self.offset_s, ..*truth };
+        self.witness.step(&truth, &estimate, self.odometry.pose());
+        self.history.truths.push(truth);
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
         self.history.range_baselines.step(self.odometry.pose());

@@ -25,6 +25,7 @@ mod robot;
 mod route;
 mod schema;
 mod sensor;
+mod setting;
 mod things;
 
 pub use bounds::Bounds;
@@ -41,6 +42,7 @@ pub use robot::{Distribution, Encoders, FloorCamera, Robot};
 pub use route::{Route, Start, Station, Waypoint};
 pub use schema::schema_text;
 pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
+pub use setting::{SceneTemplate, Setting, shown, value_of};
 pub use things::{Furniture, Landmark, Person};
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
@@ -100,6 +102,13 @@ pub struct Scene {
     /// What the verdict asks of each run.
     #[serde(default)]
     pub expect: Expect,
+}
+
+impl Scene {
+    /// Whether a run of it needs a renderer.
+    pub fn has_camera(&self) -> bool {
+        self.robot.floor_camera.is_some()
+    }
 }
 
 /// An axis-aligned rectangular room, `0 ≤ x ≤ width_m`, `0 ≤ y ≤ depth_m` between the inner faces of its walls.

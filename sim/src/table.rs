@@ -8,6 +8,8 @@ mod columns;
 mod layout;
 mod pool;
 
+pub(crate) use pool::pool;
+
 pub use layout::{as_markdown, as_text};
 
 /// One run as its summary and its timing tell it.
@@ -76,7 +78,7 @@ fn scene_lines(scene: &str, runs: &[&Outcome], each_seed: bool) -> Vec<Line> {
             line(format!("seed {}", run.seed), verdict.to_owned(), run.figures.clone())
         }));
     }
-    let pooled = pool::pool(&runs.iter().map(|run| &run.figures).collect::<Vec<_>>());
+    let pooled = pool(&runs.iter().map(|run| &run.figures).collect::<Vec<_>>());
     let baselines = pool::baselines(&pooled);
     if runs.len() > 1 {
         let passed = runs.iter().filter(|run| run.passed).count();

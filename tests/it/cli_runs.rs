@@ -100,7 +100,7 @@ fn a_run_replaces_what_an_earlier_one_left() {
     let mut names: Vec<String> =
         fs::read_dir(&left).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["boxes.csv", "estimate.tum", "summary.json", "timing.json", "truth.tum"]);
+    assert_eq!(names, ["boxes.csv", "estimate.tum", "steps.csv", "summary.json", "timing.json", "truth.tum"]);
     assert_eq!(fs::read_dir(folder.join("renders/scene")).unwrap().count(), 1, "something was left beside the run");
 }
 

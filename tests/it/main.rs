@@ -86,3 +86,13 @@ mod render_studio;
 mod blame;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
+/// Recordings as the `mcap` crate reads them, and the localizer on them.
+mod recordings;
+/// Sweeps: every case once, the same bytes for any number of jobs, after kills, and merged from parts.
+mod sweep_cases;
+/// Sweeps that must be refused, and what the refusal says.
+mod sweep_refusals;
+/// Reports, JUnit and annotations of a sweep, against its own table.
+mod sweep_report;
+/// `wherein compare`: planted differences found, chance not taken for one.
+mod sweep_compare;

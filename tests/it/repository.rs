@@ -59,7 +59,7 @@ fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside()
 
 #[test]
 fn every_path_that_a_document_names_exists() {
-    for document in ["README.md", "ARCHITECTURE.md"] {
+    for document in ["README.md", "ARCHITECTURE.md", "docs/sweeps.md"] {
         let text = fs::read_to_string(root().join(document)).unwrap();
         for path in named_paths(&text) {
             assert!(root().join(&path).exists(), "{document} names `{}`, which does not exist", path.display());
@@ -82,8 +82,8 @@ fn the_readme_holds_a_table_of_results() {
 
 /// What stands in `back quotes` or in (a link) and begins with a folder of the repository.
 fn named_paths(text: &str) -> Vec<PathBuf> {
-    const FOLDERS: [&str; 8] =
-        ["localizer/", "sim/", "tests/", "scenes/", "scripts/", "experiments/", "renders/gallery/", ".ci/"];
+    const FOLDERS: [&str; 9] =
+        ["localizer/", "sim/", "tests/", "scenes/", "scripts/", "experiments/", "renders/gallery/", ".ci/", "docs/"];
     let spans = text.split(['`', '(', ')', ' ', '\n']);
     spans
         .filter(|span| FOLDERS.iter().any(|folder| span.starts_with(folder)))

@@ -318,3 +318,18 @@ fn a_range_camera_that_cannot_be_is_refused() {
         assert_refused(&format!("impossible_range_camera_{index}"), scene, &parts);
     }
 }
+
+#[test]
+fn a_sensor_that_cannot_be_is_refused() {
+    let with = |keys: &str| edited("floor_camera = false\n", &format!("[robot.floor_camera]\n{keys}\n"));
+    let cases = [
+        ("sensor.bits = 9", ["`robot.floor_camera.sensor.bits = 9`", "expected one of 8, 10, 12"]),
+        ("sensor.preset = \"low_ligth\"", ["`robot.floor_camera.sensor.preset = \"low_ligth\"`", "low_light"]),
+        ("sensor.f_number = 0", ["`robot.floor_camera.sensor.f_number = 0`", "from 0.7 to 32"]),
+        ("sensor.prnu = -0.1", ["`robot.floor_camera.sensor.prnu = -0.1`", "from 0 to 0.2"]),
+        ("sensor.gain = 2", ["`robot.floor_camera.sensor.gain`", "unknown key"]),
+    ];
+    for (index, (keys, parts)) in cases.into_iter().enumerate() {
+        assert_refused(&format!("impossible_sensor_{index}"), with(keys), &parts);
+    }
+}

@@ -7,16 +7,22 @@ use super::verdict::{Containment, FirstFailure, Judgement, Violation};
 /// A cause may lie so long before the step at which the truth is found outside: as long as the localizer remembers.
 const CAUSE_WITHIN_S: f64 = 3.0;
 
-/// Counts of judgements over all steps, and the first step outside.
+/// The judgement of every step, their counts, and the first step outside.
 ///
 /// A step outside inherits the cause of the step before it: a box that went wrong stays wrong until something resolves it.
-pub(super) fn containment(record: &RunRecord, violations: &[Violation], false_claims: &[usize]) -> Containment {
+pub(super) fn containment(
+    record: &RunRecord,
+    violations: &[Violation],
+    false_claims: &[usize],
+) -> (Containment, Vec<Judgement>) {
+    let mut judgements = Vec::with_capacity(record.truths.len());
     let mut counts = Containment { checks: record.truths.len().min(record.estimates.len()), ..Containment::default() };
     let mut last_contained_s = 0.0;
     let mut standing: Option<(Judgement, String)> = None;
     for (truth, estimate) in record.truths.iter().zip(&record.estimates) {
         if estimate.pose.contains(truth.pose) {
             counts.contained += 1;
+            judgements.push(Judgement::Contained);
             last_contained_s = truth.time_s;
             standing = None;
             continue;
@@ -27,6 +33,7 @@ pub(super) fn containment(record: &RunRecord, violations: &[Violation], false_cl
             standing = Some(blame(record, violations, false_claims, &estimate.relies_on, [from_s, truth.time_s]));
         }
         let Some((judgement, cause)) = &standing else { continue };
+        judgements.push(*judgement);
         match judgement {
             Judgement::Contained => {}
             Judgement::BoundBroken => counts.bound_broken += 1,
@@ -39,7 +46,7 @@ pub(super) fn containment(record: &RunRecord, violations: &[Violation], false_cl
                 Some(FirstFailure { time_s: truth.time_s, axis, margin, outcome: *judgement, blame: cause.clone() });
         }
     }
-    counts
+    (counts, judgements)
 }
 
 /// The cause of a truth outside: a bound that the estimate relies on, exceeded in `span_s`; else too many false claims; else our own.

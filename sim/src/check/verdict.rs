@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 /// How an estimate stands to the truth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
     /// The truth is in the union.
@@ -23,6 +23,9 @@ pub enum Judgement {
 pub struct Verdict {
     /// Counts of judgements over all steps.
     pub containment: Containment,
+    /// The judgement of every step; `steps.csv` holds them.
+    #[serde(skip)]
+    pub judgements: Vec<Judgement>,
     /// Every declared bound that was exceeded, whether or not the truth stayed inside.
     pub violations: Vec<Violation>,
     /// Errors of the midpoint of the hull.
@@ -39,6 +42,22 @@ pub struct Verdict {
     pub metrics: BTreeMap<String, f64>,
     /// Whether the scene's expectations were met.
     pub verdict: Passed,
+}
+
+impl Judgement {
+    /// All of them, from best to worst.
+    pub const ALL: [Judgement; 4] =
+        [Judgement::Contained, Judgement::BoundBroken, Judgement::Perception, Judgement::Unsound];
+
+    /// Its name in every file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Judgement::Contained => "contained",
+            Judgement::BoundBroken => "bound_broken",
+            Judgement::Perception => "perception",
+            Judgement::Unsound => "unsound",
+        }
+    }
 }
 
 /// Counts of judgements over all steps.

@@ -8,29 +8,34 @@ use serde_json::Value;
 use crate::{
     check::check,
     record::{self, program_digest, scene_digest},
+    recording::{Form, Recording},
     render::Renderer,
-    run::{RunOptions, run},
-    scene::SceneFile,
+    report::Overview,
+    results::{CaseResult, Results, quoted},
+    run::{RunOptions, Witness, run_witnessed},
+    scene::{SceneFile, SceneTemplate},
+    sweep,
     table::{Outcome, as_text, lines},
 };
 
-use super::{CommandError, RunArguments, Seeds, print};
+use super::{CommandError, RunArguments, Seeds, conclude::write_junit, github::tell_github, print};
 
 /// One run as it was recorded.
 struct Recorded {
     folder: PathBuf,
-    scene_path: PathBuf,
+    file: SceneFile,
     summary: Value,
+    timing: Value,
     outcome: Outcome,
 }
 
 /// Runs everything asked for and prints the results. The exit code says whether all expectations were met.
 pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandError> {
-    let files = SceneFile::load_all(&arguments.paths)?;
+    let files = load(arguments)?;
     record::prepare(&arguments.out)?;
     // Opening an adapter takes a moment, and a scene without a camera needs none.
     let mut renderer = None;
-    if files.iter().any(|file| file.scene.robot.floor_camera.is_some()) {
+    if files.iter().any(|file| file.scene.has_camera()) {
         renderer = Some(Renderer::new()?);
     }
     let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
@@ -51,8 +56,20 @@ pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandEr
     }
     bar.finish_and_clear();
     announce(arguments, &recorded)?;
+    let results = results(&recorded);
+    write_junit(&results, arguments.junit.as_ref())?;
+    tell_github(&Overview::of(&results), &results)?;
     let all_passed = recorded.iter().all(|one| one.outcome.passed);
     Ok(ExitCode::from(u8::from(!all_passed)))
+}
+
+/// The scenes with what is set in them.
+fn load(arguments: &RunArguments) -> Result<Vec<SceneFile>, CommandError> {
+    let files = SceneFile::load_all(&arguments.paths)?;
+    if arguments.set.is_empty() {
+        return Ok(files);
+    }
+    Ok(files.iter().map(|file| SceneTemplate::load(&file.path)?.with(&arguments.set)).collect::<Result<_, _>>()?)
 }
 
 fn run_one(
@@ -63,13 +80,28 @@ fn run_one(
     bar: &ProgressBar,
 ) -> Result<Recorded, CommandError> {
     let start = bar.position();
-    let renderer = renderer.filter(|_| file.scene.robot.floor_camera.is_some());
+    let renderer = renderer.filter(|_| file.scene.has_camera());
     let options = RunOptions { keep_images: arguments.frames };
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
-    let run_record = run(&file.scene, seed, renderer, &options, &mut progress)?;
+    let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
+    let mut recording = recording.transpose()?;
+    let witness: &mut dyn Witness = match &mut recording {
+        Some(recording) => recording,
+        None => &mut (),
+    };
+    let run_record = run_witnessed(&file.scene, seed, renderer, &options, witness, &mut progress)?;
     let verdict = check(&file.scene, &run_record);
-    let folder = record::write(&arguments.out, file, &run_record, &verdict)?;
+    let folder = record::write_with(&arguments.out, file, &run_record, &verdict, recording)?;
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
+}
+
+/// The recording asked for.
+fn form(arguments: &RunArguments) -> Option<Form> {
+    match (arguments.ros2, arguments.record) {
+        (true, _) => Some(Form::Ros2),
+        (false, true) => Some(Form::Foxglove),
+        (false, false) => None,
+    }
 }
 
 /// The run as an earlier process recorded it, if it may stand for this one.
@@ -80,6 +112,9 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
     }
     // An unreadable record is no reason to stop: the run is done again and replaces it.
     let Ok(Some((summary, timing))) = record::read(&folder) else { return Ok(None) };
+    if form(arguments).is_some_and(|form| !folder.join(form.path()).exists()) {
+        return Ok(None);
+    }
     let is_same = summary["digest"]["scene"] == scene_digest(&file.scene).as_str()
         && program_digest().is_some_and(|program| timing["program"] == program);
     if is_same { read_back(file, folder) } else { Ok(None) }
@@ -89,7 +124,21 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
 fn read_back(file: &SceneFile, folder: PathBuf) -> Result<Option<Recorded>, CommandError> {
     let Some((summary, timing)) = record::read(&folder)? else { return Ok(None) };
     let outcome = Outcome::of(&summary, &timing);
-    Ok(Some(Recorded { folder, scene_path: file.path.clone(), summary, outcome }))
+    Ok(Some(Recorded { folder, file: file.clone(), summary, timing, outcome }))
+}
+
+/// The runs as cases, for what tells CI systems of them.
+fn results(recorded: &[Recorded]) -> Results {
+    let case = |one: &Recorded| CaseResult {
+        id: String::new(),
+        scene: one.outcome.scene.clone(),
+        scene_path: one.file.path.clone(),
+        settings: one.file.settings.clone(),
+        seed: one.outcome.seed,
+        folder: one.folder.clone(),
+        recorded: sweep::Recorded::Done { summary: one.summary.clone(), timing: one.timing.clone() },
+    };
+    Results { title: "runs".to_owned(), plan: None, cases: recorded.iter().map(case).collect() }
 }
 
 fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), CommandError> {
@@ -129,23 +178,14 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
     let program = env::args().next().unwrap_or_else(|| "wherein".to_owned());
     text += &format!("  recorded in {}\n", one.folder.display());
     text += &format!(
-        "  replay: {} run {} --seed {} --frames failures --out {}\n",
+        "  replay: {} run {}{} --seed {} --frames failures --out {}\n",
         quoted(&program),
-        quoted(&one.scene_path.display().to_string()),
+        quoted(&one.file.path.display().to_string()),
+        arguments.set.iter().map(|set| format!(" --set {}", quoted(&set.to_string()))).collect::<String>(),
         one.outcome.seed,
         quoted(&arguments.out.display().to_string()),
     );
     text
-}
-
-/// `text` as a POSIX shell reads it as one word.
-fn quoted(text: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@,".contains(c);
-    if !text.is_empty() && text.chars().all(is_plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
-    }
 }
 
 /// A bar over the simulated time of all runs, in milliseconds. It stays hidden when standard error is no terminal.

@@ -84,7 +84,7 @@ fn caption(canvas: &mut Canvas, [left_px, top_px]: [f64; 2], column: &Column, st
     let lux = format!("{} lx", column.illuminance_at_floor_lux);
     canvas.text([left_px, top_px], TEXT_PX, palette::INK, &lux);
     let how = format!(
-        "{:.2} ms, {:.3} levels per electron, mean {electrons:.1} e",
+        "{:.2} ms, gain {:.3}, mean {electrons:.1} e",
         still.exposure.exposure_s * 1e3,
         still.exposure.gain_levels_per_electron
     );

@@ -43,7 +43,7 @@ pub(super) fn truth_digest(truths: &[Truth]) -> String {
 }
 
 /// Time, status, number of branches and all bounds of every estimate, as little-endian f64.
-pub(super) fn estimates_digest(estimates: &[Estimate]) -> String {
+pub(crate) fn estimates_digest(estimates: &[Estimate]) -> String {
     let mut numbers = Numbers::default();
     for estimate in estimates {
         let is_sound = f64::from(u8::from(estimate.status == Status::Sound));

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use localizer::{Pose, Status};
+use localizer::{Estimate, Pose, Status};
 
-use crate::run::RunRecord;
+use crate::{check::Verdict, run::RunRecord};
 
 /// True poses: `time x y z qx qy qz qw` a line, the TUM format. The body's small tilt is left out.
 pub(super) fn truth_tum(record: &RunRecord) -> String {
@@ -13,8 +13,8 @@ pub(super) fn truth_tum(record: &RunRecord) -> String {
 }
 
 /// Midpoints of the hulls, TUM format. A time at which no pose is left has no line.
-pub(super) fn estimate_tum(record: &RunRecord) -> String {
-    let answered = record.estimates.iter().filter(|estimate| !estimate.pose.is_empty());
+pub(super) fn estimate_tum(estimates: &[Estimate]) -> String {
+    let answered = estimates.iter().filter(|estimate| !estimate.pose.is_empty());
     tum(answered.map(|estimate| {
         let [x_m, y_m, heading_rad] = estimate.pose.hull().midpoint();
         (estimate.time_s, Pose { x_m, y_m, heading_rad }, 0.0)
@@ -22,9 +22,9 @@ pub(super) fn estimate_tum(record: &RunRecord) -> String {
 }
 
 /// Every branch of every estimate, one a line; a time at which no pose is left has no line.
-pub(super) fn boxes_csv(record: &RunRecord) -> String {
+pub(super) fn boxes_csv(estimates: &[Estimate]) -> String {
     let mut text = "time_s,status,branch,x_min_m,x_max_m,y_min_m,y_max_m,heading_min_rad,heading_max_rad\n".to_owned();
-    for estimate in &record.estimates {
+    for estimate in estimates {
         let status = match estimate.status {
             Status::Sound => "sound",
             Status::Recovering => "recovering",
@@ -37,6 +37,33 @@ pub(super) fn boxes_csv(record: &RunRecord) -> String {
             }
             text.push('\n');
         }
+    }
+    text
+}
+
+/// Error of the hull's midpoint, full width of the hull and judgement, one step a line; without a pose the fields stay empty.
+///
+/// The truth is within the hull along an axis when the error there is at most half the width. A union of several branches
+/// may miss a truth that its hull contains, so that only `judgement` tells.
+pub(super) fn steps_csv(record: &RunRecord, verdict: &Verdict) -> String {
+    let mut text =
+        "time_s,judgement,error_x_m,error_y_m,error_heading_rad,width_x_m,width_y_m,width_heading_rad\n".to_owned();
+    let steps = record.truths.iter().zip(&record.estimates).zip(&verdict.judgements);
+    for ((truth, estimate), judgement) in steps {
+        let _ = write!(text, "{:.3},{}", truth.time_s, judgement.name());
+        let hull = estimate.pose.hull();
+        if hull.is_empty() {
+            text.push_str(",,,,,,\n");
+            continue;
+        }
+        let (midpoint, truth) = (hull.midpoint(), truth.pose.to_array());
+        for axis in 0..3 {
+            let _ = write!(text, ",{:.9}", midpoint[axis] - truth[axis]);
+        }
+        for axis in 0..3 {
+            let _ = write!(text, ",{:.9}", hull[axis].width());
+        }
+        text.push('\n');
     }
     text
 }

@@ -1,14 +1,15 @@
 //! `summary.json` and `timing.json`.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::{
     check::Verdict,
+    machine::machine,
     run::{self, RunRecord},
-    scene::SceneFile,
+    scene::{SceneFile, Setting},
 };
 
 use super::digest::{estimates_digest, program_digest, scene_digest, truth_digest};
@@ -80,18 +81,28 @@ pub struct Timing {
     spent: run::Timing,
     /// Microseconds for a problem, by solver.
     solve_us: BTreeMap<&'static str, f64>,
+    scene_path: PathBuf,
+    settings: Vec<Setting>,
 }
 
 impl Timing {
     /// The timing of a run.
-    pub fn of(record: &RunRecord) -> Timing {
+    pub fn of(file: &SceneFile, record: &RunRecord) -> Timing {
         let solvers = record.range_baselines.solvers.iter();
         let solve_us =
             solvers.map(|(name, answers)| (*name, 1e6 * answers.spent_s / answers.problems as f64)).collect();
-        Timing { duration_s: duration_s(record), images: record.images.len(), spent: record.timing, solve_us }
+        Timing {
+            duration_s: duration_s(record),
+            images: record.images.len(),
+            spent: record.timing,
+            solve_us,
+            scene_path: file.path.clone(),
+            settings: file.settings.clone(),
+        }
     }
 
-    /// The file's content. `program` is the digest of the executable, by which `--resume` knows its own results.
+    /// The file's content. `program` is the digest of the executable, by which `--resume` knows its own results;
+    /// `scene_path` and `set` are what a command that replays the run has to name.
     pub(super) fn to_json(&self) -> Value {
         let spent = &self.spent;
         let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);
@@ -110,6 +121,9 @@ impl Timing {
             },
             "solve_us": self.solve_us,
             "program": program_digest(),
+            "machine": machine(),
+            "scene_path": self.scene_path,
+            "set": self.settings.iter().map(Setting::to_string).collect::<Vec<_>>(),
         })
     }
 }

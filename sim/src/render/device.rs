@@ -13,9 +13,10 @@ use super::RenderError;
 const ADAPTER_VARIABLE: &str = "WHEREIN_ADAPTER";
 
 /// A tick of pictures takes milliseconds; a driver that is silent this long does not come back.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 
-/// An open device and the first error its driver reported.
+/// An open device and the first error its driver reported. Clones share the device.
+#[derive(Clone)]
 pub(super) struct Graphics {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
@@ -55,6 +56,11 @@ impl Graphics {
     /// Name, driver and backend.
     pub(super) fn adapter_name(&self) -> String {
         describe(&self.info)
+    }
+
+    /// Whether several threads may use the device at once: contexts of OpenGL abort.
+    pub(super) fn allows_threads(&self) -> bool {
+        self.info.backend != wgpu::Backend::Gl
     }
 
     /// The first error that the driver reported, if any.

@@ -3,7 +3,8 @@
 use std::sync::mpsc::{Receiver, channel};
 
 use super::{
-    RenderError, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot, room::RoomSlot,
+    RenderError, device::PATIENCE, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot,
+    room::RoomSlot,
 };
 
 /// Luminance in cd/m², averaged over the exposure.
@@ -87,10 +88,14 @@ impl Target {
         mapping
     }
 
-    /// Grey levels in the order of rows, once the device has been waited for.
+    /// Grey levels in the order of rows, once the device has been waited for. Where threads share the device, the answer may be on
+    /// its way in another thread's poll, so that it is waited for as well.
     pub(super) fn read(&self, mapping: &Mapping) -> Result<Levels, RenderError> {
         let failed = |reason: String| RenderError::Device(reason);
-        mapping.try_recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
+        mapping
+            .recv_timeout(PATIENCE)
+            .map_err(|error| failed(error.to_string()))?
+            .map_err(|error| failed(error.to_string()))?;
         let pixels = self.size_px[0] as usize * self.size_px[1] as usize;
         let levels = {
             let mapped = self.staging.slice(..).get_mapped_range().map_err(|error| failed(error.to_string()))?;

@@ -22,6 +22,9 @@ pub struct RunRecord {
     pub estimates: Vec<Estimate>,
     /// What each image claimed, with the truth at its mid-exposure.
     pub images: Vec<ImageRecord>,
+    /// Which of `images` left the widest box, with its reading: what shows a failed run that never lost the truth. Kept with
+    /// [`FramesPolicy::Failures`](crate::frames::FramesPolicy).
+    pub widest_image: Option<(usize, Reading)>,
     /// Poses that odometry alone gives, same times.
     pub odometry: Vec<Pose>,
     /// What point methods and solvers made of the range readings.
@@ -90,6 +93,15 @@ impl RunRecord {
         (1..bounds.len()).map(move |index| &self.truths[bounds[index - 1]..bounds[index]])
     }
 
+    /// Keeps the next image of `images` if it leaves a wider box than all before it.
+    pub(super) fn keep_widest(&mut self, reading: &Reading, posterior: &PoseUnion) {
+        let widest = self.widest_image.as_ref().and_then(|(index, _)| self.images.get(*index));
+        let is_widest = widest.is_none_or(|widest| widest_m(posterior) > widest_m(&widest.posterior));
+        if is_widest && matches!(reading, Reading::Camera { .. } | Reading::Range { .. }) {
+            self.widest_image = Some((self.images.len(), reading.clone()));
+        }
+    }
+
     /// The record of a run that has not begun.
     pub fn new(seed: u64, adapter: Option<String>, drawn: Drawn) -> Self {
         RunRecord {
@@ -100,6 +112,7 @@ impl RunRecord {
             restarts: Vec::new(),
             estimates: Vec::new(),
             images: Vec::new(),
+            widest_image: None,
             odometry: Vec::new(),
             range_baselines: RangeBaselines::default(),
             greatest_gyro_noise_rad_per_s: 0.0,
@@ -107,4 +120,10 @@ impl RunRecord {
             readings_digest: String::new(),
         }
     }
+}
+
+/// The wider of a union's hull along x and y.
+fn widest_m(union: &PoseUnion) -> f64 {
+    let hull = union.hull();
+    hull.width(0).max(hull.width(1))
 }

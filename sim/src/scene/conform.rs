@@ -154,7 +154,8 @@ impl Walk<'_> {
         let within = value.is_finite()
             && bound("minimum").is_none_or(|least| value >= least)
             && bound("exclusiveMinimum").is_none_or(|limit| value > limit)
-            && bound("maximum").is_none_or(|most| value <= most);
+            && bound("maximum").is_none_or(|most| value <= most)
+            && numbers(node).is_none_or(|numbers| numbers.contains(&value));
         if !within {
             self.report(span, key, format!("expected {}", expectation(node)), node);
         }
@@ -228,6 +229,10 @@ fn expectation(node: &'static Value) -> String {
         },
         "string" if choices(node).is_empty() => "a text in quotes".to_owned(),
         "boolean" => "true or false".to_owned(),
+        "integer" | "number" if numbers(node).is_some() => {
+            let listed: Vec<String> = numbers(node).into_iter().flatten().map(|number| number.to_string()).collect();
+            format!("one of {}", listed.join(", "))
+        }
         "integer" | "number" => match (bound("minimum"), bound("exclusiveMinimum"), bound("maximum")) {
             (Some(least), _, Some(most)) => format!("{kind} from {least} to {most}"),
             (_, Some(limit), Some(most)) => format!("{kind} above {limit}, at most {most}"),
@@ -236,6 +241,11 @@ fn expectation(node: &'static Value) -> String {
         _ if !choices(node).is_empty() => format!("one of {}", choices(node).join(", ")),
         _ => "a table".to_owned(),
     }
+}
+
+/// The numbers among which `node` lets choose, if it lists them.
+fn numbers(node: &'static Value) -> Option<Vec<f64>> {
+    Some(node.get("enum")?.as_array()?.iter().filter_map(Value::as_f64).collect())
 }
 
 /// What a key means and what it is when absent, from the schema.

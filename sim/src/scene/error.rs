@@ -38,6 +38,16 @@ pub enum SceneError {
         /// The folder.
         folder: PathBuf,
     },
+    /// A key was to be set that scenes do not have.
+    #[error("set `{key}` of scene {}: unknown key, expected one such as {}", path.display(), nearest.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "))]
+    UnknownKey {
+        /// The scene's file.
+        path: PathBuf,
+        /// The key.
+        key: String,
+        /// Keys that may have been meant, the nearest first.
+        nearest: Vec<String>,
+    },
     /// Two scenes would be recorded in the same place.
     #[error("tell {} and {} apart: both are scenes named `{name}`, expected different names", first.display(), second.display())]
     SameName {

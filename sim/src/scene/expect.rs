@@ -132,6 +132,7 @@ fn blank_summary() -> Value {
     };
     let verdict = Verdict {
         containment: Default::default(),
+        judgements: Vec::new(),
         violations: Vec::new(),
         error: Default::default(),
         width: Default::default(),

@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Scene, SceneError};
+use super::{Scene, SceneError, Setting};
 
 /// A scene with the file it came from and the name under which its runs are recorded.
 #[derive(Clone, Debug)]
@@ -16,23 +16,29 @@ pub struct SceneFile {
     pub name: String,
     /// The file.
     pub path: PathBuf,
-    /// What it states.
+    /// What differs from what the file states.
+    pub settings: Vec<Setting>,
+    /// Its text as it was read, or with `settings`.
+    pub text: String,
+    /// What that states.
     pub scene: Scene,
 }
 
 impl Scene {
     /// Reads a scene file.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
-        let unreadable = |source: io::Error| SceneError::Unreadable { path: path.to_owned(), source };
-        let bytes = fs::read(path).map_err(unreadable)?;
-        let file = path.display().to_string();
-        let text = String::from_utf8(bytes)
-            .map_err(|error| SceneError::NotText { file: file.clone(), offset: error.utf8_error().valid_up_to() })?;
-        Scene::parse(&text, &file)
+        Scene::parse(&read(path)?, &path.display().to_string())
     }
 }
 
 impl SceneFile {
+    /// Reads one scene file.
+    pub fn load(path: &Path) -> Result<SceneFile, SceneError> {
+        let text = read(path)?;
+        let scene = Scene::parse(&text, &path.display().to_string())?;
+        Ok(SceneFile { name: name_of(path), settings: Vec::new(), text, scene, path: path.to_owned() })
+    }
+
     /// Every scene that `paths` name, a folder standing for all scenes below it, in the order of their paths.
     pub fn load_all(paths: &[PathBuf]) -> Result<Vec<SceneFile>, SceneError> {
         let mut files = Vec::new();
@@ -55,11 +61,20 @@ impl SceneFile {
                 // The same file named twice runs once.
                 Some(first) if first == path => continue,
                 Some(first) => return Err(SceneError::SameName { name, first, second: path }),
-                None => scenes.push(SceneFile { name, scene: Scene::load(&path)?, path }),
+                None => scenes.push(SceneFile::load(&path)?),
             }
         }
         Ok(scenes)
     }
+}
+
+/// The text of a scene file.
+fn read(path: &Path) -> Result<String, SceneError> {
+    let bytes = fs::read(path).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+    String::from_utf8(bytes).map_err(|error| SceneError::NotText {
+        file: path.display().to_string(),
+        offset: error.utf8_error().valid_up_to(),
+    })
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {

@@ -6,7 +6,7 @@ use crate::figures::Figures;
 
 /// Figures over all `runs`: counts add up, root mean squares pool as squares, greatest values stay the greatest, and
 /// everything else is averaged over the runs that measured it.
-pub(super) fn pool(runs: &[&Figures]) -> Figures {
+pub(crate) fn pool(runs: &[&Figures]) -> Figures {
     let mut by_name: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (name, value) in runs.iter().flat_map(|figures| figures.iter()) {
         by_name.entry(name).or_default().push(*value);

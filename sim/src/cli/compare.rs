@@ -1,0 +1,18 @@
+//! `wherein compare`: are these results better or worse than those?
+
+use std::process::ExitCode;
+
+use crate::compare::{Side, as_text, compare};
+
+use super::{CommandError, CompareArguments, print};
+
+/// Prints the comparison. The exit code is 1 when anything is worse.
+pub(super) fn compare_sides(arguments: &CompareArguments) -> Result<ExitCode, CommandError> {
+    let (first, second) = (Side::load(&arguments.first)?, Side::load(&arguments.second)?);
+    let comparison = compare(&first, &second, arguments.confidence);
+    if comparison.n_pairs == 0 {
+        return Err(CommandError::NoPairs(arguments.first.clone(), arguments.second.clone()));
+    }
+    print(&as_text(&comparison))?;
+    Ok(ExitCode::from(u8::from(comparison.is_worse())))
+}

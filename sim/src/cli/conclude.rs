@@ -1,0 +1,59 @@
+//! What every command that has results does with them: files, a text for people, an exit code.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use crate::{
+    junit::to_junit,
+    record::naming,
+    report::{Overview, as_html, as_markdown, as_text},
+    results::{Results, Table, to_csv},
+    sweep::write_whole,
+};
+
+use super::{CommandError, Outputs, github::tell_github, print};
+
+/// Writes the results' files into `folder`, prints them in short, and says by the exit code how they are: 0 all cases
+/// passed, 1 some did not, 2 some are missing or could not run.
+pub(super) fn conclude(results: &Results, folder: &Path, outputs: &Outputs) -> Result<ExitCode, CommandError> {
+    if results.cases.is_empty() {
+        return Err(CommandError::NoResults(folder.to_owned()));
+    }
+    let overview = Overview::of(results);
+    let table = Table::of(results);
+    write_whole(&folder.join("results.csv"), to_csv(&table).as_bytes())?;
+    #[cfg(feature = "parquet")]
+    write_parquet(&table, folder)?;
+    write_whole(&folder.join("report.html"), as_html(&overview, results).as_bytes())?;
+    write_whole(&folder.join("summary.md"), as_markdown(&overview, results).as_bytes())?;
+    write_junit(results, outputs.junit.as_ref())?;
+    print(&as_text(&overview, results))?;
+    print(&format!("Recorded in {}: report.html, results.csv, summary.md\n", folder.display()))?;
+    tell_github(&overview, results)?;
+    Ok(exit_code(&overview))
+}
+
+/// Writes JUnit XML where it is asked for.
+pub(super) fn write_junit(results: &Results, path: Option<&PathBuf>) -> Result<(), CommandError> {
+    let Some(path) = path else { return Ok(()) };
+    let text = naming("write", path, to_junit(results).map_err(io::Error::other))?;
+    Ok(write_whole(path, text.as_bytes())?)
+}
+
+#[cfg(feature = "parquet")]
+fn write_parquet(table: &Table, folder: &Path) -> Result<(), CommandError> {
+    let path = folder.join("results.parquet");
+    let bytes = naming("write", &path, crate::results::to_parquet(table).map_err(io::Error::other))?;
+    Ok(write_whole(&path, &bytes)?)
+}
+
+fn exit_code(overview: &Overview) -> ExitCode {
+    if overview.n_missing + overview.n_failed > 0 {
+        ExitCode::from(2)
+    } else {
+        ExitCode::from(u8::from(overview.n_missed > 0))
+    }
+}

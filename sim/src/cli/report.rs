@@ -1,0 +1,13 @@
+//! `wherein report`: the report of a folder that holds a sweep, or runs.
+
+use std::process::ExitCode;
+
+use crate::results::Results;
+
+use super::{CommandError, ReportArguments, conclude::conclude};
+
+/// Writes report.html, summary.md and results.csv into the folder.
+pub(super) fn report_folder(arguments: &ReportArguments) -> Result<ExitCode, CommandError> {
+    let results = Results::read(&arguments.folder)?;
+    conclude(&results, &arguments.folder, &arguments.outputs)
+}

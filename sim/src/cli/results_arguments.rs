@@ -1,0 +1,113 @@
+//! What the commands are asked that make many results or read them: sweep, merge, report and compare.
+
+use std::{num::NonZeroUsize, path::PathBuf};
+
+use clap::Args;
+
+use crate::{
+    compare::CONFIDENCE,
+    frames::FramesPolicy,
+    sweep::{Seeds, Shard, Variable},
+};
+
+/// What `wherein sweep` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = SWEEP_AFTER_HELP)]
+pub(super) struct SweepArguments {
+    /// A scene file, or a sweep file with `scene`, `seeds` and a table `[vary]`.
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: PathBuf,
+    /// A key and its values: KEY=A,B,C or KEY=LOW..HIGH/N for N values evenly spaced; may be given several times.
+    #[arg(long, value_name = "KEY=VALUES")]
+    pub(super) vary: Vec<Variable>,
+    /// Seeds that each combination runs with, A included and B not.
+    #[arg(long, value_name = "A..B")]
+    pub(super) seeds: Option<Seeds>,
+    /// Runs at the same time; as many as there are cores unless stated.
+    #[arg(long, value_name = "N")]
+    pub(super) jobs: Option<NonZeroUsize>,
+    /// Where results go; sweeps/<scene> unless stated.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Images of which to leave debug frames: none, failures, every=N or all.
+    #[arg(long, value_name = "WHICH", default_value = "none")]
+    pub(super) frames: FramesPolicy,
+    /// Run only the I-th of N parts, for N machines; `wherein merge` brings the parts together.
+    #[arg(long, value_name = "I/N")]
+    pub(super) shard: Option<Shard>,
+    #[command(flatten)]
+    pub(super) outputs: Outputs,
+}
+
+/// What `wherein merge` is asked.
+#[derive(Debug, Args)]
+pub(super) struct MergeArguments {
+    /// Folders that `wherein sweep --shard` wrote.
+    #[arg(required = true, value_name = "DIR")]
+    pub(super) folders: Vec<PathBuf>,
+    /// Where the whole goes.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    #[command(flatten)]
+    pub(super) outputs: Outputs,
+}
+
+/// What `wherein report` is asked.
+#[derive(Debug, Args)]
+pub(super) struct ReportArguments {
+    /// A folder that `wherein sweep`, `wherein merge` or `wherein run` wrote; the report goes there.
+    #[arg(value_name = "DIR")]
+    pub(super) folder: PathBuf,
+    #[command(flatten)]
+    pub(super) outputs: Outputs,
+}
+
+/// What `wherein compare` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = COMPARE_AFTER_HELP)]
+pub(super) struct CompareArguments {
+    /// What to compare with: a folder of results, or a results.csv kept as a baseline.
+    #[arg(value_name = "FIRST")]
+    pub(super) first: PathBuf,
+    /// What to judge: a folder of results, or a results.csv.
+    #[arg(value_name = "SECOND")]
+    pub(super) second: PathBuf,
+    /// How sure all intervals together are to hold the true differences.
+    #[arg(long, value_name = "P", default_value_t = CONFIDENCE, value_parser = confidence)]
+    pub(super) confidence: f64,
+}
+
+/// What commands with results leave besides.
+#[derive(Debug, Args)]
+pub(super) struct Outputs {
+    /// Write the results as JUnit XML, too.
+    #[arg(long, value_name = "FILE")]
+    pub(super) junit: Option<PathBuf>,
+}
+
+const COMPARE_AFTER_HELP: &str = "\
+Cases are paired by scene, settings and seed. Seeds are the independent witnesses: a figure's differences are averaged over
+the cases of each seed, and a paired t interval says whether their mean is zero. All intervals together hold with the
+confidence asked for. A side that contained the truth at every step is better than one that did not, whatever the interval.
+
+Exit code: 0 nothing is worse, 1 something is or could not run any more, 2 could not compare.";
+
+fn confidence(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|p| (0.5..1.0).contains(p)).ok_or_else(|| "expected a number from 0.5 to 1".to_owned())
+}
+
+const SWEEP_AFTER_HELP: &str = "\
+Examples:
+  wherein sweep scenes/tiles.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..10
+  wherein sweep scenes/broken/slip.toml --vary floor.region.oil.friction=0.02,0.1,0.4 --vary duration_s=10
+  wherein sweep grid.toml --shard 3/16 --out part3        with grid.toml:   scene = \"scenes/tiles.toml\"
+                                                                            seeds = \"0..20\"
+                                                                            [vary]
+                                                                            floor.friction = [0.2, 0.4, 0.8]
+
+Any key of the scene can vary; an item of a list is picked by its name or its index: route.waypoint[2].speed_m_per_s.
+DIR holds sweep.json (what was asked), cases/<id>/ (what each run left), results.csv (one row a case), report.html (for
+people) and summary.md (for the summary of a CI job).
+A sweep that was interrupted goes on where it stopped when the same command is given again.
+
+Exit code: 0 every case met the scene's expectations, 1 some did not, 2 some could not run.";

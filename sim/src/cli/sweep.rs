@@ -1,0 +1,131 @@
+//! `wherein sweep` and `wherein merge`: many runs of one scene, and what comes of them.
+
+use std::{
+    io::Write,
+    path::Path,
+    process::ExitCode,
+    time::{Duration, Instant},
+};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::{
+    machine::cores,
+    render::Renderer,
+    results::Results,
+    scene::SceneTemplate,
+    sweep::{Case, Finished, Plan, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
+};
+
+use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude};
+
+/// Runs every case that is not recorded yet, and writes the results of all.
+pub(super) fn sweep(arguments: &SweepArguments) -> Result<ExitCode, CommandError> {
+    let sweep = asked(arguments)?;
+    let template = SceneTemplate::load(&sweep.scene).map_err(SweepError::from)?;
+    let variations = sweep.variations(&template)?;
+    let has_camera = variations.iter().any(|file| file.scene.has_camera());
+    let renderer = if has_camera { Some(Renderer::new()?) } else { None };
+    let (plan, cases) = Plan::new(&sweep, &template, variations, renderer.as_ref().map(Renderer::adapter));
+    let out = arguments.out.clone().unwrap_or_else(|| Path::new("sweeps").join(&plan.scene));
+    let store = Store::open(&out)?;
+    store.write_plan(&plan)?;
+    let shard = arguments.shard.unwrap_or(Shard::WHOLE);
+    let meant: Vec<&Case> = cases.iter().filter(|case| shard.holds(case.planned.index)).collect();
+    // Without the program's digest nothing tells a case of this build from one of another.
+    let is_recorded = |case: &Case| plan.program.is_some() && store.has(&case.planned, arguments.frames);
+    let todo: Vec<&Case> = meant.iter().copied().filter(|case| !is_recorded(case)).collect();
+    let jobs = arguments.jobs.map_or_else(cores, usize::from);
+    let began = Instant::now();
+    run_all(Work { cases: &todo, jobs, frames: arguments.frames, renderer, store: &store })?;
+    say(&Ran { todo: &todo, n_meant: meant.len(), took: began.elapsed() }.to_string());
+    let results = Results::of_sweep(&out, plan, &|index| shard.holds(index));
+    conclude(&results, &out, &arguments.outputs)
+}
+
+/// Brings the parts of a sweep together and writes the results of all.
+pub(super) fn merge_folders(arguments: &MergeArguments) -> Result<ExitCode, CommandError> {
+    let store = Store::open(&arguments.out)?;
+    let plan = merge(&arguments.folders, &store)?;
+    let results = Results::of_sweep(&arguments.out, plan, &|_| true);
+    conclude(&results, &arguments.out, &arguments.outputs)
+}
+
+/// The sweep that a file and the command line state together.
+fn asked(arguments: &SweepArguments) -> Result<Sweep, SweepError> {
+    let from_file = Sweep::load(&arguments.scene)?;
+    let mut sweep =
+        from_file.unwrap_or_else(|| Sweep { scene: arguments.scene.clone(), vary: Vec::new(), seeds: 0..1 });
+    sweep.vary.extend(arguments.vary.iter().cloned());
+    if let Some(Seeds(seeds)) = &arguments.seeds {
+        sweep.seeds = seeds.clone();
+    }
+    Ok(sweep)
+}
+
+fn run_all(work: Work<'_>) -> Result<(), SweepError> {
+    let bar = progress_bar(work.cases.len());
+    let (mut missed, mut failed) = (0, 0);
+    let outcome = run_cases(work, &mut |finished| {
+        match finished {
+            Finished::Passed => {}
+            Finished::Missed => missed += 1,
+            Finished::Failed => failed += 1,
+        }
+        bar.set_message(tally(missed, failed));
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    outcome
+}
+
+fn tally(missed: usize, failed: usize) -> String {
+    match (missed, failed) {
+        (0, 0) => "all passed so far".to_owned(),
+        (_, 0) => format!("{missed} FAILED so far"),
+        _ => format!("{missed} FAILED and {failed} could not run so far"),
+    }
+}
+
+/// A bar over the cases. It stays hidden when standard error is no terminal.
+fn progress_bar(cases: usize) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(cases as u64), ProgressDrawTarget::stderr());
+    let template = "{bar:32} {pos}/{len} cases, {per_sec}, {eta} left, {msg}";
+    // The template is fixed; were it wrong, the default style serves.
+    let bar = bar.with_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(tally(0, 0));
+    bar.enable_steady_tick(Duration::from_millis(250));
+    bar
+}
+
+/// How much ran, in words.
+struct Ran<'a> {
+    todo: &'a [&'a Case],
+    n_meant: usize,
+    took: Duration,
+}
+
+impl std::fmt::Display for Ran<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let simulated_s: f64 = self.todo.iter().map(|case| case.file.scene.simulated_s()).sum();
+        let took_s = self.took.as_secs_f64();
+        let (ran, recorded) = (self.todo.len(), self.n_meant - self.todo.len());
+        write!(f, "{} run in {took_s:.1} s", plural(ran, "case"))?;
+        if ran > 0 {
+            write!(f, " ({:.1} cases/s, {:.1} × real time)", ran as f64 / took_s, simulated_s / took_s)?;
+        }
+        if recorded > 0 {
+            write!(f, ", {recorded} recorded earlier")?;
+        }
+        Ok(())
+    }
+}
+
+fn plural(n: usize, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
+/// Tells people, apart from the results. Standard error may be closed; the results still come.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}

@@ -1,0 +1,69 @@
+//! A comparison for people.
+
+use super::{Comparison, Finding, Line};
+
+/// Cases named of each kind.
+const MOST_NAMED: usize = 10;
+
+/// A line for each figure, then which cases lost or won containment.
+pub fn as_text(comparison: &Comparison) -> String {
+    let headings = ["figure", "first", "second", "difference", "interval", "second is"].map(str::to_owned);
+    let rows: Vec<[String; 6]> = [headings].into_iter().chain(comparison.lines.iter().map(row)).collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; 6] = std::array::from_fn(width);
+    let mut text = String::new();
+    for row in &rows {
+        let cell = |column: usize| {
+            let (cell, width) = (&row[column], widths[column]);
+            if [0, 5].contains(&column) { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+        };
+        text += format!("  {}", (0..6).map(cell).collect::<Vec<_>>().join("  ")).trim_end();
+        text.push('\n');
+    }
+    text += &named("lost containment, which the first side kept", &comparison.lost);
+    text += &named("won containment, which the first side lost", &comparison.won);
+    text += &named("could not run or are missing in the second, which the first ran", &comparison.failed);
+    let [first, second] = &comparison.unpaired;
+    text += &named("only in the first", first);
+    text += &named("only in the second", second);
+    let percent = comparison.confidence * 100.0;
+    text += &format!(
+        "\n{} pairs of {} seeds; all intervals hold together with {percent} % confidence.\n",
+        comparison.n_pairs, comparison.n_seeds
+    );
+    if comparison.n_seeds < 2 {
+        text += "One seed says nothing about others: run at least two, better ten.\n";
+    }
+    text
+}
+
+fn row(line: &Line) -> [String; 6] {
+    let (scale, unit) = (line.compared.scale, line.compared.unit);
+    let show = |value: f64| format!("{:.4}", value * scale);
+    let finding = match line.finding {
+        Finding::Better => "better",
+        Finding::Worse => "WORSE",
+        Finding::NotDistinguishable => "not distinguishable",
+    };
+    let [first, second] = line.means;
+    [
+        format!("{}, {unit}", line.compared.name),
+        show(first),
+        show(second),
+        format!("{:+.4}", (second - first) * scale),
+        format!("{:+.4} … {:+.4}", line.difference[0] * scale, line.difference[1] * scale),
+        finding.to_owned(),
+    ]
+}
+
+fn named(what: &str, cases: &[String]) -> String {
+    if cases.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("{} {what}:\n", cases.len());
+    text.extend(cases.iter().take(MOST_NAMED).map(|case| format!("  {case}\n")));
+    if cases.len() > MOST_NAMED {
+        text += &format!("  and {} more\n", cases.len() - MOST_NAMED);
+    }
+    text
+}

@@ -1,0 +1,43 @@
+//! `metadata.yaml`, without which ROS 2 tools take an MCAP file for no bag.
+
+use std::fmt::Write;
+
+/// What the description of a bag says of one topic.
+pub(super) struct Topic<'a> {
+    pub(super) name: &'a str,
+    /// `package/msg/Type`.
+    pub(super) kind: &'a str,
+    pub(super) n_messages: u32,
+}
+
+/// `rmw` numbers: keep last, reliable, transient local, automatic liveliness. Listeners that come late get static transforms.
+const LATCHED: &str = concat!(
+    "- history: 1\\n  depth: 1\\n  reliability: 1\\n  durability: 1\\n  deadline:\\n    sec: 9223372036\\n    nsec: 854775807\\n",
+    "  lifespan:\\n    sec: 9223372036\\n    nsec: 854775807\\n  liveliness: 1\\n  liveliness_lease_duration:\\n",
+    "    sec: 9223372036\\n    nsec: 854775807\\n  avoid_ros_namespace_conventions: false"
+);
+
+/// The description of a bag of one file, version 5 as ROS 2 Humble writes it.
+pub(super) fn metadata_yaml(file_name: &str, topics: &[Topic<'_>], duration_ns: u64) -> String {
+    let n_messages: u32 = topics.iter().map(|topic| topic.n_messages).sum();
+    let mut text = format!(
+        "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  duration:\n    nanoseconds: {duration_ns}\n  \
+         starting_time:\n    nanoseconds_since_epoch: 0\n  message_count: {n_messages}\n  topics_with_message_count:\n"
+    );
+    for Topic { name, kind, n_messages } in topics {
+        let qos = if *name == "/tf_static" { LATCHED } else { "" };
+        // Writing to a `String` cannot fail.
+        let _ = write!(
+            text,
+            "    - topic_metadata:\n        name: {name}\n        type: {kind}\n        serialization_format: cdr\n        \
+             offered_qos_profiles: \"{qos}\"\n      message_count: {n_messages}\n"
+        );
+    }
+    let _ = write!(
+        text,
+        "  compression_format: \"\"\n  compression_mode: \"\"\n  relative_file_paths:\n    - {file_name}\n  files:\n    \
+         - path: {file_name}\n      starting_time:\n        nanoseconds_since_epoch: 0\n      duration:\n        \
+         nanoseconds: {duration_ns}\n      message_count: {n_messages}\n"
+    );
+    text
+}

@@ -1,0 +1,141 @@
+//! What a replay needs to the last bit, both ways: readings, starts and estimates in messages of our own.
+
+use image::GrayImage;
+use localizer::{
+    Estimate, Reading, Status,
+    reading::{Camera, LandmarkId, Sighting},
+};
+
+use super::cdr::{Fields, Message};
+
+pub(crate) const START: &str = "/wherein/start";
+pub(crate) const WHEELS: &str = "/wherein/wheels";
+pub(crate) const IMAGE_STAMP: &str = "/wherein/image_stamp";
+pub(crate) const GYRO: &str = "/wherein/gyro";
+pub(crate) const RANGE: &str = "/wherein/range";
+pub(crate) const ESTIMATE: &str = "/wherein/estimate";
+pub(crate) const IMAGE: &str = "/floor_camera/image";
+
+/// Where the localizer is started again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Start {
+    /// Added to the times that follow.
+    pub(crate) offset_s: f64,
+    /// Index of the station; none for a drive.
+    pub(crate) station: Option<usize>,
+}
+
+/// An estimate as it was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RecordedEstimate {
+    pub(crate) time_s: f64,
+    sound: bool,
+    bounds: Vec<f64>,
+}
+
+/// A camera reading without its image.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImageStamp {
+    measured_s: f64,
+    arrived_s: f64,
+    exposure_s: f64,
+}
+
+impl Start {
+    pub(super) fn encode(self) -> Vec<u8> {
+        // No scene has 2⁶³ stations.
+        let station = self.station.map_or(-1, |index| index as i64);
+        Message::new().f64s(&[self.offset_s]).i64(station).finish()
+    }
+
+    pub(crate) fn decode(message: &[u8]) -> Option<Start> {
+        let mut fields = Fields::of(message)?;
+        Some(Start { offset_s: fields.f64()?, station: usize::try_from(fields.i64()?).ok() })
+    }
+}
+
+impl RecordedEstimate {
+    pub(crate) fn of(estimate: &Estimate) -> RecordedEstimate {
+        let sides = estimate.pose.branches.iter().flat_map(|branch| branch.components());
+        RecordedEstimate {
+            time_s: estimate.time_s,
+            sound: estimate.status == Status::Sound,
+            bounds: sides.flat_map(|side| [side.lo(), side.hi()]).collect(),
+        }
+    }
+
+    pub(crate) fn encode(&self) -> Vec<u8> {
+        Message::new().f64s(&[self.time_s]).bool(self.sound).f64_sequence(&self.bounds).finish()
+    }
+
+    pub(crate) fn decode(message: &[u8]) -> Option<RecordedEstimate> {
+        let mut fields = Fields::of(message)?;
+        Some(RecordedEstimate { time_s: fields.f64()?, sound: fields.bool()?, bounds: fields.sequence(Fields::f64)? })
+    }
+}
+
+/// The topic and the message of a reading; an image itself follows in a message of its own.
+pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
+    let message = Message::new().f64s(&[reading.measured_s(), reading.arrived_s()]);
+    match reading {
+        Reading::Wheels { ticks: [left, right], .. } => (WHEELS, message.i64(*left).i64(*right).finish()),
+        Reading::Camera { exposure_s, camera: Camera::Floor, .. } => {
+            (IMAGE_STAMP, message.f64s(&[*exposure_s]).text("floor").finish())
+        }
+        Reading::Gyro { rate_rad_per_s, .. } => (GYRO, message.f64s(&[*rate_rad_per_s]).finish()),
+        Reading::Range { sightings, .. } => {
+            let column = |value: fn(&Sighting) -> f64| -> Vec<f64> { sightings.iter().map(value).collect() };
+            let message = message.length(sightings.len());
+            let message = sightings.iter().fold(message, |message, sighting| message.u32(sighting.landmark.0));
+            let message = message.f64_sequence(&column(|sighting| sighting.left_px));
+            (RANGE, message.f64_sequence(&column(|sighting| sighting.right_px)).finish())
+        }
+    }
+}
+
+/// A reading other than an image; `None` when the topic or the message is none of one.
+pub(crate) fn decode(topic: &str, message: &[u8]) -> Option<Reading> {
+    let mut fields = Fields::of(message)?;
+    let (measured_s, arrived_s) = (fields.f64()?, fields.f64()?);
+    match topic {
+        WHEELS => Some(Reading::Wheels { measured_s, arrived_s, ticks: [fields.i64()?, fields.i64()?] }),
+        GYRO => Some(Reading::Gyro { measured_s, arrived_s, rate_rad_per_s: fields.f64()? }),
+        RANGE => {
+            let landmarks = fields.sequence(Fields::u32)?;
+            let (left_px, right_px) = (fields.sequence(Fields::f64)?, fields.sequence(Fields::f64)?);
+            if left_px.len() != landmarks.len() || right_px.len() != landmarks.len() {
+                return None;
+            }
+            let columns = left_px.into_iter().zip(right_px);
+            let sightings = landmarks.into_iter().zip(columns).map(|(landmark, (left_px, right_px))| Sighting {
+                landmark: LandmarkId(landmark),
+                left_px,
+                right_px,
+            });
+            Some(Reading::Range { measured_s, arrived_s, sightings: sightings.collect() })
+        }
+        _ => None,
+    }
+}
+
+impl ImageStamp {
+    pub(crate) fn decode(message: &[u8]) -> Option<ImageStamp> {
+        let mut fields = Fields::of(message)?;
+        let stamp = ImageStamp { measured_s: fields.f64()?, arrived_s: fields.f64()?, exposure_s: fields.f64()? };
+        (fields.text()? == "floor").then_some(stamp)
+    }
+
+    /// The camera reading with the image that follows the stamp, a `sensor_msgs/Image`.
+    pub(crate) fn with_image(self, message: &[u8]) -> Option<Reading> {
+        let mut fields = Fields::of(message)?;
+        // Seconds, nanoseconds and frame.
+        let _header = (fields.u32()?, fields.u32()?, fields.text()?);
+        let (height, width) = (fields.u32()?, fields.u32()?);
+        if (fields.text()?, fields.u8()?, fields.u32()?) != ("mono8", 0, width) {
+            return None;
+        }
+        let image = GrayImage::from_raw(width, height, fields.bytes()?.to_vec())?;
+        let ImageStamp { measured_s, arrived_s, exposure_s } = self;
+        Some(Reading::Camera { measured_s, arrived_s, camera: Camera::Floor, exposure_s, image })
+    }
+}

@@ -1,0 +1,137 @@
+//! What ROS 2 tools know: poses, transforms, images, calibration, joints, log.
+
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+use image::GrayImage;
+use localizer::{Pose, robot::FloorCameraModel};
+
+use super::cdr::Message;
+use crate::truth::Truth;
+
+pub(super) const WORLD: &str = "world";
+pub(super) const ROBOT: &str = "robot";
+pub(super) const TRUE_ROBOT: &str = "true_robot";
+pub(super) const FLOOR_CAMERA: &str = "floor_camera";
+
+/// Severity of a `rcl_interfaces/Log`.
+#[derive(Clone, Copy)]
+pub(super) enum Level {
+    Info = 20,
+    Warn = 30,
+    Error = 40,
+}
+
+/// `geometry_msgs/PoseStamped` in the world.
+pub(super) fn pose_stamped(time_s: f64, pose: Pose) -> Vec<u8> {
+    Message::new().header(time_s, WORLD).with(|message| planar_pose(message, pose, 0.0)).finish()
+}
+
+/// `nav_msgs/Odometry` of the truth: its twist is in the robot's frame. The body's small tilt is left out.
+pub(super) fn true_odometry(time_s: f64, truth: &Truth) -> Vec<u8> {
+    let [forward_m_per_s, left_m_per_s, turn_rad_per_s] = truth.velocity;
+    Message::new()
+        .header(time_s, WORLD)
+        .text(TRUE_ROBOT)
+        .with(|message| planar_pose(message, truth.pose, truth.heave_m))
+        .f64s(&[0.0; 36])
+        .f64s(&[forward_m_per_s, left_m_per_s, 0.0, 0.0, 0.0, turn_rad_per_s])
+        .f64s(&[0.0; 36])
+        .finish()
+}
+
+/// `tf2_msgs/TFMessage` of bodies in the world.
+pub(super) fn world_from_bodies(time_s: f64, bodies: &[(&str, Pose)]) -> Vec<u8> {
+    let transform = |message: Message, &(body, pose): &(&str, Pose)| {
+        message.header(time_s, WORLD).text(body).with(|message| planar_pose(message, pose, 0.0))
+    };
+    bodies.iter().fold(Message::new().length(bodies.len()), transform).finish()
+}
+
+/// `tf2_msgs/TFMessage` of the floor camera's nominal mount, `robot_from_floor_camera`.
+pub(super) fn robot_from_floor_camera(camera: &FloorCameraModel) -> Vec<u8> {
+    let [forward, left] = camera.position_m;
+    // Image right is robot right (−y), image down is robot backward (−x): half a turn about (1, −1, 0).
+    Message::new()
+        .length(1)
+        .header(0.0, ROBOT)
+        .text(FLOOR_CAMERA)
+        .f64s(&[forward.mid(), left.mid(), camera.height_m])
+        .f64s(&[FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0, 0.0])
+        .finish()
+}
+
+/// `sensor_msgs/Image` in grey levels.
+pub(super) fn image(time_s: f64, frame: &str, image: &GrayImage) -> Vec<u8> {
+    Message::new()
+        .header(time_s, frame)
+        .u32(image.height())
+        .u32(image.width())
+        .text("mono8")
+        .u8(0)
+        .u32(image.width())
+        .bytes(image.as_raw())
+        .finish()
+}
+
+/// `sensor_msgs/CameraInfo` of the nominal camera: what the localizer is told, in the middle of its bounds.
+pub(super) fn camera_info(time_s: f64, camera: &FloorCameraModel) -> Vec<u8> {
+    let focal_px = camera.pixels_per_m.mid() * camera.height_m;
+    let centre = |size_px: u32| 0.5 * (f64::from(size_px) - 1.0);
+    let (u_px, v_px) = (centre(camera.width_px), centre(camera.height_px));
+    Message::new()
+        .header(time_s, FLOOR_CAMERA)
+        .u32(camera.height_px)
+        .u32(camera.width_px)
+        .text("plumb_bob")
+        .f64_sequence(&[0.0; 5])
+        .f64s(&[focal_px, 0.0, u_px, 0.0, focal_px, v_px, 0.0, 0.0, 1.0])
+        .f64s(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+        .f64s(&[focal_px, 0.0, u_px, 0.0, 0.0, focal_px, v_px, 0.0, 0.0, 0.0, 1.0, 0.0])
+        // No binning; a region of interest of zeros is the whole image.
+        .u32(0)
+        .u32(0)
+        .u32(0)
+        .u32(0)
+        .u32(0)
+        .u32(0)
+        .bool(false)
+        .finish()
+}
+
+/// `sensor_msgs/JointState` of both wheels, as their encoders tell it.
+pub(super) fn wheel_angles(time_s: f64, ticks: [i64; 2], ticks_per_turn: f64) -> Vec<u8> {
+    Message::new()
+        .header(time_s, "")
+        .length(2)
+        .text("left_wheel")
+        .text("right_wheel")
+        .f64_sequence(&ticks.map(|count| count as f64 / ticks_per_turn * TAU))
+        .f64_sequence(&[])
+        .f64_sequence(&[])
+        .finish()
+}
+
+/// `sensor_msgs/Imu` of a gyroscope about the vertical; −1 as first covariance says that the rest is not measured.
+pub(super) fn turn_rate(time_s: f64, rate_rad_per_s: f64) -> Vec<u8> {
+    let unmeasured = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    Message::new()
+        .header(time_s, ROBOT)
+        .f64s(&[0.0, 0.0, 0.0, 1.0])
+        .f64s(&unmeasured)
+        .f64s(&[0.0, 0.0, rate_rad_per_s])
+        .f64s(&[0.0; 9])
+        .f64s(&[0.0; 3])
+        .f64s(&unmeasured)
+        .finish()
+}
+
+/// `rcl_interfaces/Log`.
+pub(super) fn log(time_s: f64, level: Level, name: &str, text: &str) -> Vec<u8> {
+    Message::new().time(time_s).u8(level as u8).text(name).text(text).text("").text("").u32(0).finish()
+}
+
+/// Position and attitude; a rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
+pub(super) fn planar_pose(message: Message, pose: Pose, z_m: f64) -> Message {
+    let (sin, cos) = (pose.heading_rad / 2.0).sin_cos();
+    message.f64s(&[pose.x_m, pose.y_m, z_m, 0.0, 0.0, sin, cos])
+}

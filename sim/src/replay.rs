@@ -1,0 +1,135 @@
+//! A localizer on a recording, without the simulator: the same readings give the same estimates, bit for bit.
+
+use std::path::Path;
+
+use localizer::{Estimate, Localizer};
+use thiserror::Error;
+
+use crate::{
+    record::estimates_digest,
+    recording::{
+        RecordingError,
+        exact::{self, ImageStamp, RecordedEstimate, Start},
+        reader::{self, Part},
+    },
+    run::localizer,
+    scene::{Scene, SceneError},
+};
+
+/// Why a recording cannot be replayed. Its text follows "failed to".
+#[derive(Debug, Error)]
+pub enum ReplayError {
+    /// The recording cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The scene in it is none of this version.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+/// What the localizer answered, and how that compares with what was recorded.
+#[derive(Clone, Debug, Default)]
+pub struct Replay {
+    /// Name of the scene.
+    pub scene: String,
+    /// Seed of the run.
+    pub seed: String,
+    /// One for each that was recorded.
+    pub estimates: Vec<Estimate>,
+    /// How many differ from the recorded ones in any bit of time, status or bounds.
+    pub n_different: usize,
+    /// Time of the first that differs.
+    pub first_different_s: Option<f64>,
+    /// `digest.estimates` of the recorded run.
+    pub recorded_digest: String,
+}
+
+impl Replay {
+    /// `digest.estimates` of the replay.
+    pub fn digest(&self) -> String {
+        estimates_digest(&self.estimates)
+    }
+}
+
+/// Replays a recording with the localizer that its own scene asks for, or `other` if given.
+pub fn replay(path: &Path, other: Option<&Scene>) -> Result<Replay, ReplayError> {
+    let mut replayer = Replayer {
+        path,
+        subject: other.map(|scene| (scene.clone(), localizer(scene))),
+        stamp: None,
+        offset_s: 0.0,
+        found: Replay::default(),
+    };
+    reader::read(path, &mut |part| replayer.hear(part))?;
+    Ok(replayer.found)
+}
+
+struct Replayer<'a> {
+    path: &'a Path,
+    /// The localizer with the scene that it was told of.
+    subject: Option<(Scene, Localizer)>,
+    /// Of the image that comes next.
+    stamp: Option<ImageStamp>,
+    offset_s: f64,
+    found: Replay,
+}
+
+impl Replayer<'_> {
+    fn hear(&mut self, part: Part<'_>) -> Result<(), ReplayError> {
+        match part {
+            Part::Scene(text) => {
+                if self.subject.is_none() {
+                    let scene = Scene::parse(text, &format!("scene.toml in {}", self.path.display()))?;
+                    let localizer = localizer(&scene);
+                    self.subject = Some((scene, localizer));
+                }
+            }
+            Part::Message { topic, message } => self.take(topic, message).ok_or_else(|| {
+                let (path, topic) = (self.path.to_owned(), topic.to_owned());
+                RecordingError::Message { path, topic }
+            })?,
+            Part::Facts(facts) => {
+                let fact = |name: &str| facts.get(name).cloned().unwrap_or_default();
+                self.found.scene = fact("scene");
+                self.found.seed = fact("seed");
+                self.found.recorded_digest = fact("digest.estimates");
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands on what a message holds; `None` when it does not hold what its topic promises.
+    fn take(&mut self, topic: &str, message: &[u8]) -> Option<()> {
+        let (scene, localizer) = self.subject.as_mut()?;
+        match topic {
+            exact::START => {
+                let start = Start::decode(message)?;
+                self.offset_s = start.offset_s;
+                if let Some(index) = start.station {
+                    localizer.restart(scene.at_station(scene.stations.get(index)?).start_box());
+                }
+            }
+            exact::IMAGE_STAMP => self.stamp = Some(ImageStamp::decode(message)?),
+            exact::IMAGE => {
+                localizer.observe(&self.stamp.take()?.with_image(message)?);
+            }
+            exact::WHEELS | exact::GYRO | exact::RANGE => {
+                localizer.observe(&exact::decode(topic, message)?);
+            }
+            exact::ESTIMATE => {
+                let recorded = RecordedEstimate::decode(message)?;
+                let mut estimate = localizer.estimate();
+                estimate.time_s += self.offset_s;
+                // Bytes, as −0 equals 0 and no NaN equals itself.
+                if RecordedEstimate::of(&estimate).encode() != message {
+                    self.found.n_different += 1;
+                    self.found.first_different_s.get_or_insert(recorded.time_s);
+                }
+                self.found.estimates.push(estimate);
+            }
+            // What the simulator or a viewer wants to know.
+            _ => {}
+        }
+        Some(())
+    }
+}

@@ -1,0 +1,87 @@
+//! Error over time inside the corridor of its box: the line leaves the band when the truth leaves the hull.
+
+use std::fmt::Write;
+
+use crate::check::Judgement;
+
+use super::steps::Step;
+
+const WIDTH: f64 = 360.0;
+const LEFT: f64 = 44.0;
+const PANEL: f64 = 66.0;
+const GAP: f64 = 10.0;
+const BOTTOM: f64 = 18.0;
+/// Points of a curve: one for every pixel and a half of a phone.
+const POINTS: usize = 220;
+
+/// Three panels, x and y in mm and heading in degrees, one above the other; empty without a step.
+pub(super) fn to_svg(steps: &[Step]) -> String {
+    let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return String::new() };
+    let span_s = [first.time_s, last.time_s.max(first.time_s + 1e-3)];
+    let height = 3.0 * PANEL + 2.0 * GAP + BOTTOM + 4.0;
+    let mut svg = format!(r#"<svg viewBox="0 0 {WIDTH} {height}" role="img" aria-label="error over time">"#);
+    let axes = [("x, mm", 1e3), ("y, mm", 1e3), ("heading, °", 180.0 / std::f64::consts::PI)];
+    for (axis, (name, scale)) in axes.into_iter().enumerate() {
+        let top = 4.0 + axis as f64 * (PANEL + GAP);
+        svg += &panel(&thinned(steps, axis), axis, scale, name, top, span_s);
+    }
+    let below = height - 5.0;
+    // Writing to a `String` cannot fail, here and below.
+    for (x, anchor, text) in
+        [(LEFT, "start", format!("{:.0} s", span_s[0])), (WIDTH, "end", format!("{:.1} s", span_s[1]))]
+    {
+        let _ = write!(svg, r#"<text class="faint" x="{x}" y="{below:.1}" text-anchor="{anchor}">{text}</text>"#);
+    }
+    svg + "</svg>"
+}
+
+/// Of each stretch of time the step that comes closest to leaving its box, so that no failure is thinned away.
+fn thinned(steps: &[Step], axis: usize) -> Vec<Step> {
+    let stretch = steps.len().div_ceil(POINTS).max(1);
+    let closest = |steps: &[Step]| {
+        let rank = |step: &Step| (step.judgement, step.ratio(axis));
+        steps
+            .iter()
+            .copied()
+            .max_by(|one, other| rank(one).partial_cmp(&rank(other)).unwrap_or(std::cmp::Ordering::Equal))
+    };
+    steps.chunks(stretch).filter_map(closest).collect()
+}
+
+fn panel(steps: &[Step], axis: usize, scale: f64, name: &str, top: f64, span_s: [f64; 2]) -> String {
+    let reach = |step: &Step| step.error[axis].abs().max(0.5 * step.width[axis]) * scale;
+    let most = round_up(steps.iter().map(reach).fold(1e-6, f64::max));
+    let x = |time_s: f64| LEFT + (WIDTH - LEFT) * (time_s - span_s[0]) / (span_s[1] - span_s[0]);
+    let y = |value: f64| top + PANEL / 2.0 - PANEL / 2.0 * value * scale / most;
+    let line = |value: &dyn Fn(&Step) -> f64, steps: &mut dyn Iterator<Item = &Step>| {
+        let points: Vec<String> = steps.map(|step| format!("{:.1} {:.1}", x(step.time_s), y(value(step)))).collect();
+        points.join("L")
+    };
+    let upper = line(&|step| 0.5 * step.width[axis], &mut steps.iter());
+    let lower = line(&|step| -0.5 * step.width[axis], &mut steps.iter().rev());
+    let error = line(&|step| step.error[axis], &mut steps.iter());
+    let (middle, bottom) = (top + PANEL / 2.0, top + PANEL);
+    let mut svg = format!(r#"<path class="axis" d="M{LEFT} {top:.1}V{bottom:.1}M{LEFT} {middle:.1}H{WIDTH}"/>"#);
+    let _ = write!(svg, r#"<path class="band" d="M{upper}L{lower}Z"/><path class="error" d="M{error}"/>"#);
+    let width = (WIDTH - LEFT) / steps.len().max(1) as f64 + 0.8;
+    for step in steps.iter().filter(|step| step.judgement != Judgement::Contained) {
+        let (class, x) = (step.judgement.name(), x(step.time_s));
+        let _ =
+            write!(svg, r#"<rect class="{class}" x="{x:.1}" y="{:.1}" width="{width:.1}" height="4"/>"#, bottom - 4.0);
+    }
+    let labels = [(top + 9.0, format!("{most}")), (bottom, format!("−{most}"))];
+    for (y, label) in labels {
+        let _ = write!(svg, r#"<text class="faint" x="{:.1}" y="{y:.1}" text-anchor="end">{label}</text>"#, LEFT - 4.0);
+    }
+    let _ = write!(svg, r#"<text class="faint" x="{:.1}" y="{:.1}">{name}</text>"#, LEFT + 4.0, top + 9.0);
+    svg
+}
+
+/// The next of 1, 2, 5, 10, 20, 50, … above a positive value.
+fn round_up(value: f64) -> f64 {
+    let decade = 10_f64.powf(value.log10().floor());
+    let nice = [1.0, 2.0, 5.0, 10.0].into_iter().map(|step| step * decade).find(|nice| *nice >= value * 0.999_999);
+    let nice = nice.unwrap_or(value);
+    // 0.30000000000000004 is written 0.3.
+    format!("{nice:.3e}").parse().unwrap_or(nice)
+}

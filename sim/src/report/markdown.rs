@@ -1,0 +1,86 @@
+//! The report in short as Markdown, for the summary of a CI job.
+
+use crate::results::{CaseResult, Replay, Results};
+
+use super::{Group, MEASURES, Overview, text::first_outside};
+
+/// A job's summary may have a megabyte; nobody reads more rows than this.
+const MOST_GROUPS: usize = 100;
+const MOST_WORST: usize = 10;
+const MOST_ABSENT: usize = 100;
+
+/// Verdict, combinations, and the failed cases with the command that replays each.
+pub fn as_markdown(overview: &Overview, results: &Results) -> String {
+    let verdict = if overview.has_passed() { "✅ passed" } else { "❌ failed" };
+    let mut text = format!("## {verdict}: {}\n\n{}.\n\n", inline(&results.title), overview.headline());
+    text += &table(overview);
+    let absent = results.missing().map(|case| (case, "missing"));
+    let absent: Vec<_> = absent.chain(results.failed()).collect();
+    if !absent.is_empty() {
+        text += "\n### Not run\n\n";
+        for (case, reason) in absent.iter().take(MOST_ABSENT) {
+            text += &format!("- {}: {}\n", inline(&case.describe(overview.has_scenes)), inline(reason));
+        }
+        if absent.len() > MOST_ABSENT {
+            text += &format!("- and {} more\n", absent.len() - MOST_ABSENT);
+        }
+    }
+    let cases = overview.worst.iter().map(|index| &results.cases[*index]);
+    let missed: Vec<&CaseResult> = cases.filter(|case| case.passed() == Some(false)).collect();
+    if !missed.is_empty() {
+        text += "\n### Failed\n\n";
+    }
+    for case in missed.iter().take(MOST_WORST) {
+        text += &failure(case, overview.has_scenes);
+    }
+    if missed.len() > MOST_WORST {
+        text += &format!("and {} more\n", missed.len() - MOST_WORST);
+    }
+    text
+}
+
+fn table(overview: &Overview) -> String {
+    let mut headings: Vec<String> = Vec::new();
+    headings.extend(overview.has_scenes.then(|| "scene".to_owned()));
+    headings.extend(overview.keys.iter().cloned());
+    headings.push("passed".to_owned());
+    headings.extend(MEASURES.iter().map(|measure| format!("{}, {}", measure.name, measure.unit)));
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let row = |group: &Group| {
+        let mut cells: Vec<String> = Vec::new();
+        cells.extend(overview.has_scenes.then(|| inline(&group.scene)));
+        cells.extend(overview.keys.iter().map(|key| inline(&group.value(key))));
+        cells.push(format!("{}/{}", group.n_passed, group.n_cases));
+        cells.extend(MEASURES.iter().map(|measure| measure.of(&group.figures)));
+        line(cells)
+    };
+    let rule = headings.iter().map(|_| "--:".to_owned()).collect();
+    let mut text = line(headings) + &line(rule);
+    text.extend(overview.groups.iter().take(MOST_GROUPS).map(row));
+    if overview.groups.len() > MOST_GROUPS {
+        text += &format!("\nand {} combinations more\n", overview.groups.len() - MOST_GROUPS);
+    }
+    text
+}
+
+fn failure(case: &CaseResult, with_scene: bool) -> String {
+    let mut text = format!("- **{}**\n", inline(&case.describe(with_scene)));
+    for line in case.missed_expectations() {
+        text += &format!("  - {}\n", inline(line));
+    }
+    if let Some(first) = first_outside(case) {
+        text += &format!("  - {}\n", inline(&first));
+    }
+    text + &format!("\n  ```sh\n  {}\n  ```\n", Replay::of(case, "renders"))
+}
+
+/// A text that Markdown shows as it is.
+fn inline(text: &str) -> String {
+    text.chars().fold(String::new(), |mut escaped, character| {
+        if "\\`*_[]<>|#".contains(character) {
+            escaped.push('\\');
+        }
+        escaped.push(character);
+        escaped
+    })
+}

@@ -1,0 +1,78 @@
+//! The few figures that a report shows of every combination.
+
+use crate::figures::Figures;
+
+/// A figure as people read it.
+#[derive(Clone, Copy, Debug)]
+pub struct Measure {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// One sentence on what it is.
+    pub meaning: &'static str,
+    /// Its value in that unit, from figures of one run or of several.
+    pub value: fn(&Figures) -> Option<f64>,
+    /// Digits behind the point.
+    pub digits: usize,
+}
+
+/// What is contained, how wide the boxes are, how far off their midpoints, and how often they are good enough.
+pub const MEASURES: [Measure; 4] = [
+    Measure {
+        name: "contained",
+        unit: "%",
+        meaning: "share of steps of 10 ms with the truth in the box",
+        value: |figures| scaled(figures, "containment.contained_share", 1e2),
+        digits: 2,
+    },
+    Measure {
+        name: "width",
+        unit: "mm",
+        meaning: "mean full width of the box, the wider of x and y",
+        value: |figures| {
+            let along = |axis: &str| scaled(figures, &format!("width.{axis}.mean"), 1e3);
+            Some(along("x_m")?.max(along("y_m")?))
+        },
+        digits: 1,
+    },
+    Measure {
+        name: "error",
+        unit: "mm",
+        meaning: "mean distance from the midpoint of the box to the truth",
+        value: |figures| scaled(figures, "error.position_m.mean", 1e3),
+        digits: 2,
+    },
+    Measure {
+        name: "available",
+        unit: "%",
+        meaning: "share of steps that are sound and narrower than the scene declares",
+        value: |figures| scaled(figures, "availability", 1e2),
+        digits: 2,
+    },
+];
+
+impl Measure {
+    /// The text of a value. A share says 100 only when nothing is missing.
+    pub fn show(&self, value: Option<f64>) -> String {
+        let Some(value) = value else { return String::new() };
+        let digits = self.digits;
+        match self.unit {
+            "%" if value >= 100.0 => "100".to_owned(),
+            "%" => {
+                let text = format!("{value:.digits$}");
+                if text.starts_with("100") { "99.99".to_owned() } else { text }
+            }
+            _ => format!("{value:.digits$}"),
+        }
+    }
+
+    /// The text of the value that `figures` give.
+    pub fn of(&self, figures: &Figures) -> String {
+        self.show((self.value)(figures))
+    }
+}
+
+fn scaled(figures: &Figures, name: &str, scale: f64) -> Option<f64> {
+    Some(figures.get(name)? * scale)
+}

@@ -1,0 +1,147 @@
+//! Counts, combinations and the order of badness.
+
+use crate::{
+    figures::Figures,
+    results::{CaseResult, Results},
+    scene::Setting,
+    table::pool,
+};
+
+/// What a report says of all cases.
+#[derive(Clone, Debug)]
+pub struct Overview {
+    /// Cases that ran and met the scene's expectations.
+    pub n_passed: usize,
+    /// Cases that ran and did not.
+    pub n_missed: usize,
+    /// Cases that could not run.
+    pub n_failed: usize,
+    /// Cases of which nothing is there.
+    pub n_missing: usize,
+    /// Whether the cases are of several scenes.
+    pub has_scenes: bool,
+    /// Keys that have several values, in the order of the sweep.
+    pub keys: Vec<String>,
+    /// Figures over all cases.
+    pub figures: Figures,
+    /// One entry for each combination of scene and settings, in order.
+    pub groups: Vec<Group>,
+    /// Indices of the cases that ran, the worst first.
+    pub worst: Vec<usize>,
+}
+
+/// All seeds of one combination.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Name of the scene.
+    pub scene: String,
+    /// What was set in it.
+    pub settings: Vec<Setting>,
+    /// Its cases.
+    pub n_cases: usize,
+    /// Those that passed.
+    pub n_passed: usize,
+    /// Figures over those that ran.
+    pub figures: Figures,
+}
+
+impl Overview {
+    /// Sums up `results`.
+    pub fn of(results: &Results) -> Overview {
+        let groups = groups(results);
+        let n_passed = groups.iter().map(|group| group.n_passed).sum();
+        let varies = |key: &String| {
+            let value = |group: &Group| group.settings.iter().find(|one| one.key == *key).map(ToString::to_string);
+            groups.iter().any(|group| value(group) != value(&groups[0]))
+        };
+        let figures: Vec<Figures> = results.cases.iter().map(CaseResult::figures).collect();
+        let ran: Vec<&Figures> = figures.iter().filter(|figures| !figures.is_empty()).collect();
+        let mut worst: Vec<usize> = (0..figures.len()).filter(|index| !figures[*index].is_empty()).collect();
+        // Stable, so that equally bad cases stay in the order of the sweep.
+        worst.sort_by(|one, other| {
+            let badness = |index: usize| badness(&results.cases[index], &figures[index]);
+            badness(*other).partial_cmp(&badness(*one)).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        Overview {
+            n_passed,
+            n_missed: results.missed().count(),
+            n_failed: results.failed().count(),
+            n_missing: results.missing().count(),
+            has_scenes: groups.iter().any(|group| group.scene != groups[0].scene),
+            keys: results.keys().into_iter().filter(varies).collect(),
+            figures: pool(&ran),
+            groups,
+            worst,
+        }
+    }
+
+    /// All cases, whatever became of them.
+    pub fn n_cases(&self) -> usize {
+        self.n_passed + self.n_missed + self.n_failed + self.n_missing
+    }
+
+    /// Whether every case ran and passed.
+    pub fn has_passed(&self) -> bool {
+        self.n_passed == self.n_cases()
+    }
+
+    /// The verdict in one line.
+    pub fn headline(&self) -> String {
+        let n_cases = self.n_cases();
+        let cases = if n_cases == 1 { "case" } else { "cases" };
+        if self.has_passed() {
+            return match n_cases {
+                1 => "The case met the scene's expectations".to_owned(),
+                _ => format!("All {n_cases} cases met their scene's expectations"),
+            };
+        }
+        let counts = [
+            (self.n_missed, "missed an expectation"),
+            (self.n_failed, "could not run"),
+            (self.n_missing, if self.n_missing == 1 { "is missing" } else { "are missing" }),
+        ];
+        let told: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        format!("Of {n_cases} {cases}, {}", told.join(", "))
+    }
+
+    /// Steps judged, and those that were not contained by their cause.
+    pub fn outside(&self) -> [(&'static str, u64); 3] {
+        let count = |name: &str| self.figures.get(&format!("containment.{name}")).copied().unwrap_or_default() as u64;
+        [("bound broken", count("bound_broken")), ("perception", count("perception")), ("unsound", count("unsound"))]
+    }
+}
+
+impl Group {
+    /// What `key` is set to, as text.
+    pub fn value(&self, key: &str) -> String {
+        let setting = self.settings.iter().find(|setting| setting.key == key);
+        setting.map(|setting| crate::scene::shown(&setting.value)).unwrap_or_default()
+    }
+}
+
+fn groups(results: &Results) -> Vec<Group> {
+    let mut groups: Vec<(Group, Vec<Figures>)> = Vec::new();
+    for case in &results.cases {
+        let belongs = |group: &Group| group.scene == case.scene && group.settings == case.settings;
+        // Cases of one combination follow each other.
+        if !groups.last().is_some_and(|(group, _)| belongs(group)) {
+            let (scene, settings) = (case.scene.clone(), case.settings.clone());
+            groups.push((Group { scene, settings, n_cases: 0, n_passed: 0, figures: Figures::new() }, Vec::new()));
+        }
+        let Some((group, ran)) = groups.last_mut() else { continue };
+        group.n_cases += 1;
+        group.n_passed += usize::from(case.passed() == Some(true));
+        ran.extend(case.summary().map(|_| case.figures()));
+    }
+    let pooled =
+        |(group, ran): (Group, Vec<Figures>)| Group { figures: pool(&ran.iter().collect::<Vec<_>>()), ..group };
+    groups.into_iter().map(pooled).collect()
+}
+
+/// Greater for worse: missed expectations, then the gravest judgement, then how many steps, then how far off.
+fn badness(case: &CaseResult, figures: &Figures) -> (bool, u8, f64, f64) {
+    let figure = |name: &str| figures.get(name).copied().unwrap_or_default();
+    let counts = ["unsound", "perception", "bound_broken"].map(|name| figure(&format!("containment.{name}")));
+    let gravest = counts.iter().position(|count| *count > 0.0).map_or(0, |index| 3 - index as u8);
+    (case.passed() == Some(false), gravest, counts.iter().sum(), figure("error.position_m.max"))
+}

@@ -1,0 +1,275 @@
+//! The report as one page of HTML: no script, nothing fetched, light and dark, wide and narrow.
+
+use std::collections::BTreeSet;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::{
+    check::Judgement,
+    results::{CaseResult, Replay, Results},
+};
+
+use super::{
+    MEASURES, Overview, corridor,
+    diagram::Diagram,
+    heatmap::heatmaps,
+    picture,
+    steps::{self, Step},
+    text::first_outside,
+};
+
+const STYLE: &str = include_str!("style.css");
+/// Cases told one by one.
+const MOST_WORST: usize = 4;
+/// Rows of the table of all cases; a larger sweep has its CSV.
+const MOST_ROWS: usize = 2000;
+
+/// The page. Steps and frames are read from the cases' folders.
+pub fn as_html(overview: &Overview, results: &Results) -> String {
+    let (tone, word, mark) =
+        if overview.has_passed() { ("passed", "Passed", "✓") } else { ("failed", "Failed", "✕") };
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (word) ": " (results.title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Wherein · " (results.title) }
+                div.verdict.(tone) { strong { (mark) " " (word) } (overview.headline()) "." }
+                (key_figures(overview))
+                (absent(overview, results))
+                @if let Some(heatmaps) = heatmaps(overview) { (heatmaps) }
+                (diagrams(results))
+                (worst_cases(overview, results))
+                (groups(overview))
+                (cases(overview, results))
+                (origin(results))
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn key_figures(overview: &Overview) -> Markup {
+    let number = |name: &str| overview.figures.get(name).copied().unwrap_or_default();
+    html! {
+        dl.figures {
+            @for measure in &MEASURES {
+                div title=(measure.meaning) {
+                    dt { (measure.name) }
+                    dd { (measure.of(&overview.figures)) " " small { (measure.unit) } }
+                }
+            }
+            @for (name, count) in overview.outside() {
+                div style=(if count > 0 { "--tone:var(--unsound)" } else { "" }) {
+                    dt { (name) }
+                    dd { (count) " " small { "of " (number("containment.checks")) } }
+                }
+            }
+        }
+    }
+}
+
+/// Every case that did not run, by name.
+fn absent(overview: &Overview, results: &Results) -> Markup {
+    html! {
+        @if overview.n_missing + overview.n_failed > 0 {
+            h2 { "Not run" }
+            ul {
+                @for (case, reason) in results.failed() {
+                    li { span.bad { "could not run: " } (case.describe(overview.has_scenes)) " – " (reason) }
+                }
+                @for case in results.missing() {
+                    li { span.bad { "missing: " } (case.describe(overview.has_scenes)) }
+                }
+            }
+        }
+    }
+}
+
+fn diagrams(results: &Results) -> Markup {
+    let (mut position, mut heading) = (Diagram::position(), Diagram::heading());
+    for case in results.cases.iter().filter(|case| case.summary().is_some()) {
+        let steps = steps::read(&case.folder);
+        position.add(&steps);
+        heading.add(&steps);
+    }
+    let position = position.to_svg();
+    html! {
+        @if !position.is_empty() {
+            h2 { "Is the error inside the width?" }
+            p.note {
+                "Every step of every case. Below the line the truth is inside the hull of the boxes; darker is more steps. "
+                "Errors below a hundredth of the width are drawn there. A truth between two branches is below the line and "
+                "yet not contained."
+            }
+            div.plots {
+                figure { figcaption { strong { "position" } span { " – x or y, whichever is closer to its bound" } } (PreEscaped(position)) }
+                figure { figcaption { strong { "heading" } } (PreEscaped(heading.to_svg())) }
+            }
+            (legend())
+        }
+    }
+}
+
+fn legend() -> Markup {
+    html! {
+        ul.legend {
+            @for judgement in Judgement::ALL {
+                @let tone = if judgement == Judgement::Contained { "blue" } else { judgement.name() };
+                li { i style=(format!("--tone:var(--{tone})")) {} (judgement.name().replace('_', " ")) }
+            }
+        }
+    }
+}
+
+/// The worst cases, and one that stands for all: that with the median error.
+fn worst_cases(overview: &Overview, results: &Results) -> Markup {
+    let worst = diverse(overview.worst.iter().map(|index| &results.cases[*index]));
+    let typical = typical(results).filter(|typical| worst.iter().all(|case| !std::ptr::eq(*case, *typical)));
+    html! {
+        @if !worst.is_empty() {
+            h2 { "The worst cases" }
+            p.note {
+                @if overview.n_missed == 0 { "No case failed; these are the worst of those that passed. " }
+                "Of different seeds and combinations first. Line: error of the midpoint. Band: the width of the box; the line leaves it when the truth leaves the hull."
+            }
+            @for case in worst { (told(overview, case)) }
+            @if let Some(case) = typical {
+                h2 { "A typical case" }
+                p.note { "The one with the median error." }
+                (told(overview, case))
+            }
+        }
+    }
+}
+
+/// The first cases of which no two share their seed or their settings, filled up with others where there are too few: what
+/// fails for one reason fails alike all along a key.
+fn diverse<'a>(cases: impl Iterator<Item = &'a CaseResult>) -> Vec<&'a CaseResult> {
+    let (mut told, mut others): (Vec<&CaseResult>, Vec<&CaseResult>) = (Vec::new(), Vec::new());
+    for case in cases {
+        let is_alike =
+            |one: &&CaseResult| one.scene == case.scene && (one.seed == case.seed || one.settings == case.settings);
+        let is_full = told.len() >= MOST_WORST;
+        if is_full || told.iter().any(is_alike) { others.push(case) } else { told.push(case) }
+    }
+    told.into_iter().chain(others).take(MOST_WORST).collect()
+}
+
+fn typical(results: &Results) -> Option<&CaseResult> {
+    let error = |case: &CaseResult| case.figures().get("error.position_m.mean").copied();
+    let mut ran: Vec<(f64, &CaseResult)> = results.cases.iter().filter_map(|case| Some((error(case)?, case))).collect();
+    ran.sort_by(|one, other| one.0.total_cmp(&other.0));
+    ran.get(ran.len() / 2).map(|(_, case)| *case)
+}
+
+fn told(overview: &Overview, case: &CaseResult) -> Markup {
+    let steps: Vec<Step> = steps::read(&case.folder);
+    html! {
+        article {
+            h3 { (case.describe(overview.has_scenes)) }
+            @if let Some(first) = first_outside(case) { p.bad { (first) } }
+            @let missed = case.missed_expectations();
+            @if !missed.is_empty() { ul { @for line in missed { li { (line) } } } }
+            div.plots {
+                figure { (PreEscaped(corridor::to_svg(&steps))) }
+                @if let Some(address) = picture::data_url(case) {
+                    figure { img src=(address) alt="what the camera saw and where the robot is"; }
+                }
+            }
+            pre { code { (Replay::of(case, "renders")) } }
+        }
+    }
+}
+
+fn groups(overview: &Overview) -> Markup {
+    html! {
+        h2 { "Every combination" }
+        div.table { table {
+            thead { tr {
+                @if overview.has_scenes { th.text { "scene" } }
+                @for key in &overview.keys { th.text { (key) } }
+                th { "passed" }
+                @for measure in &MEASURES { th { (measure.name) ", " (measure.unit) } }
+            } }
+            tbody id="combinations" { @for group in overview.groups.iter().take(MOST_ROWS) { tr {
+                @if overview.has_scenes { td.text { (group.scene) } }
+                @for key in &overview.keys { td.text { (group.value(key)) } }
+                td.bad[group.n_passed < group.n_cases] { (group.n_passed) "/" (group.n_cases) }
+                @for measure in &MEASURES { td { (measure.of(&group.figures)) } }
+            } } }
+        } }
+    }
+}
+
+fn cases(overview: &Overview, results: &Results) -> Markup {
+    let verdict = |case: &CaseResult| match case.passed() {
+        Some(true) => "passed",
+        Some(false) => "FAILED",
+        None => "not run",
+    };
+    html! {
+        details {
+            summary { "All " (results.cases.len()) " cases" }
+            div.table { table {
+                thead { tr {
+                    @if overview.has_scenes { th.text { "scene" } }
+                    @for key in &overview.keys { th.text { (key) } }
+                    th { "seed" } th { "verdict" }
+                    @for measure in &MEASURES { th { (measure.name) ", " (measure.unit) } }
+                    th.text { "blame" }
+                } }
+                tbody id="cases" { @for case in results.cases.iter().take(MOST_ROWS) {
+                    @let figures = case.figures();
+                    tr {
+                        @if overview.has_scenes { td.text { (case.scene) } }
+                        @for key in &overview.keys { td.text { (case.value(key)) } }
+                        td { (case.seed) }
+                        td.bad[case.passed() != Some(true)] { (verdict(case)) }
+                        @for measure in &MEASURES { td { (measure.of(&figures)) } }
+                        td.text { (case.first_failure()["blame"].as_str().unwrap_or_default()) }
+                    }
+                } }
+            } }
+            @if results.cases.len() > MOST_ROWS { p.note { "The first " (MOST_ROWS) "; results.csv has all." } }
+        }
+    }
+}
+
+fn origin(results: &Results) -> Markup {
+    let told = |value: &dyn Fn(&CaseResult) -> Option<String>| -> String {
+        let all: BTreeSet<String> = results.cases.iter().filter_map(value).collect();
+        all.into_iter().collect::<Vec<_>>().join("; ")
+    };
+    let summary = |name: &'static str| move |case: &CaseResult| case.summary()?[name].as_str().map(str::to_owned);
+    let timing = |name: &'static str| move |case: &CaseResult| case.timing()?[name].as_str().map(str::to_owned);
+    let program = |case: &CaseResult| Some(case.timing()?["program"].as_str()?.chars().take(12).collect());
+    let adapter = told(&summary("adapter"));
+    html! {
+        footer {
+            dl {
+                dt { "version" } dd { (told(&summary("version"))) ", program " (told(&program)) }
+                dt { "adapter" } dd { @if adapter.is_empty() { "none, as no image was rendered" } @else { (adapter) } }
+                dt { "machine" } dd { (told(&timing("machine"))) }
+                @if let Some(plan) = &results.plan {
+                    dt { "scene" } dd { (plan.path.display()) ", " (plan.scene_digest.chars().take(12).collect::<String>()) }
+                    @for variable in &plan.vary {
+                        dt { "varied" } dd { (variable.key) ": " (variable.shown_values()) }
+                    }
+                    dt { "seeds" } dd { (plan.seeds[0]) ".." (plan.seeds[1]) }
+                }
+            }
+            p {
+                "A check is one step of 10 ms. Outside the box the cause is named: " strong { "bound broken" }
+                ", a declared bound was really exceeded; " strong { "perception" } ", the vision claimed what is not there; "
+                strong { "unsound" } ", neither. All figures of all cases are in results.csv."
+            }
+        }
+    }
+}

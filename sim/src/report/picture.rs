@@ -1,0 +1,59 @@
+//! A debug frame of a case, small enough to stand in a page.
+
+use std::{fs, path::Path};
+
+use image::{ImageReader, codecs::jpeg::JpegEncoder, imageops::FilterType};
+
+use crate::results::CaseResult;
+
+/// Wide enough to read a figure's title on a phone.
+const WIDTH_PX: u32 = 760;
+const QUALITY: u8 = 68;
+
+/// The frame nearest to the first failure, or the first one, as the address of an embedded image.
+pub(super) fn data_url(case: &CaseResult) -> Option<String> {
+    let figures = figures(&case.folder);
+    let wanted = failing_image(case).unwrap_or(0);
+    let (_, name) = figures.into_iter().min_by_key(|(number, _)| number.abs_diff(wanted))?;
+    // A report shows what there is; a frame that cannot be read is left out.
+    let figure = ImageReader::open(case.folder.join(name)).ok()?.decode().ok()?.into_rgb8();
+    let height_px = (figure.height() * WIDTH_PX).div_ceil(figure.width().max(1));
+    let small = image::imageops::resize(&figure, WIDTH_PX, height_px, FilterType::Triangle);
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(&small).ok()?;
+    Some(format!("data:image/jpeg;base64,{}", base64(&bytes)))
+}
+
+/// Numbers and names of all `figure_*.png`.
+fn figures(folder: &Path) -> Vec<(u64, String)> {
+    let names = fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let number = |name: &str| name.strip_prefix("figure_")?.strip_suffix(".png")?.parse().ok();
+    let mut figures: Vec<(u64, String)> = names.filter_map(|name| Some((number(&name)?, name))).collect();
+    figures.sort();
+    figures
+}
+
+/// The image that was taken about when the truth was first outside: images come at equal times.
+fn failing_image(case: &CaseResult) -> Option<u64> {
+    let summary = case.summary()?;
+    let share = summary["containment"]["first_failure"]["time_s"].as_f64()? / summary["duration_s"].as_f64()?;
+    let methods = summary["methods"].as_object()?.values();
+    let images = methods.filter_map(|method| method["readings"].as_u64()).max()?;
+    Some((share * images as f64).round() as u64)
+}
+
+/// Base64 of RFC 4648, section 4.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for three in bytes.chunks(3) {
+        let bits = (0..3).fold(0_u32, |bits, index| bits << 8 | u32::from(three.get(index).copied().unwrap_or(0)));
+        for digit in 0..4 {
+            let is_padding = digit > three.len();
+            let value = (bits >> (18 - 6 * digit)) as usize & 63;
+            text.push(if is_padding { '=' } else { char::from(DIGITS[value]) });
+        }
+    }
+    text
+}

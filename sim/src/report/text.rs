@@ -1,0 +1,94 @@
+//! The report for a terminal.
+
+use crate::results::{CaseResult, Replay, Results};
+
+use super::{Group, MEASURES, Overview};
+
+/// Combinations that a terminal shows; a sweep with more has its report and its CSV.
+const MOST_GROUPS: usize = 60;
+/// Failed cases that are told in full.
+const MOST_WORST: usize = 5;
+
+/// Verdict, a table of the combinations, then every case that is missing or failed, and the worst of those that missed
+/// an expectation with the command that replays each.
+pub fn as_text(overview: &Overview, results: &Results) -> String {
+    let mut text = table(overview);
+    for case in results.missing() {
+        text += &format!("MISSING {}\n", case.describe(overview.has_scenes));
+    }
+    for (case, reason) in results.failed() {
+        text += &format!("COULD NOT RUN {}: {reason}\n", case.describe(overview.has_scenes));
+        text += &format!("  replay: {}\n", Replay::of(case, "renders"));
+    }
+    let missed =
+        || overview.worst.iter().map(|index| &results.cases[*index]).filter(|case| case.passed() == Some(false));
+    for case in missed().take(MOST_WORST) {
+        text += &failure(case, overview.has_scenes);
+    }
+    if missed().count() > MOST_WORST {
+        text += &format!("and {} more that missed an expectation\n", missed().count() - MOST_WORST);
+    }
+    let verdict = if overview.has_passed() { "passed" } else { "FAILED" };
+    text += &format!("\n{verdict}: {}.", overview.headline());
+    let outside: Vec<String> = overview.outside().iter().map(|(name, n)| format!("{n} {name}")).collect();
+    let checks = overview.figures.get("containment.checks").copied().unwrap_or_default();
+    text += &format!(" Of {checks} checks, outside the box: {}.\n", outside.join(", "));
+    text
+}
+
+/// What failed in a case, where its first failure is, and how to see it again.
+fn failure(case: &CaseResult, with_scene: bool) -> String {
+    let mut text = format!("FAILED {}\n", case.describe(with_scene));
+    for line in case.missed_expectations() {
+        text += &format!("  {line}\n");
+    }
+    if let Some(first) = first_outside(case) {
+        text += &format!("  {first}\n");
+    }
+    text + &format!("  replay: {}\n", Replay::of(case, "renders"))
+}
+
+/// When, along which axis, by how much and why the truth was first outside.
+pub fn first_outside(case: &CaseResult) -> Option<String> {
+    let first = case.first_failure();
+    let (time_s, margin) = (first["time_s"].as_f64()?, first["margin"].as_f64()?);
+    let (axis, outcome, blame) = (first["axis"].as_str()?, first["outcome"].as_str()?, first["blame"].as_str()?);
+    let outcome = outcome.replace('_', " ");
+    Some(format!("first outside at {time_s:.2} s: {axis} by {margin:.6}, {outcome}: {blame}"))
+}
+
+fn table(overview: &Overview) -> String {
+    let mut headings: Vec<String> = Vec::new();
+    headings.extend(overview.has_scenes.then(|| "scene".to_owned()));
+    headings.extend(overview.keys.iter().cloned());
+    let n_texts = headings.len();
+    headings.push("passed".to_owned());
+    headings.extend(MEASURES.iter().map(|measure| format!("{}, {}", measure.name, measure.unit)));
+    let row = |group: &Group| {
+        let mut cells: Vec<String> = Vec::new();
+        cells.extend(overview.has_scenes.then(|| group.scene.clone()));
+        cells.extend(overview.keys.iter().map(|key| group.value(key)));
+        cells.push(format!("{}/{}", group.n_passed, group.n_cases));
+        cells.extend(MEASURES.iter().map(|measure| measure.of(&group.figures)));
+        cells
+    };
+    let mut rows = vec![headings];
+    rows.extend(overview.groups.iter().take(MOST_GROUPS).map(row));
+    let mut text = aligned(&rows, n_texts);
+    if overview.groups.len() > MOST_GROUPS {
+        text += &format!("  and {} combinations more\n", overview.groups.len() - MOST_GROUPS);
+    }
+    text
+}
+
+/// The first `n_texts` columns at the left, the others at the right.
+fn aligned(rows: &[Vec<String>], n_texts: usize) -> String {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let cell = |(column, text): (usize, &String)| {
+        let width = widths[column];
+        if column < n_texts { format!("{text:<width$}") } else { format!("{text:>width$}") }
+    };
+    let line = |row: &Vec<String>| row.iter().enumerate().map(cell).collect::<Vec<_>>().join("  ");
+    rows.iter().map(|row| format!("  {}\n", line(row).trim_end())).collect()
+}

@@ -1,0 +1,89 @@
+//! Tables as Parquet, for tools that read columns. Built with the feature `parquet`.
+
+use std::sync::Arc;
+
+use parquet::{
+    basic::{LogicalType, Repetition, Type as Physical},
+    data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, Int64Type},
+    errors::Result,
+    file::{
+        properties::WriterProperties,
+        writer::{SerializedColumnWriter, SerializedFileWriter},
+    },
+    schema::types::Type,
+};
+
+use super::{Cell, Table};
+
+/// The bytes of a Parquet file: one row group, every column optional, numbers as doubles.
+pub fn to_parquet(table: &Table) -> Result<Vec<u8>> {
+    let kinds: Vec<Physical> = (0..table.columns.len()).map(|column| kind(table, column)).collect();
+    let fields = table.columns.iter().zip(&kinds).map(|(name, kind)| {
+        let text = (*kind == Physical::BYTE_ARRAY).then_some(LogicalType::String);
+        let field = Type::primitive_type_builder(name, *kind).with_repetition(Repetition::OPTIONAL);
+        field.with_logical_type(text).build().map(Arc::new)
+    });
+    let schema = Arc::new(Type::group_type_builder("case").with_fields(fields.collect::<Result<_>>()?).build()?);
+    let properties = WriterProperties::builder().set_created_by("wherein".to_owned()).build();
+    let mut bytes = Vec::new();
+    let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::new(properties))?;
+    let mut group = writer.next_row_group()?;
+    let mut column = 0;
+    while let Some(mut open) = group.next_column()? {
+        let cells = table.rows.iter().map(|row| &row[column]);
+        match kinds[column] {
+            Physical::DOUBLE => fill::<DoubleType>(&mut open, cells, |cell| match cell {
+                Cell::Number(number) => Some(*number),
+                _ => None,
+            })?,
+            Physical::INT64 => fill::<Int64Type>(&mut open, cells, |cell| match cell {
+                // Parquet's own whole numbers end at 2⁶³; a seed beyond keeps its bits.
+                Cell::Whole(number) => Some(*number as i64),
+                _ => None,
+            })?,
+            Physical::BOOLEAN => fill::<BoolType>(&mut open, cells, |cell| match cell {
+                Cell::Truth(truth) => Some(*truth),
+                _ => None,
+            })?,
+            _ => fill::<ByteArrayType>(&mut open, cells, |cell| match cell {
+                Cell::Empty => None,
+                Cell::Text(text) => Some(ByteArray::from(text.as_str())),
+                Cell::Number(number) => Some(ByteArray::from(number.to_string().as_str())),
+                Cell::Whole(number) => Some(ByteArray::from(number.to_string().as_str())),
+                Cell::Truth(truth) => Some(ByteArray::from(truth.to_string().as_str())),
+            })?,
+        }
+        open.close()?;
+        column += 1;
+    }
+    group.close()?;
+    writer.close()?;
+    Ok(bytes)
+}
+
+/// The type of a column: that of its cells, or text when they are of several kinds.
+fn kind(table: &Table, column: usize) -> Physical {
+    let of = |cell: &Cell| match cell {
+        Cell::Empty => None,
+        Cell::Text(_) => Some(Physical::BYTE_ARRAY),
+        Cell::Number(_) => Some(Physical::DOUBLE),
+        Cell::Whole(_) => Some(Physical::INT64),
+        Cell::Truth(_) => Some(Physical::BOOLEAN),
+    };
+    let mut kinds = table.rows.iter().filter_map(|row| of(&row[column]));
+    let first = kinds.next().unwrap_or(Physical::BYTE_ARRAY);
+    if kinds.all(|kind| kind == first) { first } else { Physical::BYTE_ARRAY }
+}
+
+/// Writes one column: its values, and for each row whether there is one.
+fn fill<'a, T: DataType>(
+    column: &mut SerializedColumnWriter<'_>,
+    cells: impl Iterator<Item = &'a Cell>,
+    value: impl Fn(&Cell) -> Option<T::T>,
+) -> Result<()> {
+    let values: Vec<Option<T::T>> = cells.map(value).collect();
+    let present: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
+    let values: Vec<T::T> = values.into_iter().flatten().collect();
+    column.typed::<T>().write_batch(&values, Some(&present), None)?;
+    Ok(())
+}

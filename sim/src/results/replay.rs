@@ -1,0 +1,42 @@
+//! The command that runs a case again.
+
+use std::{env, fmt};
+
+use super::CaseResult;
+
+/// A shell command that runs one case again and leaves its frames.
+#[derive(Clone, Debug)]
+pub struct Replay(String);
+
+impl Replay {
+    /// The command for `case`; `out` is where its results go.
+    pub fn of(case: &CaseResult, out: &str) -> Replay {
+        let program = env::args().next().unwrap_or_else(|| "wherein".to_owned());
+        let mut words = vec![program, "run".to_owned(), case.scene_path.display().to_string()];
+        for setting in &case.settings {
+            words.extend(["--set".to_owned(), setting.to_string()]);
+        }
+        words.extend(["--seed".to_owned(), case.seed.to_string()]);
+        // A case that passed and never lost the truth has no failure to show.
+        let is_clean = case.passed() == Some(true) && case.first_failure().is_null();
+        let frames = if is_clean { "every=20" } else { "failures" };
+        words.extend(["--frames".to_owned(), frames.to_owned(), "--out".to_owned(), out.to_owned()]);
+        Replay(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "))
+    }
+}
+
+impl fmt::Display for Replay {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// `text` as a POSIX shell reads it as one word.
+pub fn quoted(text: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@,".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}

@@ -1,0 +1,142 @@
+//! One row a case: the columns of `results.csv`, in a stable order.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use crate::{figures::Figures, sweep::Recorded};
+
+use super::{CaseResult, Results};
+
+/// What stands in a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Nothing.
+    Empty,
+    /// A text.
+    Text(String),
+    /// A number.
+    Number(f64),
+    /// A whole number.
+    Whole(u64),
+    /// Yes or no.
+    Truth(bool),
+}
+
+/// Named columns over rows of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// A cell for each column, a row for each case.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// Columns before the keys that vary.
+const IDENTITY: [&str; 2] = ["case", "scene"];
+/// Columns after them.
+const OUTCOME: [&str; 10] = [
+    "seed",
+    "status",
+    "passed",
+    "missed_expectations",
+    "first_failure_s",
+    "first_failure_axis",
+    "first_failure_margin",
+    "first_failure_outcome",
+    "blame",
+    "violated_bounds",
+];
+/// Columns at the end.
+const ORIGIN: [&str; 4] = ["version", "adapter", "digest.scene", "digest.estimates"];
+
+impl Table {
+    /// The table of `results`. A case that did not run has a row without figures.
+    pub fn of(results: &Results) -> Table {
+        let keys = results.keys();
+        let figures: Vec<Figures> = results.cases.iter().map(shown_figures).collect();
+        let names: BTreeSet<&String> = figures.iter().flat_map(Figures::keys).collect();
+        let columns = IDENTITY.iter().map(|name| (*name).to_owned());
+        let columns = columns.chain(keys.iter().map(|key| format!("set.{key}")));
+        let columns = columns.chain(OUTCOME.iter().map(|name| (*name).to_owned()));
+        let columns = columns.chain(names.iter().map(|name| (*name).clone()));
+        let columns = columns.chain(ORIGIN.iter().map(|name| (*name).to_owned())).collect();
+        let row = |(case, figures): (&CaseResult, &Figures)| {
+            let mut row = vec![text(&case.id), text(&case.scene)];
+            row.extend(keys.iter().map(|key| setting(case, key)));
+            row.extend(outcome(case));
+            row.extend(names.iter().map(|name| figures.get(*name).map_or(Cell::Empty, |value| Cell::Number(*value))));
+            row.extend(origin(case));
+            row
+        };
+        Table { columns, rows: results.cases.iter().zip(&figures).map(row).collect() }
+    }
+}
+
+/// All figures but those that have a column of their own.
+fn shown_figures(case: &CaseResult) -> Figures {
+    let mut figures = case.figures();
+    figures.retain(|name, _| name != "seed" && !name.starts_with("containment.first_failure."));
+    figures
+}
+
+fn setting(case: &CaseResult, key: &str) -> Cell {
+    let value = case.settings.iter().find(|setting| setting.key == key).map(|setting| &setting.value);
+    match value {
+        None => Cell::Empty,
+        Some(toml::Value::Integer(number)) => Cell::Number(*number as f64),
+        Some(toml::Value::Float(number)) => Cell::Number(*number),
+        Some(toml::Value::Boolean(truth)) => Cell::Truth(*truth),
+        Some(toml::Value::String(chosen)) => text(chosen),
+        Some(other) => text(&other.to_string()),
+    }
+}
+
+fn outcome(case: &CaseResult) -> [Cell; 10] {
+    let first = case.first_failure();
+    let said = |value: &Value| value.as_str().map_or(Cell::Empty, text);
+    let measured = |value: &Value| value.as_f64().map_or(Cell::Empty, Cell::Number);
+    let status = match &case.recorded {
+        Recorded::Done { .. } => "done",
+        Recorded::Failed(_) => "failed",
+        Recorded::Missing => "missing",
+    };
+    let missed = match &case.recorded {
+        Recorded::Failed(reason) => reason.clone(),
+        _ => case.missed_expectations().join("; "),
+    };
+    [
+        Cell::Whole(case.seed),
+        text(status),
+        case.passed().map_or(Cell::Empty, Cell::Truth),
+        text(&missed),
+        measured(&first["time_s"]),
+        said(&first["axis"]),
+        measured(&first["margin"]),
+        said(&first["outcome"]),
+        said(&first["blame"]),
+        text(&violated_bounds(case)),
+    ]
+}
+
+/// Names of the declared bounds that were exceeded, each once.
+fn violated_bounds(case: &CaseResult) -> String {
+    let violations = case.summary().and_then(|summary| summary["violations"].as_array());
+    let names: BTreeSet<&str> = violations.into_iter().flatten().filter_map(|one| one["bound"].as_str()).collect();
+    names.into_iter().collect::<Vec<_>>().join(" ")
+}
+
+fn origin(case: &CaseResult) -> [Cell; 4] {
+    let summary = case.summary().unwrap_or(&Value::Null);
+    let said = |value: &Value| value.as_str().map_or(Cell::Empty, text);
+    [
+        said(&summary["version"]),
+        said(&summary["adapter"]),
+        said(&summary["digest"]["scene"]),
+        said(&summary["digest"]["estimates"]),
+    ]
+}
+
+fn text(text: &str) -> Cell {
+    if text.is_empty() { Cell::Empty } else { Cell::Text(text.to_owned()) }
+}

@@ -1,0 +1,248 @@
+//! Keys of a scene set to other values than its file states: what `--set` and `--vary` ask for.
+
+use std::{fmt, fs, path::Path, str::FromStr};
+
+use serde_json::Value as Json;
+use toml::{Table, Value};
+
+use super::{
+    Scene, SceneError, SceneFile,
+    schema::{alternatives, resolve, schema},
+};
+
+/// One key of a scene and the value it is given.
+///
+/// The key is a dotted path as error messages write it. An item of a list is picked by its `name` or its index:
+/// `floor.region.carpet.friction`, `route.waypoint[2].x_m`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// Dotted path of the key.
+    pub key: String,
+    /// What it is set to.
+    pub value: Value,
+}
+
+/// A scene file whose keys can be set before it is read.
+#[derive(Clone, Debug)]
+pub struct SceneTemplate {
+    file: SceneFile,
+    document: Table,
+}
+
+impl SceneTemplate {
+    /// Reads a scene file, which must be valid as it stands.
+    pub fn load(path: &Path) -> Result<SceneTemplate, SceneError> {
+        let file = SceneFile::load(path)?;
+        let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
+        let text = fs::read_to_string(path).map_err(unreadable)?;
+        // The scene has been read from the same text, so that this fails only if the file changed meanwhile.
+        let document = text.parse().map_err(|error| unreadable(std::io::Error::other(error)))?;
+        Ok(SceneTemplate { file, document })
+    }
+
+    /// The scene as its file states it.
+    pub fn file(&self) -> &SceneFile {
+        &self.file
+    }
+
+    /// The scene with `settings`, which are held against the schema like a file's own values.
+    pub fn with(&self, settings: &[Setting]) -> Result<SceneFile, SceneError> {
+        if settings.is_empty() {
+            return Ok(self.file.clone());
+        }
+        let mut document = self.document.clone();
+        for setting in settings {
+            let steps = self.steps(&setting.key)?;
+            // Where the schema allows it but the file states something else, such as `false` for a device, that gives way.
+            put(&mut document, &steps, setting.value.clone());
+        }
+        let listed: Vec<String> = settings.iter().map(Setting::to_string).collect();
+        let name = format!("{} with {}", self.file.path.display(), listed.join(", "));
+        let text = document.to_string();
+        let scene = Scene::parse(&text, &name)?;
+        Ok(SceneFile { scene, text, settings: settings.to_vec(), ..self.file.clone() })
+    }
+
+    /// The way to a key, through tables and lists.
+    fn steps(&self, key: &str) -> Result<Vec<Step>, SceneError> {
+        let document = Value::Table(self.document.clone());
+        let segments = segments(key);
+        walk(resolve(schema()), Some(&document), &segments).ok_or_else(|| {
+            let mut known = Vec::new();
+            list(resolve(schema()), Some(&document), "", &mut known);
+            SceneError::UnknownKey {
+                path: self.file.path.clone(),
+                key: key.to_owned(),
+                nearest: nearest_keys(key, known),
+            }
+        })
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.key, shown(&self.value))
+    }
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('=') {
+            Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
+                Ok(Setting { key: key.trim().to_owned(), value: value_of(value.trim()) })
+            }
+            _ => Err("expected KEY=VALUE, such as light.illuminance_at_floor_lux=0.1".to_owned()),
+        }
+    }
+}
+
+/// A value as one types it: what TOML understands, or else a text that needs no quotes.
+pub fn value_of(text: &str) -> Value {
+    let as_toml = || format!("v = {text}").parse::<Table>().ok()?.remove("v");
+    let as_number = || text.parse::<f64>().ok().map(Value::Float);
+    as_toml().or_else(as_number).unwrap_or_else(|| Value::String(text.to_owned()))
+}
+
+/// A value as `value_of` reads it back.
+pub fn shown(value: &Value) -> String {
+    match value {
+        Value::String(text) if value_of(text) == *value && !text.contains([',', ' ', '=']) => text.clone(),
+        Value::Float(number) => number.to_string(),
+        _ => value.to_string(),
+    }
+}
+
+/// A step into a document.
+#[derive(Clone, Debug, PartialEq)]
+enum Step {
+    Key(String),
+    Item(usize),
+}
+
+/// `route.waypoint[2].x_m` as `route`, `waypoint`, `2`, `x_m`.
+fn segments(key: &str) -> Vec<&str> {
+    key.split(['.', '[']).map(|segment| segment.trim_end_matches(']')).collect()
+}
+
+/// The steps along `segments`; none when the schema `node`, or a list in the document at `place`, has no such thing.
+fn walk(node: &'static Json, place: Option<&Value>, segments: &[&str]) -> Option<Vec<Step>> {
+    let Some((segment, rest)) = segments.split_first() else { return Some(Vec::new()) };
+    let (step, node, place) = options(node, place).into_iter().find_map(|option| enter(option, place, segment))?;
+    let mut steps = vec![step];
+    match node {
+        Some(node) => steps.extend(walk(node, place, rest)?),
+        // Below a table of free keys, such as `expect`, the scene's own check decides.
+        None => steps.extend(rest.iter().map(|segment| Step::Key((*segment).to_owned()))),
+    }
+    Some(steps)
+}
+
+/// One step into what `node` describes; no schema comes back where keys are free.
+fn enter<'a>(
+    node: &'static Json,
+    place: Option<&'a Value>,
+    segment: &str,
+) -> Option<(Step, Option<&'static Json>, Option<&'a Value>)> {
+    if let Some(items) = node.get("items") {
+        let present = place?.as_array()?;
+        let index = segment.parse().ok().or_else(|| present.iter().position(|item| name_of(item) == Some(segment)))?;
+        return Some((Step::Item(index), Some(resolve(items)), Some(present.get(index)?)));
+    }
+    let inner = place.and_then(|place| place.get(segment));
+    let key = || Step::Key(segment.to_owned());
+    match node.get("properties").and_then(|properties| properties.get(segment)) {
+        Some(property) => Some((key(), Some(resolve(property)), inner)),
+        None if is_free(node) => Some((key(), None, inner)),
+        None => None,
+    }
+}
+
+/// What `node` may be: the alternatives of a choice, or the kind that the document names.
+fn options(node: &'static Json, place: Option<&Value>) -> Vec<&'static Json> {
+    let mut options: Vec<&'static Json> = alternatives(node).into_iter().map(resolve).collect();
+    if options.is_empty() {
+        options.push(node);
+    }
+    let kind = place.and_then(|place| place.get("kind")).and_then(Value::as_str);
+    let variants = node.get("oneOf").and_then(Json::as_array).into_iter().flatten();
+    options.extend(variants.filter(|variant| variant["properties"]["kind"]["const"].as_str() == kind));
+    options
+}
+
+fn is_free(node: &Json) -> bool {
+    node.get("additionalProperties").is_some_and(|free| *free != Json::Bool(false))
+}
+
+fn name_of(item: &Value) -> Option<&str> {
+    item.get("name").and_then(Value::as_str)
+}
+
+fn put(table: &mut Table, steps: &[Step], value: Value) {
+    let Some((Step::Key(key), rest)) = steps.split_first() else { return };
+    if rest.is_empty() {
+        table.insert(key.clone(), value);
+        return;
+    }
+    put_into(table.entry(key.clone()).or_insert_with(|| Value::Table(Table::new())), rest, value);
+}
+
+fn put_into(place: &mut Value, steps: &[Step], value: Value) {
+    match steps.split_first() {
+        None => *place = value,
+        Some((Step::Item(index), rest)) => {
+            if let Some(item) = place.as_array_mut().and_then(|items| items.get_mut(*index)) {
+                put_into(item, rest, value);
+            }
+        }
+        Some((Step::Key(_), _)) => {
+            if !place.is_table() {
+                *place = Value::Table(Table::new());
+            }
+            if let Value::Table(table) = place {
+                put(table, steps, value);
+            }
+        }
+    }
+}
+
+/// All keys with a value of their own that the scene could state.
+fn list(node: &'static Json, place: Option<&Value>, path: &str, known: &mut Vec<String>) {
+    let before = known.len();
+    for option in options(node, place) {
+        for (name, property) in option.get("properties").and_then(Json::as_object).into_iter().flatten() {
+            let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+            list(resolve(property), place.and_then(|place| place.get(name)), &path, known);
+        }
+        let items = place.and_then(Value::as_array).into_iter().flatten().enumerate();
+        for (index, item) in items.filter(|(_, item)| item.is_table()) {
+            let path = match name_of(item) {
+                Some(name) => format!("{path}.{name}"),
+                None => format!("{path}[{index}]"),
+            };
+            list(resolve(&option["items"]), Some(item), &path, known);
+        }
+    }
+    if known.len() == before && !path.is_empty() {
+        known.push(path.to_owned());
+    }
+}
+
+/// Up to three keys that may have been meant. What a key's last part says counts as much as the way to it.
+fn nearest_keys(key: &str, known: Vec<String>) -> Vec<String> {
+    // A key that is this much less alike than the best one only distracts.
+    const SLACK: f64 = 0.4;
+    let last = |path: &str| segments(path).last().map_or_else(String::new, |last| (*last).to_owned());
+    // What names a part of something that has none means that very thing.
+    let has_no_parts = |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.starts_with(['.', '[']));
+    let similarity = |path: &str| {
+        let alike = strsim::jaro_winkler(key, path) + strsim::jaro_winkler(&last(key), &last(path)).powi(2);
+        alike + f64::from(u8::from(has_no_parts(path)))
+    };
+    let mut ranked: Vec<(f64, String)> = known.into_iter().map(|path| (similarity(&path), path)).collect();
+    ranked.sort_by(|one, other| other.0.total_cmp(&one.0));
+    ranked.dedup();
+    let best = ranked.first().map_or(0.0, |(similarity, _)| *similarity);
+    ranked.into_iter().filter(|(similarity, _)| *similarity > best - SLACK).map(|(_, path)| path).take(3).collect()
+}

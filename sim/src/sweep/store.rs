@@ -1,0 +1,227 @@
+//! The folder of a sweep: `sweep.json`, and one folder in `cases/` for each case, written whole or not at all.
+
+use std::{
+    collections::BTreeMap,
+    fs::{self, File, OpenOptions, TryLockError},
+    io::{self, Write},
+    path::{Path, PathBuf},
+    process,
+};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use crate::{
+    check::Verdict,
+    frames::FramesPolicy,
+    record::{self, RecordError, naming, replace_whole},
+    run::RunRecord,
+};
+
+use super::{Case, Plan, PlannedCase, SweepError};
+
+/// The folder of a sweep, locked against other processes for as long as this lives.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    /// The system lets go of the lock when the process ends, however it ends.
+    _lock: File,
+}
+
+/// How a case stands in a folder.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Recorded {
+    /// It has run.
+    Done {
+        /// Its `summary.json`.
+        summary: Value,
+        /// Its `timing.json`.
+        timing: Value,
+    },
+    /// It could not run, for this reason.
+    Failed(String),
+    /// There is nothing, or nothing that can be read.
+    Missing,
+}
+
+/// What `case.json` holds besides what the plan knows.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Seal {
+    id: String,
+    set: Vec<String>,
+    seed: u64,
+    /// Frames that were asked for.
+    frames: String,
+    /// Why it could not run.
+    failure: Option<String>,
+    /// SHA-256 of every other file.
+    files: BTreeMap<String, String>,
+}
+
+const PLAN: &str = "sweep.json";
+const SEAL: &str = "case.json";
+
+impl Store {
+    /// Creates or opens a folder, makes sure that files can be written there, and locks it.
+    pub fn open(folder: &Path) -> Result<Store, SweepError> {
+        record::prepare(folder)?;
+        let store = Store { folder: folder.to_owned(), _lock: lock(folder)? };
+        // Nobody else works here, so that whatever is half written was left by a process that was killed.
+        remove_hidden(&folder.join("cases"))?;
+        Ok(store)
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Writes `sweep.json`.
+    pub fn write_plan(&self, plan: &Plan) -> Result<(), SweepError> {
+        // A plan's keys are texts, so that nothing in it can fail to serialise.
+        let text = serde_json::to_string_pretty(plan).unwrap_or_default() + "\n";
+        Ok(write_whole(&self.folder.join(PLAN), text.as_bytes())?)
+    }
+
+    /// Records a run.
+    pub fn write(
+        &self,
+        case: &Case,
+        frames: FramesPolicy,
+        record: &RunRecord,
+        verdict: &Verdict,
+    ) -> Result<(), RecordError> {
+        replace_whole(&case_folder(&self.folder, &case.planned.id), |partial| {
+            record::fill(partial, &case.file, record, verdict, None)?;
+            seal(partial, &case.planned, frames, None)
+        })
+    }
+
+    /// Records that a case could not run.
+    pub fn write_failure(&self, case: &Case, frames: FramesPolicy, reason: &str) -> Result<(), RecordError> {
+        replace_whole(&case_folder(&self.folder, &case.planned.id), |partial| {
+            seal(partial, &case.planned, frames, Some(reason.to_owned()))
+        })
+    }
+
+    /// Whether the case has run, its files are what was written, and the frames that are asked for now are among them.
+    pub fn has(&self, case: &PlannedCase, frames: FramesPolicy) -> bool {
+        let folder = case_folder(&self.folder, &case.id);
+        let Some(seal) = read_seal(&folder) else { return false };
+        let has_frames = frames == FramesPolicy::None || seal.frames == frames.to_string();
+        has_frames && seal.failure.is_none() && is_intact(&folder, &seal)
+    }
+
+    /// Copies a case that another folder holds intact, run or failed; says whether it did.
+    pub fn adopt(&self, id: &str, from: &Path) -> Result<bool, SweepError> {
+        let source = case_folder(from, id);
+        let Some(seal) = read_seal(&source).filter(|seal| is_intact(&source, seal)) else { return Ok(false) };
+        replace_whole(&case_folder(&self.folder, id), |partial| {
+            for name in seal.files.keys().map(String::as_str).chain([SEAL]) {
+                naming("copy", &source.join(name), fs::copy(source.join(name), partial.join(name)))?;
+            }
+            Ok(())
+        })?;
+        Ok(true)
+    }
+}
+
+/// The plan of the sweep in `folder`; none when it holds none.
+pub fn read_plan(folder: &Path) -> Result<Option<Plan>, SweepError> {
+    let path = folder.join(PLAN);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let text = naming("read", &path, fs::read_to_string(&path))?;
+    Ok(Some(naming("read", &path, serde_json::from_str(&text).map_err(io::Error::from))?))
+}
+
+/// How the case `id` stands in `folder`.
+pub fn read_case(folder: &Path, id: &str) -> Recorded {
+    let folder = case_folder(folder, id);
+    let Some(seal) = read_seal(&folder) else { return Recorded::Missing };
+    if let Some(reason) = seal.failure {
+        return Recorded::Failed(reason);
+    }
+    // What cannot be read is as good as missing: the next sweep into the folder runs it again.
+    match record::read(&folder) {
+        Ok(Some((summary, timing))) => Recorded::Done { summary, timing },
+        _ => Recorded::Missing,
+    }
+}
+
+/// Where a case is recorded.
+pub fn case_folder(folder: &Path, id: &str) -> PathBuf {
+    folder.join("cases").join(id)
+}
+
+/// Writes a file whole or not at all.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let partial = path.with_file_name(format!(".{name}-{}.partial", process::id()));
+    let written = naming("write", path, fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)));
+    if written.is_err() {
+        // The error at hand says what is wrong.
+        let _ = fs::remove_file(&partial);
+    }
+    written
+}
+
+fn lock(folder: &Path) -> Result<File, SweepError> {
+    let path = folder.join(".lock");
+    let options = || OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+    let mut file = naming("open", &path, options())?;
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            let holder = fs::read_to_string(&path).ok().filter(|holder| !holder.is_empty());
+            let holder = holder.unwrap_or_else(|| "another process".to_owned());
+            return Err(SweepError::Locked { folder: folder.to_owned(), holder });
+        }
+        // Some network file systems know no locks; whoever shares a folder there has to take care.
+        Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+        Err(TryLockError::Error(source)) => return Err(SweepError::NoLock { folder: folder.to_owned(), source }),
+    }
+    let holder = format!("process {}", process::id());
+    naming("write", &path, file.set_len(0).and_then(|()| file.write_all(holder.as_bytes())))?;
+    Ok(file)
+}
+
+fn remove_hidden(folder: &Path) -> Result<(), RecordError> {
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    for entry in entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with('.')) {
+        naming("delete", &entry.path(), fs::remove_dir_all(entry.path()))?;
+    }
+    Ok(())
+}
+
+/// Writes `case.json` beside the files that it vouches for.
+fn seal(folder: &Path, case: &PlannedCase, frames: FramesPolicy, failure: Option<String>) -> Result<(), RecordError> {
+    let mut files = BTreeMap::new();
+    for entry in naming("read the folder", folder, fs::read_dir(folder))? {
+        let name = naming("read the folder", folder, entry)?.file_name().to_string_lossy().into_owned();
+        let digest = naming("read", &folder.join(&name), digest(&folder.join(&name)))?;
+        files.insert(name, digest);
+    }
+    let set = case.settings.iter().map(ToString::to_string).collect();
+    let seal = Seal { id: case.id.clone(), set, seed: case.seed, frames: frames.to_string(), failure, files };
+    // A seal's keys are texts, so that nothing in it can fail to serialise.
+    let text = serde_json::to_string_pretty(&seal).unwrap_or_default() + "\n";
+    naming("write", &folder.join(SEAL), fs::write(folder.join(SEAL), text))
+}
+
+fn read_seal(folder: &Path) -> Option<Seal> {
+    let text = fs::read_to_string(folder.join(SEAL)).ok()?;
+    let seal: Seal = serde_json::from_str(&text).ok()?;
+    let is_own = folder.file_name().is_some_and(|name| name.to_string_lossy() == seal.id);
+    is_own.then_some(seal)
+}
+
+fn is_intact(folder: &Path, seal: &Seal) -> bool {
+    seal.files.iter().all(|(name, sealed)| digest(&folder.join(name)).is_ok_and(|found| found == *sealed))
+}
+
+fn digest(path: &Path) -> io::Result<String> {
+    Ok(Sha256::digest(fs::read(path)?).iter().map(|byte| format!("{byte:02x}")).collect())
+}

@@ -1,0 +1,245 @@
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+    process::Stdio,
+    thread,
+    time::Duration,
+};
+
+use serde_json::Value;
+use sim::results::from_csv;
+
+use crate::command::{blind_scene, folder, outcome, wherein};
+
+/// A scene with a carpet, a short run, and a limit that wide boxes miss.
+const CARPET: &str = "[floor]\nfriction = 0.8\n[[floor.region]]\nname = \"carpet\"\nx_m = [1.0, 2.0]\ny_m = [0.2, 1.8]\n\
+                      friction = 0.5\n[expect]\nunsound = 0\n";
+
+fn write_scene(folder: &Path, duration_s: f64) {
+    fs::write(folder.join("scene.toml"), blind_scene(duration_s, CARPET)).unwrap();
+}
+
+/// `wherein sweep scene.toml` over carpet and floor with two seeds: 12 cases.
+fn grid<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let mut arguments = vec!["sweep", "scene.toml", "--vary", "floor.region.carpet.friction=0.2..0.4/3"];
+    arguments.extend(["--vary", "floor.friction=0.5,0.8", "--seeds", "3..5", "--out", out]);
+    arguments.extend(more);
+    arguments
+}
+
+/// Columns by name, a list of texts each.
+fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
+    let (names, rows) = from_csv(&fs::read_to_string(path).unwrap()).unwrap();
+    let column = |index: usize| rows.iter().map(|row| row[index].clone()).collect();
+    names.into_iter().enumerate().map(|(index, name)| (name, column(index))).collect()
+}
+
+/// Everything that is the result of a sweep: the table and each case's summary, by path.
+fn result_bytes(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut bytes = BTreeMap::from([(PathBuf::from("results.csv"), fs::read(folder.join("results.csv")).unwrap())]);
+    for case in fs::read_dir(folder.join("cases")).unwrap() {
+        let case = case.unwrap().path();
+        for name in ["summary.json", "boxes.csv", "steps.csv", "truth.tum", "estimate.tum"] {
+            let path = case.join(name);
+            bytes.insert(path.strip_prefix(folder).unwrap().to_owned(), fs::read(&path).unwrap());
+        }
+    }
+    bytes
+}
+
+fn assert_same_results(one: &Path, other: &Path) {
+    let (one, other) = (result_bytes(one), result_bytes(other));
+    assert_eq!(one.keys().collect::<Vec<_>>(), other.keys().collect::<Vec<_>>());
+    for (path, bytes) in &one {
+        assert!(*bytes == other[path], "{} differs", path.display());
+    }
+}
+
+#[test]
+fn a_sweep_has_a_row_for_every_combination_and_seed_in_the_order_asked() {
+    let folder = folder("sweep_rows");
+    write_scene(&folder, 0.5);
+    let (code, stdout, stderr) = outcome(&mut wherein(&folder, &grid("out", &[])));
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    let columns = columns(&folder.join("out/results.csv"));
+    assert_eq!(columns["set.floor.region.carpet.friction"].concat(), "0.20.20.20.20.30.30.30.30.40.40.40.4");
+    assert_eq!(columns["set.floor.friction"].concat(), "0.50.50.80.8".repeat(3));
+    assert_eq!(columns["seed"].concat(), "34".repeat(6));
+    assert_eq!(columns["case"].iter().collect::<BTreeSet<_>>().len(), 12);
+    assert!(columns["passed"].iter().all(|passed| passed == "true"));
+}
+
+#[test]
+fn a_row_holds_the_figures_of_the_same_run_alone() {
+    let folder = folder("sweep_alone");
+    write_scene(&folder, 1.0);
+    assert_eq!(outcome(&mut wherein(&folder, &grid("out", &[]))).0, 0);
+    let alone = ["run", "scene.toml", "--set", "floor.region.carpet.friction=0.3", "--set", "floor.friction=0.8"];
+    assert_eq!(outcome(&mut wherein(&folder, &[&alone[..], &["--seed", "4"]].concat())).0, 0);
+    let text = fs::read_to_string(folder.join("renders/scene/4/summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&text).unwrap();
+    let columns = columns(&folder.join("out/results.csv"));
+    // Second carpet, second floor, second seed.
+    let row = 7;
+    assert_eq!(columns["digest.estimates"][row], summary["digest"]["estimates"].as_str().unwrap());
+    let number = |name: &str| columns[name][row].parse::<f64>().unwrap();
+    assert_eq!(number("error.y_m.max"), summary["error"]["y_m"]["max"].as_f64().unwrap());
+    assert_eq!(number("width.heading_rad.mean"), summary["width"]["heading_rad"]["mean"].as_f64().unwrap());
+    assert_eq!(number("containment.checks"), 101.0, "one check every 10 ms of 1 s, and one at the start");
+}
+
+#[test]
+fn a_setting_reaches_the_world() {
+    let folder = folder("sweep_world");
+    fs::write(folder.join("scene.toml"), blind_scene(2.0, "")).unwrap();
+    let slow = ["sweep", "scene.toml", "--vary", "robot.max_speed_m_per_s=0.05,0.2", "--out", "out"];
+    assert_eq!(outcome(&mut wherein(&folder, &slow)).0, 0);
+    let distance_m = &columns(&folder.join("out/results.csv"))["metrics.distance_m"];
+    let [slow_m, fast_m] = [0, 1].map(|row| distance_m[row].parse::<f64>().unwrap());
+    // 2 s at no more than the greatest speed, less what starting and turning cost.
+    assert!(slow_m < 0.1 && 0.1 < fast_m && fast_m < 0.4, "{slow_m} {fast_m}");
+}
+
+#[test]
+fn any_number_of_jobs_gives_the_same_bytes() {
+    let folder = folder("sweep_jobs");
+    write_scene(&folder, 0.5);
+    for (out, jobs) in [("one", "1"), ("three", "3")] {
+        assert_eq!(outcome(&mut wherein(&folder, &grid(out, &["--jobs", jobs]))).0, 0);
+    }
+    assert_same_results(&folder.join("one"), &folder.join("three"));
+}
+
+#[test]
+fn jobs_that_share_a_graphics_device_give_the_same_bytes() {
+    let folder = folder("sweep_device");
+    let scene = blind_scene(0.5, "[floor.tiles]\n").replace("floor_camera = false", "floor_camera = true");
+    fs::write(folder.join("scene.toml"), scene).unwrap();
+    for (out, jobs) in [("one", "1"), ("two", "2")] {
+        let lux = "light.illuminance_at_floor_lux=1,100";
+        let sweep = ["sweep", "scene.toml", "--vary", lux, "--seeds", "0..2", "--jobs", jobs, "--out", out];
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &sweep));
+        assert_eq!(code, 0, "{stderr}");
+    }
+    assert_same_results(&folder.join("one"), &folder.join("two"));
+}
+
+#[test]
+fn a_killed_sweep_goes_on_where_it_stopped_and_ends_with_the_same_bytes() {
+    let folder = folder("sweep_killed");
+    write_scene(&folder, 3.0);
+    assert_eq!(outcome(&mut wherein(&folder, &grid("whole", &["--jobs", "2"]))).0, 0);
+    for after_ms in [30, 90, 170] {
+        let mut child = wherein(&folder, &grid("killed", &["--jobs", "2"]))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        thread::sleep(Duration::from_millis(after_ms));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert_eq!(outcome(&mut wherein(&folder, &grid("killed", &["--jobs", "2"]))).0, 0);
+    assert_same_results(&folder.join("whole"), &folder.join("killed"));
+    let cases = fs::read_dir(folder.join("killed/cases")).unwrap();
+    assert_eq!(cases.count(), 12, "something half written was left");
+}
+
+#[test]
+fn what_is_recorded_is_not_run_again_unless_it_is_damaged() {
+    let folder = folder("sweep_damaged");
+    write_scene(&folder, 0.5);
+    let sweep = || outcome(&mut wherein(&folder, &grid("out", &[])));
+    assert_eq!(sweep().0, 0);
+    let before = result_bytes(&folder.join("out"));
+    let (_, _, stderr) = sweep();
+    assert!(stderr.contains("0 cases run in") && stderr.contains("12 recorded earlier"), "{stderr}");
+
+    let mut cases: Vec<PathBuf> =
+        fs::read_dir(folder.join("out/cases")).unwrap().map(|case| case.unwrap().path()).collect();
+    cases.sort();
+    // A digit changed, a file cut short, a file gone, a folder gone.
+    let summary = fs::read_to_string(cases[0].join("summary.json")).unwrap();
+    fs::write(cases[0].join("summary.json"), summary.replacen("\"checks\": 51", "\"checks\": 61", 1)).unwrap();
+    fs::write(cases[1].join("case.json"), "{").unwrap();
+    fs::remove_file(cases[2].join("boxes.csv")).unwrap();
+    fs::remove_dir_all(&cases[3]).unwrap();
+    let (code, _, stderr) = sweep();
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("4 cases run in") && stderr.contains("8 recorded earlier"), "{stderr}");
+    assert!(result_bytes(&folder.join("out")) == before);
+}
+
+#[test]
+fn another_scene_or_other_frames_are_run_again() {
+    let folder = folder("sweep_stale");
+    write_scene(&folder, 0.5);
+    assert_eq!(outcome(&mut wherein(&folder, &grid("out", &[]))).0, 0);
+    let (_, _, stderr) = outcome(&mut wherein(&folder, &grid("out", &["--frames", "all"])));
+    assert!(stderr.contains("12 cases run in"), "{stderr}");
+    write_scene(&folder, 0.6);
+    let (_, _, stderr) = outcome(&mut wherein(&folder, &grid("out", &[])));
+    assert!(stderr.contains("12 cases run in"), "{stderr}");
+    assert_eq!(columns(&folder.join("out/results.csv"))["containment.checks"][0], "61");
+}
+
+#[test]
+fn merged_parts_are_the_bytes_of_the_whole() {
+    let folder = folder("sweep_merged");
+    write_scene(&folder, 0.5);
+    assert_eq!(outcome(&mut wherein(&folder, &grid("whole", &[]))).0, 0);
+    let parts = ["a", "b", "c", "d"];
+    for (index, out) in parts.iter().enumerate() {
+        let shard = format!("{}/4", index + 1);
+        assert_eq!(outcome(&mut wherein(&folder, &grid(out, &["--shard", &shard]))).0, 0);
+        assert_eq!(columns(&folder.join(out).join("results.csv"))["seed"].len(), 3, "a part of 12 cases");
+    }
+    let merge = [&["merge"], &parts[..], &["--out", "merged"]].concat();
+    let (code, stdout, stderr) = outcome(&mut wherein(&folder, &merge));
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    assert_same_results(&folder.join("whole"), &folder.join("merged"));
+}
+
+#[test]
+fn merge_names_every_missing_case_and_ends_with_code_2() {
+    let folder = folder("sweep_missing");
+    write_scene(&folder, 0.5);
+    for (out, shard) in [("a", "1/4"), ("c", "3/4")] {
+        assert_eq!(outcome(&mut wherein(&folder, &grid(out, &["--shard", shard]))).0, 0);
+    }
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &["merge", "a", "c", "--out", "merged"]));
+    assert_eq!(code, 2, "{stdout}");
+    // Cases 1, 3, 5, …, 11 counted from 0 are the second seed of every combination.
+    let missing: Vec<&str> = stdout.lines().filter_map(|line| line.strip_prefix("MISSING ")).collect();
+    assert_eq!(missing.len(), 6, "{stdout}");
+    assert_eq!(missing[1], "floor.region.carpet.friction=0.2 floor.friction=0.8 seed 4");
+    let status = &columns(&folder.join("merged/results.csv"))["status"];
+    assert_eq!(status.concat(), "donemissing".repeat(6));
+}
+
+#[test]
+fn parts_of_different_sweeps_are_not_merged() {
+    let folder = folder("sweep_different");
+    write_scene(&folder, 0.5);
+    assert_eq!(outcome(&mut wherein(&folder, &grid("a", &["--shard", "1/2"]))).0, 0);
+    let other = ["sweep", "scene.toml", "--seeds", "0..2", "--out", "b"];
+    assert_eq!(outcome(&mut wherein(&folder, &other)).0, 0);
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["merge", "a", "b", "--out", "merged"]));
+    assert_eq!(code, 2);
+    assert!(stderr.starts_with("wherein: failed to merge a and b: their sweeps differ in what varies"), "{stderr}");
+}
+
+#[test]
+fn a_sweep_file_states_the_same_sweep() {
+    let folder = folder("sweep_file");
+    write_scene(&folder, 0.5);
+    fs::create_dir(folder.join("plans")).unwrap();
+    let text = "scene = \"../scene.toml\"\nseeds = \"3..5\"\n[vary]\n\
+                floor.region.carpet.friction = \"0.2..0.4/3\"\nfloor.friction = [0.5, 0.8]\n";
+    fs::write(folder.join("plans/grid.toml"), text).unwrap();
+    assert_eq!(outcome(&mut wherein(&folder, &grid("typed", &[]))).0, 0);
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["sweep", "plans/grid.toml", "--out", "filed"]));
+    assert_eq!(code, 0, "{stderr}");
+    assert_same_results(&folder.join("typed"), &folder.join("filed"));
+}

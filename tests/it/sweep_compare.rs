@@ -1,0 +1,190 @@
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use localizer::{Interval, PoseUnion, pose::PoseBox};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sim::{
+    check::check,
+    compare::{Comparison, Finding, Side, compare, quantile},
+    record,
+    run::{RunOptions, run},
+    scene::SceneFile,
+};
+
+use crate::command::{blind_scene, folder, outcome, wherein};
+
+/// Ten seeds of a drive whose errors are all in a corner of what is declared, with every box `scale` times as wide as the
+/// localizer answered: a localizer with a bound that is too wide or too tight.
+fn planted(folder: &Path, name: &str, scale: f64) -> PathBuf {
+    let scene = folder.join("scene.toml");
+    let text = blind_scene(0.5, "").replace("[robot]\n", "[robot]\nerrors = \"corner\"\n");
+    fs::write(&scene, text).unwrap();
+    let file = SceneFile::load(&scene).unwrap();
+    let out = folder.join(name);
+    for seed in 0..10 {
+        let mut run_record = run(&file.scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+        for estimate in &mut run_record.estimates {
+            let hull = estimate.pose.hull();
+            let scaled = [0, 1, 2].map(|axis| {
+                let (middle, half) = (hull.midpoint()[axis], 0.5 * hull[axis].width());
+                Interval::centred(middle, scale * half)
+            });
+            estimate.pose = PoseUnion::single(PoseBox::from(scaled));
+        }
+        let verdict = check(&file.scene, &run_record);
+        record::write(&out, &file, &run_record, &verdict).unwrap();
+    }
+    out
+}
+
+fn finding(comparison: &Comparison, name: &str) -> Finding {
+    comparison.lines.iter().find(|line| line.compared.name == name).unwrap().finding
+}
+
+#[test]
+fn a_bound_five_percent_too_wide_is_worse_in_width_and_in_nothing_else() {
+    let folder = folder("compare_wide");
+    let sides = [1.0, 1.05].map(|scale| Side::load(&planted(&folder, &scale.to_string(), scale)).unwrap());
+    let comparison = compare(&sides[0], &sides[1], 0.99);
+    assert_eq!((comparison.n_pairs, comparison.n_seeds), (10, 10));
+    for line in &comparison.lines {
+        let is_width = line.compared.name.starts_with("width");
+        let expected = if is_width { Finding::Worse } else { Finding::NotDistinguishable };
+        assert_eq!(line.finding, expected, "{}", line.compared.name);
+        if is_width {
+            let ratio = line.means[1] / line.means[0];
+            assert!((ratio - 1.05).abs() < 1e-6, "{ratio}");
+        }
+    }
+    let back = compare(&sides[1], &sides[0], 0.99);
+    assert_eq!(finding(&back, "width in x"), Finding::Better);
+    assert!(!back.is_worse() && comparison.is_worse());
+}
+
+#[test]
+fn a_bound_five_percent_too_tight_is_found_to_lose_the_truth() {
+    let folder = folder("compare_tight");
+    let (sound, tight) = (planted(&folder, "sound", 1.0), planted(&folder, "tight", 0.95));
+    let comparison = compare(&Side::load(&sound).unwrap(), &Side::load(&tight).unwrap(), 0.99);
+    assert_eq!(finding(&comparison, "contained"), Finding::Worse);
+    assert_eq!(finding(&comparison, "width in x"), Finding::Better, "it looks better where it must not count");
+    // With errors in the corner the start is at the edge of its box, so that every seed shows it.
+    assert_eq!(comparison.lost.len(), 10);
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &["compare", "sound", "tight"]));
+    assert_eq!(code, 1, "{stdout}");
+    assert!(stdout.contains("10 lost containment, which the first side kept:\n  scene seed 0\n"), "{stdout}");
+    assert!(stdout.contains("contained, %") && stdout.contains("WORSE"), "{stdout}");
+}
+
+#[test]
+fn identical_versions_are_not_distinguishable_in_twenty_of_twenty_trials() {
+    let folder = folder("compare_same");
+    fs::write(folder.join("scene.toml"), blind_scene(0.3, "")).unwrap();
+    for trial in 0..20 {
+        let seeds = format!("{}..{}", 5 * trial, 5 * trial + 5);
+        for out in ["one", "two"] {
+            let sweep = ["sweep", "scene.toml", "--vary", "floor.friction=0.5,0.8", "--seeds", &seeds, "--out", out];
+            assert_eq!(outcome(&mut wherein(&folder, &sweep)).0, 0);
+        }
+        let (code, stdout, _) = outcome(&mut wherein(&folder, &["compare", "one/results.csv", "two"]));
+        assert_eq!(code, 0, "{stdout}");
+        assert_eq!(stdout.matches("not distinguishable").count(), 6, "{stdout}");
+        assert!(stdout.contains("10 pairs of 5 seeds"), "{stdout}");
+    }
+}
+
+/// A table with one case for each seed, all figures of a side about 1.
+fn noisy(noise: &mut dyn FnMut() -> f64, seeds: u64) -> Side {
+    let figures = "containment.contained_share,error.position_m.mean,error.heading_rad.rmse,\
+                   width.x_m.mean,width.heading_rad.mean,availability";
+    let mut text = format!("scene,seed,status,{figures}\n");
+    for seed in 0..seeds {
+        let values: Vec<String> = (0..6).map(|_| (0.5 + 0.1 * noise()).to_string()).collect();
+        text += &format!("scene,{seed},done,{}\n", values.join(","));
+    }
+    Side::parse(&text).unwrap()
+}
+
+/// Cubes of uniform numbers have heavier tails than a normal distribution.
+fn cubes(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    move || (2.0 * random.random::<f64>() - 1.0).powi(3)
+}
+
+#[test]
+fn chance_is_taken_for_a_difference_no_more_often_than_the_confidence_allows() {
+    let mut noise = cubes(7);
+    let trials = 1000;
+    let mut wrong = 0;
+    for _ in 0..trials {
+        let comparison = compare(&noisy(&mut noise, 6), &noisy(&mut noise, 6), 0.9);
+        wrong += usize::from(comparison.lines.iter().any(|line| line.finding != Finding::NotDistinguishable));
+    }
+    // At 90 % at most 100 are allowed; three standard deviations of chance are 28 more.
+    assert!(wrong <= 128, "{wrong} of {trials}");
+    assert!(wrong >= 10, "{wrong} of {trials}: intervals so wide say nothing");
+}
+
+#[test]
+fn settings_that_share_a_seed_are_one_witness() {
+    let table = |scale: f64| {
+        let mut text = "scene,set.floor.friction,seed,status,width.x_m.mean\n".to_owned();
+        for (friction, seed) in [0.1, 0.2, 0.3, 0.4, 0.5].into_iter().flat_map(|one| [(one, 0), (one, 1)]) {
+            let width_m = 0.01 * (1.0 + friction) + scale * [0.001, 0.0001][seed];
+            text += &format!("scene,{friction},{seed},done,{width_m}\n");
+        }
+        Side::parse(&text).unwrap()
+    };
+    let comparison = compare(&table(0.0), &table(1.0), 0.99);
+    assert_eq!((comparison.n_pairs, comparison.n_seeds), (10, 2));
+    // Two differences, 1.0 and 0.1 mm: their mean 0.55 ± 0.45 · t, and t of one degree of freedom is above 60 here. Ten
+    // witnesses would have called it certain.
+    assert_eq!(finding(&comparison, "width in x"), Finding::NotDistinguishable);
+    let half_width_m = 0.5 * (comparison.lines[0].difference[1] - comparison.lines[0].difference[0]);
+    // t(1 − 0.01/12, 1) = tan(π (1/2 − 0.01/12)), as the distribution of one degree is Cauchy's.
+    let expected_m = 0.00045 * (std::f64::consts::PI * (0.5 - 0.01 / 12.0)).tan();
+    assert!((half_width_m / expected_m - 1.0).abs() < 1e-6, "{half_width_m} {expected_m}");
+}
+
+#[test]
+fn quantiles_are_those_of_the_printed_tables() {
+    // Abramowitz and Stegun, table 26.10.
+    let printed = [
+        (0.975, 1.0, 12.706),
+        (0.995, 1.0, 63.657),
+        (0.975, 4.0, 2.776),
+        (0.995, 9.0, 3.250),
+        (0.95, 30.0, 1.697),
+        (0.9995, 120.0, 3.373),
+    ];
+    for (p, degrees, t) in printed {
+        assert!((quantile(p, degrees) - t).abs() < 6e-4, "t({p}, {degrees}) = {}", quantile(p, degrees));
+    }
+}
+
+#[test]
+fn a_case_that_ran_once_and_cannot_any_more_is_worse() {
+    let side = |second: &str| {
+        Side::parse(&format!("scene,seed,status,availability\nscene,0,done,1\nscene,1,{second},1\n")).unwrap()
+    };
+    let comparison = compare(&side("done"), &side("failed"), 0.99);
+    assert!(comparison.is_worse());
+    assert_eq!(comparison.failed, ["scene seed 1"]);
+    assert!(!compare(&side("failed"), &side("done"), 0.99).is_worse());
+}
+
+#[test]
+fn results_without_a_common_case_cannot_be_compared() {
+    let folder = folder("compare_nothing");
+    fs::write(folder.join("scene.toml"), blind_scene(0.3, "")).unwrap();
+    for (out, seeds) in [("one", "0..2"), ("two", "2..4")] {
+        let sweep = ["sweep", "scene.toml", "--seeds", seeds, "--out", out];
+        assert_eq!(outcome(&mut wherein(&folder, &sweep)).0, 0);
+    }
+    let (code, _, stderr) = outcome(&mut wherein(&folder, &["compare", "one", "two"]));
+    assert_eq!(code, 2);
+    assert!(stderr.starts_with("wherein: failed to compare one and two: no case ran in both"), "{stderr}");
+}
