@@ -131,17 +131,17 @@ fn room(heading_deg: f64, tilt_up_deg: f64) -> (GrayImage, f64) {
 
 #[test]
 fn the_papers_chain_tells_the_azimuth_of_a_room_and_a_wrong_tilt_sign_does_not() {
-    for heading_deg in [-24.0, 11.0, 19.0] {
+    for heading_deg in [-18.0, 9.0, 24.0] {
         let (image, focal_px) = room(heading_deg, 8.7);
-        let segments = segments_in(&Picture::from(&image), Equalisation::Whole);
+        let segments = segments_in(&Picture::from(&image), Equalisation::ByTiles);
         let ray = |[u, v]: [f64; 2]| vector![(u - 319.5) / focal_px, (v - 239.5) / focal_px, 1.0];
         let points = vanishing_points(&segments, ray).unwrap();
         let error = |tilt_deg: f64| azimuth_rad(&points, f64::to_radians(tilt_deg)).to_degrees() - heading_deg;
-        assert!(error(8.7).abs() < 0.6, "off by {}° at {heading_deg}°", error(8.7));
+        assert!(error(8.7).abs() < 0.3, "off by {}° at {heading_deg}°", error(8.7));
         let [a, b, c]: [Vector3<f64>; 3] = points.directions;
         assert!(a.dot(&b).abs() + b.dot(&c).abs() + c.dot(&a).abs() < 1e-9);
         // Levelled the wrong way, level directions rise: note A2 tells 1.3° at the corner of 45°.
-        assert!((error(-8.7) - error(8.7)).abs() > 0.2, "{} {}", error(-8.7), error(8.7));
+        assert!((error(-8.7) - error(8.7)).abs() > 0.3, "{} {}", error(-8.7), error(8.7));
     }
 }
 

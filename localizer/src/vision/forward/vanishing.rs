@@ -76,7 +76,7 @@ pub fn vanishing_points(segments: &[Segment], ray: impl Fn([f64; 2]) -> Vector3<
 /// the largest lateral part, counter-clockwise, for a camera tilted up.
 ///
 /// Eq. (1): with x lateral, a turn about x by the tilt. A camera tilted up looks with its axis above the horizon, so that levelling
-/// it lowers what it sees; with the wrong sign azimuths err by up to 1.3° at 8.7° (checked in `vanishing` tests).
+/// it lowers what it sees; with the wrong sign azimuths err by up to 1.3° at 8.7°.
 pub fn azimuth_rad(points: &VanishingPoints, tilt_up_rad: f64) -> f64 {
     let lateral = points
         .directions
