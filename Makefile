@@ -2,17 +2,21 @@
 # `make demo` builds serves `make test`.
 
 WHEREIN = target/debug/wherein
+PYTHON ?= python3
 DEMO_SCENE = scenes/papers/floor_vision_odometry.toml
 # Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench experiments falsify driver build
+.PHONY: help demo test lint bench bench-render photon-transfer golden experiments falsify driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
 	@echo "make test          run all tests"
 	@echo "make lint          formatting, clippy and documentation, warnings refused"
 	@echo "make bench         measure speed"
+	@echo "make bench-render  render a room, and a like one with MuJoCo where Python has it"
+	@echo "make photon-transfer  analyse the sensor by the package emva1288 where Python has it; PYTHON=…"
+	@echo "make golden        take the pictures anew against which tests compare; look at them"
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine: 45 minutes"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
@@ -32,6 +36,17 @@ lint:
 bench: driver
 	cargo bench --profile dev -p wherein-localizer --bench interval
 	cargo bench --profile dev -p wherein-tests --bench speed
+
+bench-render: driver
+	cargo bench --profile dev -p wherein-tests --bench speed -- views | tee target/bench_render.txt
+	$(PYTHON) scripts/bench_render target/bench_render.txt
+
+photon-transfer: driver
+	cargo run -p wherein-tests --example photon_transfer target/photon_transfer
+	$(PYTHON) scripts/photon_transfer target/photon_transfer
+
+golden: driver
+	WHEREIN_GOLDEN=1 cargo test -p wherein-tests --test it golden_images
 
 experiments: driver build
 	scripts/experiments $(ISSUE)

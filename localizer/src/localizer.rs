@@ -1,22 +1,22 @@
 //! The ring of stamped pose unions: predict, hang, contract, account.
 
+mod account;
+mod doubt;
 mod ring;
 
 use crate::{
     Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
-    method::{Assumption, Claim},
+    method::Assumption,
     motion::{Motion, WheelHistory, WheelIntegral, moved_union},
-    reading::LandmarkId,
 };
 
+pub use account::Account;
+use doubt::Doubt;
 use ring::{Ring, Slot};
 
-/// How far back stamps may lie: a reading older than this is refused, a doubt reaches no further.
+/// How far back stamps may lie: a reading older than this is refused, and readings are gone over again no further back.
 const REMEMBER_S: f64 = 3.0;
-/// A doubt goes back at least so far: what was hung since may already have been cut by the assumption that failed.
-const DOUBT_S: f64 = 1.0;
-
 /// The bounds that a prediction by wheels stands on.
 const WHEELS: [Assumption; 6] =
     ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
@@ -47,27 +47,6 @@ pub struct Estimate {
     pub relies_on: Vec<Assumption>,
 }
 
-/// What became of a camera reading.
-#[derive(Clone, Debug)]
-pub struct Account {
-    /// The method that read it.
-    pub method: &'static str,
-    /// What the method claimed; empty when the cue was absent.
-    pub claims: Vec<Claim>,
-    /// At most this many of the claims may be false.
-    pub q_items: usize,
-    /// Segments looked at and rejected, `[u0, v0, u1, v1]` in pixels.
-    pub rejected_px: Vec<[f64; 4]>,
-    /// Whether a constraint was hung.
-    pub constrained: bool,
-    /// Whether it left nothing of the union.
-    pub emptied: bool,
-    /// Union at the stamp, just after.
-    pub posterior: PoseUnion,
-    /// Landmarks as the method knows them now: code, and box of world x and y.
-    pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
-}
-
 /// From readings to estimates.
 pub struct Localizer {
     map: Map,
@@ -80,15 +59,9 @@ pub struct Localizer {
     current: PoseUnion,
     now_s: f64,
     doubt: Option<Doubt>,
-    /// What methods learnt from later readings than this is in doubt and not yet unlearnt.
-    unlearn_since_s: Option<f64>,
+    /// When methods unlearnt last, and how far back.
+    unlearnt: (f64, f64),
     relies_on: Vec<Assumption>,
-}
-
-/// A doubt of the wheels: how many images in a row agree with them again.
-#[derive(Clone, Copy, Debug)]
-struct Doubt {
-    agreeing: usize,
 }
 
 impl Localizer {
@@ -105,7 +78,7 @@ impl Localizer {
             current: PoseUnion::default(),
             now_s: 0.0,
             doubt: None,
-            unlearn_since_s: None,
+            unlearnt: (0.0, 0.0),
         };
         localizer.begin_at(start);
         localizer
@@ -118,6 +91,7 @@ impl Localizer {
         self.integral = None;
         self.now_s = 0.0;
         self.doubt = None;
+        self.unlearnt = (0.0, 0.0);
         self.relies_on = assumptions(&self.robot);
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
         self.begin_at(start);
@@ -130,7 +104,7 @@ impl Localizer {
 
     /// Takes in one reading; readings come in order of arrival. Answers with an account of each method that read an image.
     pub fn observe(&mut self, reading: &Reading) -> Vec<Account> {
-        let accounts = match reading {
+        match reading {
             Reading::Wheels { measured_s, ticks, .. } => {
                 self.roll(*measured_s, *ticks);
                 Vec::new()
@@ -140,11 +114,7 @@ impl Localizer {
                 Vec::new()
             }
             Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
-        };
-        if let Some(since_s) = self.unlearn_since_s.take() {
-            self.methods.iter_mut().for_each(|method| method.forget_since(since_s));
         }
-        accounts
     }
 
     /// The answer as of the latest wheel reading.
@@ -202,33 +172,27 @@ impl Localizer {
         let stamp_s = reading.measured_s();
         let Some(prior) = self.union_at(stamp_s) else { return Vec::new() };
         let twist = self.wheels.twist(stamp_s, &self.robot.wheels);
-        let mut methods = std::mem::take(&mut self.methods);
-        let accounts = methods
-            .iter_mut()
-            .filter(|method| method.reads(reading))
-            .map(|method| {
-                method.carry_to(stamp_s, &|from_s, to_s| self.motion_between(from_s, to_s));
-                let Some(constraint) = method.constrain(reading, &prior, &twist) else {
-                    return Account::absent(method.name(), prior.clone());
-                };
-                let mut account = self.hang(constraint);
-                if self.doubt.is_none() {
-                    method.learn(&account.posterior, &|from_s, to_s| self.motion_between(from_s, to_s));
-                }
-                account.landmarks = method.landmarks();
-                account
-            })
-            .collect();
-        self.methods = methods;
-        accounts
-    }
-
-    /// Motion between two stamps of the memory, by reach alone while the wheels are doubted.
-    fn motion_between(&self, from_s: f64, to_s: f64) -> Option<Motion> {
-        if self.doubt.is_some() {
-            return Some(self.wheels.reach_motion(from_s, to_s, &self.robot.reach));
+        let mut accounts = Vec::new();
+        for idx in 0..self.methods.len() {
+            if !self.methods[idx].reads(reading) {
+                continue;
+            }
+            let (wheels, robot, doubted) = (&self.wheels, &self.robot, self.doubt.is_some());
+            self.methods[idx].carry_to(stamp_s, &|from_s, to_s| motion_between(wheels, robot, doubted, [from_s, to_s]));
+            let Some(constraint) = self.methods[idx].constrain(reading, &prior, &twist) else {
+                accounts.push(Account::absent(self.methods[idx].name(), prior.clone()));
+                continue;
+            };
+            let mut account = self.hang(constraint);
+            if self.doubt.is_none() {
+                let (wheels, robot) = (&self.wheels, &self.robot);
+                self.methods[idx]
+                    .learn(&account.posterior, &|from_s, to_s| motion_between(wheels, robot, false, [from_s, to_s]));
+            }
+            account.landmarks = self.methods[idx].landmarks();
+            accounts.push(account);
         }
-        self.wheels.motion(from_s, to_s, &self.robot.wheels, &self.robot.reach)
+        accounts
     }
 
     /// What is known of the pose at a past stamp; `None` when it lies outside of the memory or after the last wheel reading.
@@ -304,49 +268,6 @@ impl Localizer {
         true
     }
 
-    /// An assumption failed, perhaps some time ago: goes back and carries on by reach alone, with every image since.
-    fn begin_doubt(&mut self) {
-        self.doubt = Some(Doubt { agreeing: 0 });
-        self.relies_on.retain(|assumption| !WHEELS.contains(assumption));
-        self.relies_on.extend(
-            REACH.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
-        );
-        let doubtful_s = self.now_s - DOUBT_S;
-        self.unlearn_since_s = Some(self.unlearn_since_s.map_or(doubtful_s, |since_s| since_s.min(doubtful_s)));
-        self.ring.drop_anchors_after(doubtful_s);
-        self.replay(doubtful_s);
-        let growing = self.ring.last().map(|last| {
-            moved_union(&last.union, &self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach))
-        });
-        self.current = self.inside_room(growing.unwrap_or_default());
-        if self.current.is_empty() {
-            // Even reach contradicts the walls: the memory is wrong from its beginning, and the room is all that is left.
-            self.current = PoseUnion::single(self.whole_room());
-            let union = self.current.clone();
-            self.ring.restart(Slot { stamp_s: self.now_s, union, constraint: None });
-        }
-    }
-
-    /// Trusts the wheels again once q + 2 images in a row agree with them: the last slot then stands on reach and images alone.
-    fn end_doubt_when_supported(&mut self) {
-        let groups_needed = 2;
-        if self.doubt.is_some_and(|doubt| doubt.agreeing >= groups_needed) {
-            self.doubt = None;
-            self.relies_on.extend(
-                WHEELS.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
-            );
-        }
-    }
-
-    /// Whether the wheels lead from the last image's union to one that this constraint allows.
-    fn agrees_with_wheels(&self, constraint: &Constraint) -> bool {
-        let Some(before) = self.ring.before(constraint.stamp_s).filter(|slot| slot.constraint.is_some()) else {
-            return false;
-        };
-        self.carried(&before.union, before.stamp_s, constraint.stamp_s, false)
-            .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
-    }
-
     fn restart_integral(&mut self) {
         self.integral = self
             .ring
@@ -369,34 +290,6 @@ impl Localizer {
     }
 }
 
-impl Account {
-    fn absent(method: &'static str, union: PoseUnion) -> Self {
-        Account {
-            method,
-            claims: Vec::new(),
-            q_items: 0,
-            rejected_px: Vec::new(),
-            constrained: false,
-            emptied: false,
-            posterior: union,
-            landmarks: Vec::new(),
-        }
-    }
-
-    fn of(constraint: &Constraint) -> Self {
-        Account {
-            method: constraint.method,
-            claims: constraint.claims.clone(),
-            q_items: constraint.q_items,
-            rejected_px: constraint.rejected_px.clone(),
-            constrained: true,
-            emptied: false,
-            posterior: PoseUnion::default(),
-            landmarks: Vec::new(),
-        }
-    }
-}
-
 /// The memory of what moves this robot.
 fn motion_history(robot: &RobotModel) -> WheelHistory {
     let wheels = WheelHistory::new(REMEMBER_S);
@@ -404,6 +297,19 @@ fn motion_history(robot: &RobotModel) -> WheelHistory {
         Some(model) => wheels.with_gyro(model),
         None => wheels,
     }
+}
+
+/// Motion between two stamps of the memory, by reach alone while the wheels are doubted.
+fn motion_between(
+    wheels: &WheelHistory,
+    robot: &RobotModel,
+    doubted: bool,
+    [from_s, to_s]: [f64; 2],
+) -> Option<Motion> {
+    if doubted {
+        return Some(wheels.reach_motion(from_s, to_s, &robot.reach));
+    }
+    wheels.motion(from_s, to_s, &robot.wheels, &robot.reach)
 }
 
 /// The bounds that a prediction without doubt stands on.

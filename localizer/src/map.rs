@@ -2,7 +2,10 @@
 //!
 //! Frame `world`: x and y along two walls of the room, z up, heading counter-clockwise from x.
 
-use crate::Interval;
+use crate::{
+    Interval,
+    markers::{Coding, MarkerId},
+};
 
 /// Room and floor as surveyed.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +14,36 @@ pub struct Map {
     pub room_m: [Interval; 2],
     /// The grid of tile joints, if the floor is tiled.
     pub tiles: Option<TileGrid>,
+    /// Markers on the ceiling, if there are any.
+    pub markers: Option<MarkerMap>,
+}
+
+/// Dot-matrix markers as pasted on the ceiling.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerMap {
+    /// The set that their identities are from.
+    pub coding: Coding,
+    /// Each identity once.
+    pub markers: Vec<PlacedMarker>,
+    /// Greatest distance of a marker's centre from its nominal place, `markers.placement`.
+    pub placement_m: f64,
+    /// Greatest angle between a marker and its nominal direction, `markers.rotation`.
+    pub rotation_tolerance_rad: f64,
+    /// Greatest distance of a dot's centre from its place in the marker frame, `markers.print`.
+    pub print_m: f64,
+}
+
+/// Where one marker is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedMarker {
+    /// Identity printed on it.
+    pub id: MarkerId,
+    /// World x and y of the middle of its grid.
+    pub centre_m: [f64; 2],
+    /// Angle from world x to its own x, counter-clockwise seen from above.
+    pub rotation_rad: f64,
+    /// Height of all of its dots above the floor, `markers.height`.
+    pub height_m: Interval,
 }
 
 /// Joints of a tiled floor: two families of parallel lines.

@@ -1,6 +1,11 @@
 //! What every localization method offers: one reading in, one constraint on the pose out, with what it claims to have seen.
 
-use crate::{Contractor, Interval, PoseUnion, Reading, motion::Motion, reading::LandmarkId};
+use crate::{
+    Contractor, Interval, PoseUnion, Reading,
+    markers::{GridPlace, MarkerId},
+    motion::Motion,
+    reading::LandmarkId,
+};
 
 /// Name of a declared bound, such as `wheels.slip` or `floor_tiles.laying`.
 pub type Assumption = &'static str;
@@ -30,6 +35,11 @@ pub trait Method: Send {
 
     /// Unlearns what was learnt from readings stamped later than `since_s`: an assumption failed, perhaps since then.
     fn forget_since(&mut self, _since_s: f64) {}
+
+    /// The constraint of a recent reading made anew from what is known now; `None` where it stands on nothing that was learnt.
+    fn renewed(&self, _stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
+        None
+    }
 
     /// The clock is set back to 0: what was learnt so far stays for good.
     fn clock_set_back(&mut self) {}
@@ -95,5 +105,12 @@ pub enum Claim {
         landmark: LandmarkId,
         /// Forward and left of the robot origin, in metres.
         in_robot_m: [Interval; 2],
+    },
+    /// The dots of one marker of the ceiling: every one of them is where it is said to be.
+    Marker {
+        /// Which marker.
+        marker: MarkerId,
+        /// Place in the grid, and `[u, v, bound]`: the image of the dot's centre lies within the bound of (u, v), along u and along v.
+        dots_px: Vec<(GridPlace, [f64; 3])>,
     },
 }

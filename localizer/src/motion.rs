@@ -71,9 +71,10 @@ impl WheelHistory {
     /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip.
     pub fn reach_motion(&self, from_s: f64, to_s: f64, reach: &Reach) -> Motion {
         let mut motion = reach_motion(to_s - from_s, reach);
-        // Pushed, a robot may change its turn rate by all of it at once: parts of a period are then as good as unknown.
+        // Pushed, a robot may change its turn rate Ω to its opposite at once. In a part s of a period T the turn then departs from the
+        // mean by up to 2·Ω·s·(1 − s/T), at most Ω·T/2: that of a rate which changes by 4·Ω in each period.
         let sudden_rad_per_s2 =
-            self.gyro.as_ref().map(|gyro| 2.0 * reach.turn_rate_rad_per_s / gyro.period_s()).unwrap_or_default();
+            self.gyro.as_ref().map(|gyro| 4.0 * reach.turn_rate_rad_per_s / gyro.period_s()).unwrap_or_default();
         let turn = self.gyro.as_ref().and_then(|gyro| gyro.turn(from_s, to_s, sudden_rad_per_s2));
         if let Some(turn) = turn {
             motion[2] = motion[2].intersect(turn);

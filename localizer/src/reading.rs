@@ -65,12 +65,28 @@ pub struct Sighting {
 pub struct LandmarkId(pub u32);
 
 /// The robot's cameras.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Camera {
     /// Looks straight down at the floor.
     Floor,
     /// Looks ahead, tilted up.
     Forward,
+    /// Looks up at the ceiling, in the infrared.
+    Ceiling,
+}
+
+impl Camera {
+    /// All of them.
+    pub const ALL: [Camera; 3] = [Camera::Floor, Camera::Forward, Camera::Ceiling];
+
+    /// As scenes, commands, files and topics call it.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Camera::Floor => "floor",
+            Camera::Forward => "forward",
+            Camera::Ceiling => "ceiling",
+        }
+    }
 }
 
 impl Reading {

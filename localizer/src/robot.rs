@@ -17,6 +17,8 @@ pub struct RobotModel {
     pub floor_camera: Option<FloorCameraModel>,
     /// The gyroscope about the vertical, if there is one.
     pub gyro: Option<GyroModel>,
+    /// The camera that looks up at the ceiling's markers, if there is one.
+    pub ceiling_camera: Option<CeilingCameraModel>,
     /// The range camera that measures coded landmarks, if there is one.
     pub range_camera: Option<RangeCameraModel>,
 }
@@ -86,6 +88,45 @@ pub struct FloorCameraModel {
     /// Time from mid-exposure to delivery, `floor_camera.latency`.
     pub latency_s: Interval,
     /// At most this many wrong lines in one image, `floor_tiles.q_items`.
+    pub q_items: usize,
+}
+
+/// A camera that looks up at the ceiling, with an infrared ring around its lens.
+///
+/// With yaw and lean 0, image up is robot forward and image right is robot left (it looks up). `body_from_camera` is the rotation by the
+/// yaw about the vertical, times that by the unknown tilt error, times that by the lean, times that posture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CeilingCameraModel {
+    /// Image width.
+    pub width_px: u32,
+    /// Image height.
+    pub height_px: u32,
+    /// Focal lengths along u and v, `ceiling_camera.focal`.
+    pub focal_px: [Interval; 2],
+    /// Principal point, `ceiling_camera.centre`.
+    pub centre_px: [Interval; 2],
+    /// Brown's coefficients k1, k2, p1, p2 of the lens, for coordinates in focal lengths.
+    pub distortion: [f64; 4],
+    /// Greatest distance between a pixel and where the lens model puts it, `ceiling_camera.distortion`.
+    pub distortion_px: f64,
+    /// Optical centre above the floor at rest, `ceiling_camera.height`.
+    pub height_m: Interval,
+    /// Optical centre in the robot frame: forward and left, `ceiling_camera.position`.
+    pub position_m: [Interval; 2],
+    /// Rotation of the image about the vertical, counter-clockwise seen from above, `ceiling_camera.yaw`.
+    pub yaw_rad: Interval,
+    /// Nominal angles by which the optical axis leans from the body's vertical, seen at yaw 0: towards forward and towards left. They are the
+    /// components of one rotation about a horizontal axis.
+    pub lean_rad: [f64; 2],
+    /// Greatest angle between the optical axis and its nominal direction, `ceiling_camera.tilt`.
+    pub tilt_rad: f64,
+    /// Greatest error of an image's stamp, `ceiling_camera.stamp`.
+    pub stamp_error_s: f64,
+    /// Time from mid-exposure to delivery, `ceiling_camera.latency`.
+    pub latency_s: Interval,
+    /// Photoelectrons of one step of grey level, at least: how noisy bright pixels are.
+    pub electrons_per_grey: f64,
+    /// At most this many markers of one image are not what the map says, `ceiling_markers.q_items`.
     pub q_items: usize,
 }
 

@@ -10,13 +10,15 @@
 //!                                                      FloorLines ──> line_fit::enclose ──> LineSet
 //! ```
 
+pub mod ceiling;
 pub mod direct;
 pub mod forward;
 pub mod line_fit;
+pub mod p3p;
 pub mod paper;
 
 #[cfg(test)]
-mod synthetic;
+pub(crate) mod synthetic;
 #[cfg(test)]
 mod trial;
 

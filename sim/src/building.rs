@@ -16,8 +16,8 @@ pub use walls::Enclosure;
 use nalgebra::{Point3, Vector3, vector};
 
 use crate::{
-    drawn::{Drawn, LaidTiles},
-    scene::{Scene, Tiles},
+    drawn::{Drawn, LaidTiles, markers},
+    scene::{Scene, Tiles, UNDER_CEILING_M},
 };
 
 /// What lies on something, or in the same plane, is drawn so far above it that the depth buffer tells them apart.
@@ -65,7 +65,7 @@ impl Building {
             n_large_panels: 0,
             boxes,
             tiles: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
-            dots: dots(scene),
+            dots: dots(scene, drawn),
         };
         let mut panels = walls::wall_panels(scene, &building.rooms);
         panels.extend(coverings::floor_panels(scene, &building));
@@ -103,16 +103,21 @@ impl Building {
     }
 }
 
-fn dots(scene: &Scene) -> Vec<RetroDot> {
-    let stated = scene.building.dots.iter();
-    stated
-        .map(|dot| RetroDot {
-            // Stuck on the ceiling, above which nothing is to be seen of it.
-            centre: Point3::new(dot.x_m, dot.y_m, dot.height_m.unwrap_or(scene.building.ceiling_height_m - 0.001)),
-            radius_m: dot.radius_m,
-            retroreflection_cd_per_lux_m2: dot.retroreflection_cd_per_lux_m2,
+fn dots(scene: &Scene, drawn: &Drawn) -> Vec<RetroDot> {
+    let under_ceiling_m = scene.building.ceiling_height_m - UNDER_CEILING_M;
+    let stated = scene.building.dots.iter().map(|dot| RetroDot {
+        centre: Point3::new(dot.x_m, dot.y_m, dot.height_m.unwrap_or(under_ceiling_m)),
+        radius_m: dot.radius_m,
+        retroreflection_cd_per_lux_m2: dot.retroreflection_cd_per_lux_m2,
+    });
+    let of_markers = scene.markers.iter().flat_map(|markers| {
+        drawn.markers.iter().flat_map(|marker| &marker.dots).map(|dot| RetroDot {
+            centre: dot.centre_in_world,
+            radius_m: markers::DOT_RADIUS_M,
+            retroreflection_cd_per_lux_m2: markers.retroreflection_cd_per_lux_m2,
         })
-        .collect()
+    });
+    stated.chain(of_markers).collect()
 }
 
 /// A place on the floor, raised.

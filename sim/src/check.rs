@@ -2,13 +2,16 @@
 
 mod bounds;
 mod claims;
+mod errands;
 mod judge;
 mod landmarks;
+mod markers;
 mod statistics;
 mod verdict;
 
 pub use bounds::violations;
 pub use claims::is_true;
+pub use errands::{distance_to_way_m, true_distance_m};
 pub use verdict::{
     AxisError, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable, FirstFailure,
     FixWidth, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
@@ -28,7 +31,8 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let violations = violations(scene, record);
     let false_claims: Vec<usize> =
         record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
-    let (containment, judgements) = judge::containment(record, &violations, &false_claims);
+    let (containment, judgements) =
+        judge::containment(record, &violations, &false_claims, &landmarks::misled(scene, record));
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
@@ -37,7 +41,10 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
         containment,
         judgements,
         violations,
-        error: statistics::errors(&midpoints, &truths),
+        error: ErrorTable {
+            at_fix: Some(Box::new(statistics::errors_at_fix(record))),
+            ..statistics::errors(&midpoints, &truths)
+        },
         width: statistics::widths(record),
         availability: availability(scene, record),
         methods: method_counts(record, &false_claims),
@@ -63,6 +70,12 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
         if !poses.is_empty() {
             baselines.insert(name.to_owned(), point(poses));
         }
+    }
+    let fixed: (Vec<Pose>, Vec<Pose>) =
+        record.marker_baselines.answers.iter().filter_map(|answer| Some((answer.fix?.1, answer.truth))).unzip();
+    if !fixed.0.is_empty() {
+        let error = Some(statistics::errors(&fixed.0, &fixed.1));
+        baselines.insert("nearest_marker".to_owned(), Baseline { error, ..Baseline::default() });
     }
     baselines.extend(range.solvers.iter().map(|(name, answers)| {
         let containment = BaselineContainment { checks: answers.problems, contained: answers.contained };
@@ -119,6 +132,8 @@ fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
         ("longest_outside_s".to_string(), longest_outside_s(record)),
     ]);
     metrics.extend(landmarks::metrics(scene, record));
+    metrics.extend(errands::metrics(record));
+    metrics.extend(markers::metrics(scene, record));
     metrics
 }
 

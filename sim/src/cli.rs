@@ -7,6 +7,7 @@ use std::{
 };
 
 use clap::{Args, Parser, Subcommand};
+use localizer::reading::Camera;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use crate::{
@@ -16,13 +17,14 @@ use crate::{
     render::RenderError,
     replay::ReplayError,
     scene::{SceneError, Setting},
-    still::CameraName,
     sweep::{Seeds, SweepError},
 };
 
 mod compare;
 mod conclude;
 mod github;
+mod map;
+mod markers;
 mod render;
 mod replay;
 mod report;
@@ -38,6 +40,9 @@ use results_arguments::{CompareArguments, MergeArguments, Outputs, ReportArgumen
 #[derive(Debug, Parser)]
 #[command(name = "wherein", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Cli {
+    /// Graphics adapter to render with, by a part of its name, driver or backend. WHEREIN_ADAPTER says the same.
+    #[arg(long, value_name = "NAME", global = true)]
+    adapter: Option<String>,
     #[command(subcommand)]
     command: Command,
 }
@@ -52,6 +57,7 @@ Examples:
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
   wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording, bit for bit
+  wherein markers scenes/x.toml                                   the sheet and the map of its ceiling markers
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -70,10 +76,14 @@ enum Command {
     Merge(MergeArguments),
     /// Takes pictures of a robot that stands still, one per camera.
     Render(RenderArguments),
+    /// Writes the sheet to print of a scene's ceiling markers and their map, and says whether they cover the room.
+    Markers(MarkersArguments),
     /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones.
     Replay(ReplayArguments),
     /// Prints a Markdown table of recorded runs, or puts it into a document.
     Table(TableArguments),
+    /// Writes a scene's occupancy grid as files of ROS's map_server.
+    Map(MapArguments),
     /// Prints the JSON schema of scene files.
     Schema,
     /// Prints the graphics adapter that renders the images; exit code 2 when there is none.
@@ -127,6 +137,17 @@ In the table, a check is one step of 10 ms. `contained`: the truth is in a box. 
 `bound broken`: a declared bound was really exceeded; `perception`: the vision saw what is not there; `unsound`: neither.
 Errors are root mean squares of the worst third of a run, widths are full widths of the box.";
 
+/// What `wherein map` is asked.
+#[derive(Debug, Args)]
+struct MapArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where map.yaml and map.pgm go, below the scene's name.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
+
 /// What `wherein render` is asked.
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_AFTER_HELP)]
@@ -139,7 +160,7 @@ struct RenderArguments {
     at: Option<At>,
     /// One camera only: floor, forward or ceiling.
     #[arg(long, value_name = "NAME", value_parser = camera_name)]
-    camera: Option<CameraName>,
+    camera: Option<Camera>,
     /// Mean illuminance at the floor in lux, all lamps dimmed alike. What the scene states unless given.
     #[arg(long, value_name = "LUX", value_parser = render::illuminance, allow_hyphen_values = true, conflicts_with = "contact_sheet")]
     lux: Option<f64>,
@@ -158,10 +179,26 @@ const RENDER_AFTER_HELP: &str = "\
 Writes DIR/<scene>/<camera>.png as the sensor gave it and <camera>_tone_mapped.png as a screen should show it,
 or DIR/<scene>/contact_sheet.png. Exposures are those on which automatic exposure settles.";
 
-fn camera_name(text: &str) -> Result<CameraName, String> {
-    let found = CameraName::ALL.into_iter().find(|name| name.as_str() == text);
-    found.ok_or_else(|| format!("expected one of {}", CameraName::ALL.map(CameraName::as_str).join(", ")))
+fn camera_name(text: &str) -> Result<Camera, String> {
+    let found = Camera::ALL.into_iter().find(|name| name.as_str() == text);
+    found.ok_or_else(|| format!("expected one of {}", Camera::ALL.map(Camera::as_str).join(", ")))
 }
+
+/// What `wherein markers` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = MARKERS_AFTER_HELP)]
+struct MarkersArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where sheet and map go.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
+
+const MARKERS_AFTER_HELP: &str = "\
+Writes DIR/<scene>/markers.pdf, one marker a page of A4 at true scale, and DIR/<scene>/markers.toml, the keys of a scene
+that place them one by one. Files that are there already are left alone: exit code 2.";
 
 /// What `wherein replay` is asked.
 #[derive(Debug, Args)]
@@ -199,6 +236,8 @@ enum CommandError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
+    Map(#[from] crate::navigation::map_server::MapError),
+    #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]
     Replay(#[from] ReplayError),
@@ -226,23 +265,31 @@ enum CommandError {
     OutsideRoom { at_m: [f64; 2], room_m: [f64; 2] },
     #[error("write {}: {}", .0.display(), .1)]
     Picture(PathBuf, io::Error),
+    #[error("find markers in {}: expected a table `[markers]` with at least one marker on the map", .0.display())]
+    NoCeilingMarkers(PathBuf),
+    #[error("write {}: it exists already, expected another folder by --out", .0.display())]
+    Exists(PathBuf),
     #[error("print: {0}")]
     Output(#[from] io::Error),
 }
 
 /// Runs the command that the process was asked for.
 pub fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
-        Command::Run(arguments) => run::run_scenes(&arguments),
-        Command::Sweep(arguments) => sweep::sweep(&arguments),
+    let Cli { adapter, command } = Cli::parse();
+    let adapter = adapter.as_deref();
+    let outcome = match command {
+        Command::Run(arguments) => run::run_scenes(&arguments, adapter),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, adapter),
         Command::Merge(arguments) => sweep::merge_folders(&arguments),
         Command::Report(arguments) => report::report_folder(&arguments),
         Command::Compare(arguments) => compare::compare_sides(&arguments),
-        Command::Render(arguments) => render::render(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Render(arguments) => render::render(&arguments, adapter).map(|()| ExitCode::SUCCESS),
+        Command::Markers(arguments) => markers::markers(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Schema => print(&crate::scene::schema_text()).map(|()| ExitCode::SUCCESS),
-        Command::Adapter => print_adapter().map(|()| ExitCode::SUCCESS),
+        Command::Adapter => print_adapter(adapter).map(|()| ExitCode::SUCCESS),
     };
     outcome.unwrap_or_else(|error| {
         complain(&error);
@@ -250,8 +297,8 @@ pub fn main() -> ExitCode {
     })
 }
 
-fn print_adapter() -> Result<(), CommandError> {
-    let renderer = crate::render::Renderer::new()?;
+fn print_adapter(adapter: Option<&str>) -> Result<(), CommandError> {
+    let renderer = crate::render::Renderer::on_adapter(adapter)?;
     print(&format!("{}\n", renderer.adapter()))
 }
 

@@ -8,8 +8,10 @@ use rand_distr::{Distribution as _, StandardNormal};
 use crate::scene::Distribution;
 
 mod draw;
+pub mod markers;
 pub mod tiles;
 
+pub use markers::{DrawnDot, DrawnMarker};
 pub use tiles::LaidTiles;
 
 /// Everything about a run that is drawn once, before it starts.
@@ -33,6 +35,10 @@ pub struct Drawn {
     pub gyro: Option<DrawnGyro>,
     /// The tiles as they were laid.
     pub tiles: Option<LaidTiles>,
+    /// Goals of random errands, world; nothing secret, and the driver is told.
+    pub goals_m: Vec<[f64; 2]>,
+    /// The markers that are on the ceiling, as they were pasted.
+    pub markers: Vec<DrawnMarker>,
 }
 
 /// True mount and lens of the floor camera.

@@ -1,18 +1,26 @@
-//! Follows the scene's route by the estimated pose: pure pursuit along the polyline, stops and turns where it says so.
+//! From estimates to wheel commands: along the scene's route, or on errands by ways of its own.
 //!
-//! The driver sees estimates only, so that a lost robot drives as a lost robot does.
+//! A route is followed by the estimated pose: pure pursuit along the polyline, stops and turns where it says so. The driver sees
+//! estimates only, so that a lost robot drives as a lost robot does; on errands it also has its proximity sensor.
 
 use localizer::{Estimate, Pose, Status};
 
 use crate::{scene::Scene, world::WheelCommand};
 
 mod caution;
+mod errands;
 mod path;
+mod pilot;
 mod ramp;
+mod surroundings;
+mod turn_then_drive;
 
 use caution::{Caution, Freedom};
+pub use errands::{ErrandDriver, ErrandLog, ErrandRecord, Leg, Outcome};
 use path::Path;
+pub use pilot::Pilot;
 use ramp::Ramp;
+pub use turn_then_drive::{Bearing, bearing};
 
 /// Time between two commands.
 pub const PERIOD_S: f64 = 0.01;
@@ -128,6 +136,11 @@ impl Driver {
             Freedom::LookAround { turn_rad_per_s } => Wish { speed_m_per_s: 0.0, turn_rad_per_s },
             Freedom::Halt => Wish::default(),
         };
+        self.actuate(wish)
+    }
+
+    /// Wheel speeds on the way to a wish, as fast as the tyres should bear.
+    fn actuate(&mut self, wish: Wish) -> WheelCommand {
         let robot = &self.scene.robot;
         let speed_m_per_s = self.speed.follow(wish.speed_m_per_s, PERIOD_S);
         let turn_rad_per_s = self.turn.follow(wish.turn_rad_per_s, PERIOD_S);

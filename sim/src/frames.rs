@@ -14,6 +14,7 @@ use crate::{
 mod camera_view;
 mod canvas;
 mod contact_sheet;
+mod errand_map;
 mod figure;
 mod map_view;
 mod palette;
@@ -88,6 +89,15 @@ pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Resu
         count += 1;
     }
     Ok(count)
+}
+
+/// Writes `errands.png`, the map of a run's errands, if it had any.
+pub(crate) fn write_errands(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
+    if record.errands.is_none() {
+        return Ok(());
+    }
+    let path = folder.join("errands.png");
+    naming("write", &path, errand_map::draw(file, record).save(&path).map_err(std::io::Error::other))
 }
 
 /// Writes the same of the reading that left the widest box.

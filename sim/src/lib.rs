@@ -12,6 +12,8 @@
 pub mod scene;
 pub mod randomness;
 pub mod drawn;
+pub mod coverage;
+pub mod marker_sheet;
 pub mod truth;
 pub mod world;
 pub mod building;
@@ -19,6 +21,7 @@ pub mod light;
 pub mod render;
 pub mod sensors;
 pub mod still;
+pub mod navigation;
 pub mod driver;
 pub mod run;
 pub mod check;

@@ -9,6 +9,7 @@ mod bounce;
 mod floor_field;
 mod lightmap;
 mod occlusion;
+mod people;
 mod source;
 mod spectrum;
 
@@ -16,6 +17,7 @@ pub use bounce::{Bounce, opposite_rectangles_view_factor};
 pub use floor_field::FloorField;
 pub use lightmap::{LightMap, Patch, bake};
 pub use occlusion::Occluders;
+pub use people::nodes_with_people;
 pub use source::{Shape, Source, polygon_irradiance};
 pub use spectrum::{EQUIVALENT_LUMENS_PER_WATT_850_NM, Photons};
 

@@ -7,6 +7,7 @@
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every branch of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
+//! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when there are any |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was told and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
@@ -24,6 +25,7 @@ use thiserror::Error;
 use crate::{check::Verdict, frames, recording::Recording, run::RunRecord, scene::SceneFile};
 
 mod digest;
+mod errands;
 mod poses;
 mod summary;
 
@@ -151,6 +153,10 @@ pub(crate) fn fill(
     write("estimate.tum", poses::estimate_tum(&record.estimates))?;
     write("boxes.csv", poses::boxes_csv(&record.estimates))?;
     write("steps.csv", poses::steps_csv(record, verdict))?;
+    if let Some(log) = &record.errands {
+        write("errands.csv", errands::errands_csv(record, log))?;
+        frames::write_errands(partial, file, record)?;
+    }
     let shown = frames::write(partial, file, record)?;
     if shown == 0 && !verdict.verdict.passed {
         frames::write_widest(partial, file, record)?;

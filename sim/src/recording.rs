@@ -6,10 +6,10 @@
 //! | topic | content |
 //! |---|---|
 //! | `/wherein/…` | readings, starts and estimates to the last bit: what [`crate::replay`] reads |
-//! | `/floor_camera/image`, `/floor_camera/camera_info` | images without loss, and the nominal calibration |
+//! | `/floor_camera/image`, `/floor_camera/camera_info` | images without loss, and the nominal calibration; likewise `forward_camera`, `ceiling_camera` |
 //! | `/joint_states`, `/imu` | wheels and gyroscope as ROS 2 has them |
 //! | `/truth`, `/estimate`, `/odometry` | poses in frame `world`: true, middle of the hull, wheels alone |
-//! | `/tf`, `/tf_static` | `robot` where it is believed to be, `true_robot`, the camera's nominal mount |
+//! | `/tf`, `/tf_static` | `robot` where it is believed to be, `true_robot`, the cameras' nominal mounts |
 //! | `/boxes` | the union of boxes, 20 times a second |
 //! | `/log` | doubt while it lasts, contradictions, broken bounds, and who is to blame |
 //!
@@ -36,14 +36,16 @@ use crate::{
 
 mod bag;
 mod boxes;
+pub(crate) mod cameras;
 pub(crate) mod cdr;
 mod definitions;
 pub(crate) mod exact;
 mod messages;
 pub(crate) mod reader;
 
+use cameras::NominalCamera;
 use exact::{RecordedEstimate, Start};
-use messages::{FLOOR_CAMERA, Level, ROBOT, TRUE_ROBOT};
+use messages::{Level, ROBOT, TRUE_ROBOT};
 pub use reader::RecordingError;
 
 /// Name of the attachment that holds the scene's text.
@@ -85,6 +87,7 @@ pub struct Recording {
     /// The first error; nothing is written after it.
     failed: Option<McapError>,
     robot: RobotModel,
+    cameras: Vec<NominalCamera>,
     offset_s: f64,
     n_steps: usize,
     status: Status,
@@ -119,6 +122,7 @@ impl Recording {
             channels: BTreeMap::new(),
             failed: None,
             robot,
+            cameras: NominalCamera::all(&file.scene),
             offset_s: 0.0,
             n_steps: 0,
             status: Status::Sound,
@@ -136,8 +140,9 @@ impl Recording {
                 data: file.text.as_bytes().into(),
             })
         });
-        if let Some(camera) = recording.robot.floor_camera.clone() {
-            recording.put("/tf_static", "tf2_msgs/TFMessage", 0.0, &messages::robot_from_floor_camera(&camera));
+        if !recording.cameras.is_empty() {
+            let mounts = messages::robot_from_cameras(&recording.cameras);
+            recording.put("/tf_static", "tf2_msgs/TFMessage", 0.0, &mounts);
         }
         Ok(recording)
     }
@@ -255,13 +260,14 @@ impl Witness for Recording {
                 let joints = messages::wheel_angles(measured_s, *ticks, self.robot.wheels.ticks_per_turn);
                 self.put("/joint_states", "sensor_msgs/JointState", arrived_s, &joints);
             }
-            Reading::Camera { image, .. } => {
+            Reading::Camera { image, camera, .. } => {
                 self.put(topic, "wherein_msgs/ImageStamp", arrived_s, &message);
-                let image = messages::image(measured_s, FLOOR_CAMERA, image);
-                self.put(exact::IMAGE, "sensor_msgs/Image", arrived_s, &image);
-                if let Some(camera) = &self.robot.floor_camera {
-                    let info = messages::camera_info(measured_s, camera);
-                    self.put("/floor_camera/camera_info", "sensor_msgs/CameraInfo", arrived_s, &info);
+                let topics = cameras::topics(*camera);
+                let image = messages::image(measured_s, topics.frame, image);
+                self.put(topics.image, "sensor_msgs/Image", arrived_s, &image);
+                if let Some(nominal) = self.cameras.iter().find(|nominal| nominal.name == *camera) {
+                    let info = messages::camera_info(measured_s, nominal);
+                    self.put(topics.camera_info, "sensor_msgs/CameraInfo", arrived_s, &info);
                 }
             }
             Reading::Gyro { rate_rad_per_s, .. } => {

@@ -78,7 +78,7 @@ pub struct RenderedWorld {
     floor: Floor,
     room: Option<RoomWorld>,
     lamps_at_floor_lux: Option<f64>,
-    bodies: Vec<UprightBody>,
+    graphics: Graphics,
 }
 
 impl RenderedWorld {
@@ -88,9 +88,11 @@ impl RenderedWorld {
         self.lamps_at_floor_lux
     }
 
-    /// Puts people where the next pictures show them.
+    /// Puts people where the next pictures show them; their shadows are worked out here, once for all views.
     pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
-        self.bodies = bodies.to_vec();
+        if let Some(room) = &mut self.room {
+            room.place_bodies(&self.graphics, bodies);
+        }
     }
 }
 
@@ -100,11 +102,11 @@ pub enum RenderError {
     /// No graphics adapter, real or software, that could be used.
     #[error(
         "find a graphics adapter{}; `make driver` installs a software one{}",
-        wanted.as_ref().map(|name| format!(" whose name contains \"{name}\" (WHEREIN_ADAPTER)")).unwrap_or_default(),
+        wanted.as_ref().map(|name| format!(" whose name contains \"{name}\" (--adapter or WHEREIN_ADAPTER)")).unwrap_or_default(),
         if found.is_empty() { String::new() } else { format!("; found: {}", found.join(", ")) }
     )]
     NoAdapter {
-        /// What `WHEREIN_ADAPTER` asked for.
+        /// What was asked for.
         wanted: Option<String>,
         /// Adapters that are there.
         found: Vec<String>,
@@ -158,7 +160,15 @@ impl Renderer {
     /// # Errors
     /// If there is no such adapter or it cannot be opened.
     pub fn new() -> Result<Renderer, RenderError> {
-        Renderer::on(Graphics::open()?)
+        Renderer::on_adapter(None)
+    }
+
+    /// Opens the adapter that has `adapter` in its name, driver or backend; without one, as [`Renderer::new`].
+    ///
+    /// # Errors
+    /// If there is no such adapter or it cannot be opened.
+    pub fn on_adapter(adapter: Option<&str>) -> Result<Renderer, RenderError> {
+        Renderer::on(Graphics::open(adapter)?)
     }
 
     /// Another renderer on the same device, for another thread; none when the device does not allow several threads.
@@ -196,7 +206,7 @@ impl Renderer {
             lamplight = FloorField::new(&building, &map);
         }
         let floor = Floor::new(scene, drawn, lamplight);
-        Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, bodies: Vec::new() })
+        Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, graphics: self.graphics.clone() })
     }
 
     /// Prepares a world for all views, its people at the start; its light is worked out here, which takes up to a second.
@@ -207,12 +217,14 @@ impl Renderer {
         self.graphics.check()?;
         let room = self.room_pass.upload(&self.graphics, scene, drawn);
         let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
-        Ok(RenderedWorld {
+        let mut world = RenderedWorld {
             floor: Floor::new(scene, drawn, lamplight),
             lamps_at_floor_lux: Some(room.mean_at_floor_lux()),
             room: Some(room),
-            bodies: scene.people.iter().filter_map(UprightBody::at_start).collect(),
-        })
+            graphics: self.graphics.clone(),
+        };
+        world.place_bodies(&scene.people.iter().filter_map(UprightBody::at_start).collect::<Vec<_>>());
+        Ok(world)
     }
 
     /// Takes all pictures of a tick, in the order of `views`: the eight most significant bits of each level.
@@ -220,12 +232,20 @@ impl Renderer {
     /// # Errors
     /// If a view has no pose or is larger than the device allows, or the driver reports an error or does not answer.
     pub fn draw(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<GrayImage>, RenderError> {
-        let pictures = self.read_out(world, views)?.into_iter().zip(views).map(|(levels, view)| {
+        let together: Vec<(&RenderedWorld, &View)> = views.iter().map(|view| (world, view)).collect();
+        self.draw_together(&together)
+    }
+
+    /// As [`Renderer::draw`], each view of a world of its own; still one submit.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_together(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<Vec<GrayImage>, RenderError> {
+        let pictures = self.read_out(views)?.into_iter().zip(views).map(|(levels, (_, view))| {
             let pixels = match levels {
                 Levels::Eight(levels) => levels,
                 Levels::Deep(levels) => {
-                    let shift = view.sensor.bits.bits() - 8;
-                    levels.into_iter().map(|level| (level >> shift) as u8).collect()
+                    levels.into_iter().map(|level| view.sensor.bits.most_significant(level)).collect()
                 }
             };
             let [width, height] = view.intrinsics.size_px;
@@ -239,7 +259,8 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::draw`].
     pub fn draw_deep(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<DeepImage>, RenderError> {
-        let pictures = self.read_out(world, views)?.into_iter().zip(views).map(|(levels, view)| {
+        let together: Vec<(&RenderedWorld, &View)> = views.iter().map(|view| (world, view)).collect();
+        let pictures = self.read_out(&together)?.into_iter().zip(views).map(|(levels, view)| {
             let pixels = match levels {
                 Levels::Eight(levels) => levels.into_iter().map(u16::from).collect(),
                 Levels::Deep(levels) => levels,
@@ -250,26 +271,21 @@ impl Renderer {
         pictures.collect()
     }
 
-    fn read_out(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<Levels>, RenderError> {
-        for (index, view) in views.iter().enumerate() {
+    fn read_out(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<Vec<Levels>, RenderError> {
+        for (index, (_, view)) in views.iter().enumerate() {
             self.prepare_target(index, view)?;
         }
         let device = &self.graphics.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for (view, target) in views.iter().zip(&mut self.targets) {
+        for ((world, view), target) in views.iter().zip(&mut self.targets) {
             let Target { floor, room, luminance, .. } = target;
             match (&view.lens, &world.room) {
                 (None, _) => {
                     self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?
                 }
-                (Some(lens), Some(seen)) => self.room_pass.draw(
-                    &self.graphics,
-                    &mut encoder,
-                    (seen, &world.bodies),
-                    (view, lens),
-                    room,
-                    luminance,
-                )?,
+                (Some(lens), Some(seen)) => {
+                    self.room_pass.draw(&self.graphics, &mut encoder, seen, (view, lens), room, luminance)?
+                }
                 (Some(_), None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
             }
             self.photon_pass.draw(&self.graphics.queue, &mut encoder, view, target);

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use localizer::{Estimate, Localizer};
+use localizer::{Estimate, Localizer, reading::Camera};
 use thiserror::Error;
 
 use crate::{
     record::estimates_digest,
     recording::{
         RecordingError,
+        cameras::topics,
         exact::{self, ImageStamp, RecordedEstimate, Start},
         reader::{self, Part},
     },
@@ -79,7 +80,8 @@ impl Replayer<'_> {
         match part {
             Part::Scene(text) => {
                 if self.subject.is_none() {
-                    let scene = Scene::parse(text, &format!("scene.toml in {}", self.path.display()))?;
+                    let file = format!("scene.toml in {}", self.path.display());
+                    let scene = Scene::parse_beside(text, &file, None)?;
                     let localizer = localizer(&scene);
                     self.subject = Some((scene, localizer));
                 }
@@ -110,9 +112,6 @@ impl Replayer<'_> {
                 }
             }
             exact::IMAGE_STAMP => self.stamp = Some(ImageStamp::decode(message)?),
-            exact::IMAGE => {
-                localizer.observe(&self.stamp.take()?.with_image(message)?);
-            }
             exact::WHEELS | exact::GYRO | exact::RANGE => {
                 localizer.observe(&exact::decode(topic, message)?);
             }
@@ -128,7 +127,10 @@ impl Replayer<'_> {
                 self.found.estimates.push(estimate);
             }
             // What the simulator or a viewer wants to know.
-            _ => {}
+            _ if Camera::ALL.iter().all(|camera| topics(*camera).image != topic) => {}
+            _image => {
+                localizer.observe(&self.stamp.take()?.with_image(message)?);
+            }
         }
         Some(())
     }

@@ -1,33 +1,39 @@
 //! The closed loop: the one screen where everything meets.
 
+mod clearance;
 mod history;
+mod marker_baselines;
 mod range_baselines;
 mod witness;
 
 use std::time::Instant;
 
 use localizer::{
-    Localizer, Method, Pose, Reading,
+    Localizer, Map, Method, Pose, Reading, RobotModel,
     methods::{
+        ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
         range_landmarks::{Freedom, RangeLandmarks, Solver},
     },
     motion::PointOdometry,
+    reading::Camera,
 };
 use sha2::{Digest, Sha256};
 
 use crate::{
     drawn::Drawn,
-    driver::Driver,
+    driver::Pilot,
     frames::FramesPolicy,
     render::{RenderError, Renderer},
     scene::{FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene},
-    sensors::{Observation, Sensors},
+    sensors::{Observation, Sensors, Stage},
     truth::Truth,
     world::World,
 };
 
+pub use clearance::Clearance;
 pub use history::{ImageRecord, RunRecord, Timing};
+pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use range_baselines::{Answers, RangeBaselines};
 pub use witness::Witness;
 
@@ -60,7 +66,7 @@ pub fn run(
 pub fn run_witnessed(
     scene: &Scene,
     seed: u64,
-    mut renderer: Option<&mut Renderer>,
+    renderer: Option<&mut Renderer>,
     options: &RunOptions,
     witness: &mut dyn Witness,
     progress: &mut dyn FnMut(f64),
@@ -70,9 +76,10 @@ pub fn run_witnessed(
     let adapter = renderer.as_deref().map(Renderer::adapter);
     let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options, witness);
     let mut localizer = localizer(scene);
+    let mut stage = renderer.map(|renderer| Stage::new(scene, &drawn, renderer)).transpose()?;
     if scene.stations.is_empty() {
         record.witness.start(0.0, None);
-        drive(scene, seed, &drawn, renderer.as_deref_mut(), &mut localizer, &mut record, progress)?;
+        drive(scene, seed, &drawn, stage.as_mut(), &mut localizer, &mut record, progress)?;
     }
     for (index, station) in scene.stations.iter().enumerate() {
         let here = scene.at_station(station);
@@ -81,7 +88,7 @@ pub fn run_witnessed(
         let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
         record.restart(index, here.duration_s, &here);
         localizer.restart(here.start_box());
-        drive(&here, noise_seed, &drawn_here, renderer.as_deref_mut(), &mut localizer, &mut record, progress)?;
+        drive(&here, noise_seed, &drawn_here, stage.as_mut(), &mut localizer, &mut record, progress)?;
     }
     Ok(record.finish(began))
 }
@@ -91,28 +98,35 @@ fn drive(
     scene: &Scene,
     seed: u64,
     drawn: &Drawn,
-    mut renderer: Option<&mut Renderer>,
+    mut stage: Option<&mut Stage<'_>>,
     localizer: &mut Localizer,
     record: &mut Recorder<'_>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(), RenderError> {
     let mut world = World::new(scene, drawn);
-    let mut sensors = Sensors::new(scene, seed, drawn, renderer.as_deref_mut())?;
-    let mut driver = Driver::new(scene);
-    look(&world, &mut sensors, renderer.as_deref_mut(), localizer, record)?;
+    let mut sensors = Sensors::new(scene, seed, drawn, stage.as_deref());
+    let mut pilot = Pilot::new(scene, drawn);
+    look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
     record.step(&world.truth(), localizer);
+    record.room_left(scene, &world);
     for step in 0..(scene.duration_s / STEP_S).round() as usize {
         let time_s = step as f64 * STEP_S;
-        let command = driver.command(&localizer.estimate(), time_s);
+        if pilot.is_done(time_s) {
+            break;
+        }
+        let fan = sensors.look_out(&world.truth(), &world.people());
+        let command = pilot.command(&localizer.estimate(), fan.as_ref(), time_s);
         for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
-            look(&world, &mut sensors, renderer.as_deref_mut(), localizer, record)?;
+            look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
         }
         record.step(&world.truth(), localizer);
+        record.room_left(scene, &world);
         if step % 50 == 0 {
             progress(record.offset_s + time_s);
         }
     }
+    record.history.errands = pilot.into_log(world.truth().time_s);
     Ok(())
 }
 
@@ -120,12 +134,12 @@ fn drive(
 fn look(
     world: &World,
     sensors: &mut Sensors,
-    renderer: Option<&mut Renderer>,
+    stage: Option<&mut Stage<'_>>,
     localizer: &mut Localizer,
     record: &mut Recorder<'_>,
 ) -> Result<(), RenderError> {
     let arrived =
-        record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), renderer))?;
+        record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), stage))?;
     for observation in arrived {
         record.sense(&observation);
         let accounts = record.timed(
@@ -171,6 +185,9 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
             MethodName::RangeLandmarks => {
                 RangeLandmarks::new(&robot, freedom, solver).map(|method| Box::new(method) as Box<dyn Method>)
             }
+            MethodName::CeilingMarkers => {
+                CeilingMarkers::new(&map, &robot).map(|method| Box::new(method) as Box<dyn Method>)
+            }
         }
     };
     scene.localizer.methods.iter().filter_map(build).collect()
@@ -180,7 +197,8 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
 struct Recorder<'a> {
     history: RunRecord,
     odometry: PointOdometry,
-    wheels: localizer::robot::WheelModel,
+    map: Map,
+    robot: RobotModel,
     readings: Sha256,
     keep_images: FramesPolicy,
     /// Time at which the present drive began.
@@ -204,7 +222,8 @@ impl<'a> Recorder<'a> {
         Recorder {
             history: RunRecord::new(seed, adapter, drawn),
             odometry,
-            wheels: scene.robot_model().wheels,
+            map: scene.map(),
+            robot: scene.robot_model(),
             readings: Sha256::new(),
             keep_images: options.keep_images,
             offset_s: 0.0,
@@ -242,7 +261,7 @@ impl<'a> Recorder<'a> {
         match reading {
             Reading::Wheels { ticks, .. } => {
                 ticks.iter().for_each(|count| self.readings.update(count.to_le_bytes()));
-                self.odometry.advance(*ticks, &self.wheels);
+                self.odometry.advance(*ticks, &self.robot.wheels);
             }
             Reading::Camera { exposure_s, image, .. } => {
                 self.readings.update(exposure_s.to_le_bytes());
@@ -265,6 +284,9 @@ impl<'a> Recorder<'a> {
         self.witness.account(&reading, &accounts);
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
+        if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, false) = (&reading, accounts.is_empty()) {
+            self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
+        }
         for account in accounts {
             if matches!(reading, Reading::Range { .. }) {
                 // Odometry stands still until the stamp's own step has been recorded.
@@ -307,6 +329,13 @@ impl<'a> Recorder<'a> {
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
         self.history.range_baselines.step(self.odometry.pose());
+    }
+
+    /// Notes how much room the true robot has on an errand.
+    fn room_left(&mut self, scene: &Scene, world: &World) {
+        if scene.has_errands() {
+            self.history.clearances.push(Clearance::of(scene, &world.truth(), &world.people()));
+        }
     }
 
     fn finish(mut self, began: Instant) -> RunRecord {

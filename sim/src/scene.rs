@@ -17,7 +17,9 @@ mod expect;
 mod files;
 mod floor;
 mod lamps;
+mod markers;
 mod models;
+mod navigation;
 mod parse;
 mod places;
 mod range_camera;
@@ -30,16 +32,19 @@ mod things;
 
 pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
-pub use cameras::{Band, Calibration, CeilingCamera, ForwardCamera, LensKeys};
+pub use cameras::{Band, Calibration, CameraTiming, CeilingCamera, ForwardCamera, LensKeys};
 pub use error::SceneError;
 pub use events::Event;
 pub use expect::Expect;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use lamps::{Lamp, LampKind, Spectrum};
+pub(crate) use markers::UNDER_CEILING_M;
+pub use markers::{Coding, Layout, Marker, Markers};
+pub use navigation::{Errand, FollowerName, Navigation, Proximity};
 pub use range_camera::{Gyro, RangeCamera};
 pub use robot::{Distribution, Encoders, FloorCamera, Robot};
-pub use route::{Route, Start, Station, Waypoint};
+pub use route::{Route, Spread, Start, Station, Waypoint};
 pub use schema::schema_text;
 pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use setting::{SceneTemplate, Setting, shown, value_of};
@@ -67,6 +72,9 @@ pub struct Scene {
     /// What stands about and above the floor.
     #[serde(default)]
     pub building: Building,
+    /// Markers on the ceiling.
+    #[serde(default)]
+    pub markers: Option<Markers>,
     /// Where the light comes from.
     #[serde(default, rename = "lamp")]
     pub lamps: Vec<Lamp>,
@@ -84,12 +92,21 @@ pub struct Scene {
     pub robot: Robot,
     /// Where the robot stands at time 0, and how well the localizer knows it.
     pub start: Start,
-    /// The drive; a scene has a route or stations.
+    /// The drive; a scene has a route, errands or stations.
     #[serde(default)]
     pub route: Option<Route>,
+    /// How errands are planned and driven.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub navigation: Option<Navigation>,
+    /// Places to find a way to, one after the other, instead of a route.
+    #[serde(default, rename = "errand", skip_serializing_if = "Vec::is_empty")]
+    pub errands: Vec<Errand>,
     /// Still poses for accuracy tables, instead of a drive.
     #[serde(default, rename = "station")]
     pub stations: Vec<Station>,
+    /// More still poses, spread over the room.
+    #[serde(default)]
+    pub station_spread: Option<Spread>,
     /// What happens during the run.
     #[serde(default, rename = "event")]
     pub events: Vec<Event>,
@@ -107,7 +124,17 @@ pub struct Scene {
 impl Scene {
     /// Whether a run of it needs a renderer.
     pub fn has_camera(&self) -> bool {
-        self.robot.floor_camera.is_some()
+        !self.robot.cameras().is_empty()
+    }
+
+    /// How errands are driven, as by default unless stated.
+    pub fn navigation(&self) -> Navigation {
+        self.navigation.clone().unwrap_or_default()
+    }
+
+    /// Whether the robot finds its own way to goals.
+    pub fn has_errands(&self) -> bool {
+        !self.errands.is_empty() || self.navigation.as_ref().is_some_and(|navigation| navigation.random_goals > 0)
     }
 }
 
@@ -193,6 +220,8 @@ pub enum MethodName {
     FloorTiles,
     /// Coded landmarks that no map names, seen by a range camera (paper 3).
     RangeLandmarks,
+    /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
+    CeilingMarkers,
 }
 
 /// What `range_landmarks` solves for; the rest it takes from what is known besides.

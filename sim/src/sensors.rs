@@ -1,26 +1,34 @@
 //! Truth to readings: each sensor with its own clock, errors and delay.
 
 pub mod camera;
+mod camera_sensor;
 pub mod encoder;
-mod floor_camera;
-pub mod lens;
+mod fitted_camera;
 pub mod gyro;
+pub mod lens;
+pub mod proximity;
 pub mod range_camera;
 mod sight;
 
-use localizer::{Reading, reading::LandmarkId};
+use localizer::{
+    Reading,
+    reading::{Camera, LandmarkId},
+};
 
 use crate::{
+    building::UprightBody,
     drawn::Drawn,
-    render::{RenderError, Renderer},
+    render::{RenderError, RenderedWorld, Renderer, View},
     scene::Scene,
     truth::Truth,
     world::Bystander,
 };
 
+pub use camera_sensor::CameraSensor;
 use encoder::Encoder;
-pub use floor_camera::FloorCameraSensor;
+pub use fitted_camera::FittedCamera;
 use gyro::GyroSensor;
+use proximity::{Fan, ProximitySensor};
 pub use range_camera::RangeCameraSensor;
 
 /// All sensors of the robot.
@@ -28,9 +36,10 @@ pub struct Sensors {
     encoder: Encoder,
     encoder_period_s: f64,
     n_encoder_readings: u64,
-    floor_camera: Option<FloorCameraSensor>,
+    cameras: Vec<CameraSensor>,
     gyro: Option<GyroSensor>,
     range_camera: Option<RangeCameraSensor>,
+    proximity: Option<ProximitySensor>,
     /// Taken but not yet delivered.
     on_the_way: Vec<Observation>,
 }
@@ -55,22 +64,47 @@ impl Observation {
     }
 }
 
-impl Sensors {
-    /// Sensors of a run; a robot with a camera needs a renderer.
-    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn, renderer: Option<&mut Renderer>) -> Result<Self, RenderError> {
-        let floor_camera = match renderer {
-            Some(renderer) => FloorCameraSensor::new(scene, seed, drawn, renderer)?,
-            None => None,
+/// The world as cameras look at it, on the device that draws it.
+pub struct Stage<'a> {
+    renderer: &'a mut Renderer,
+    world: RenderedWorld,
+}
+
+impl<'a> Stage<'a> {
+    /// Prepares what the scene's cameras look at: the floor alone for a floor camera alone.
+    ///
+    /// # Errors
+    /// If the driver reported an error.
+    pub fn new(scene: &Scene, drawn: &Drawn, renderer: &'a mut Renderer) -> Result<Self, RenderError> {
+        let world = if scene.robot.cameras() == [Camera::Floor] {
+            renderer.upload(scene, drawn)?
+        } else {
+            renderer.upload_room(scene, drawn)?
         };
-        Ok(Sensors {
+        Ok(Stage { renderer, world })
+    }
+
+    /// Mean illuminance at the floor before any switch.
+    fn illuminance_at_floor_lux(&self, scene: &Scene) -> f64 {
+        self.world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
+    }
+}
+
+impl Sensors {
+    /// Sensors of a drive; those that take pictures need a stage to look at.
+    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn, stage: Option<&Stage<'_>>) -> Self {
+        let at_first_lux = stage.map(|stage| stage.illuminance_at_floor_lux(scene));
+        let camera = |name| CameraSensor::new(name, scene, seed, drawn, at_first_lux?);
+        Sensors {
             encoder: Encoder::new(&scene.robot.encoders, seed),
             encoder_period_s: scene.robot.encoders.period_s,
             n_encoder_readings: 0,
-            floor_camera,
+            cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
             gyro: GyroSensor::new(scene, seed, drawn),
             range_camera: RangeCameraSensor::new(scene, seed, drawn),
+            proximity: ProximitySensor::new(scene, seed),
             on_the_way: Vec::new(),
-        })
+        }
     }
 
     /// Looks at the world at one physics step; answers with what arrives at the localizer by then, in order of arrival.
@@ -78,7 +112,7 @@ impl Sensors {
         &mut self,
         truth: &Truth,
         people: &[Bystander],
-        renderer: Option<&mut Renderer>,
+        stage: Option<&mut Stage<'_>>,
     ) -> Result<Vec<Observation>, RenderError> {
         // Before the wheels, so that a turn up to the same instant is known when they tell how far they rolled.
         self.on_the_way.extend(self.gyro.as_mut().and_then(|gyro| gyro.observe(truth)));
@@ -89,8 +123,8 @@ impl Sensors {
             let reading = Reading::Wheels { measured_s: truth.time_s, arrived_s: truth.time_s, ticks };
             self.on_the_way.push(Observation::new(reading, *truth));
         }
-        if let (Some(camera), Some(renderer)) = (&mut self.floor_camera, renderer) {
-            self.on_the_way.extend(camera.observe(truth, renderer)?);
+        if let Some(stage) = stage {
+            self.on_the_way.extend(take_pictures(&mut self.cameras, truth, people, stage)?);
         }
         self.on_the_way.extend(self.range_camera.as_mut().and_then(|camera| camera.observe(truth, people)));
         let (mut arrived, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.on_the_way)
@@ -100,4 +134,27 @@ impl Sensors {
         arrived.sort_by(|a, b| a.reading.arrived_s().total_cmp(&b.reading.arrived_s()));
         Ok(arrived)
     }
+
+    /// What the driver may know besides the estimate: a reading of the proximity sensor when one is due.
+    pub fn look_out(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
+        self.proximity.as_mut().and_then(|proximity| proximity.observe(truth, people))
+    }
+}
+
+/// The pictures whose exposure ends at this step, all in one submit.
+fn take_pictures(
+    cameras: &mut [CameraSensor],
+    truth: &Truth,
+    people: &[Bystander],
+    stage: &mut Stage<'_>,
+) -> Result<Vec<Observation>, RenderError> {
+    let due: Vec<_> = cameras.iter_mut().filter_map(|camera| Some((camera.expose(truth)?, camera))).collect();
+    if due.is_empty() {
+        return Ok(Vec::new());
+    }
+    let bodies: Vec<UprightBody> = people.iter().map(|person| UprightBody::from(*person)).collect();
+    stage.world.place_bodies(&bodies);
+    let views: Vec<View> = due.iter().map(|(exposed, _)| exposed.view.clone()).collect();
+    let images = stage.renderer.draw(&stage.world, &views)?;
+    Ok(due.into_iter().zip(images).map(|((exposed, camera), image)| camera.deliver(&exposed, image)).collect())
 }

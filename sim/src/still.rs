@@ -1,36 +1,24 @@
 //! One picture of each camera of a robot that stands still, exposed as its automatic exposure settles.
 
 use image::GrayImage;
-use localizer::Pose;
+use localizer::{Pose, reading::Camera};
 
 use crate::{
     drawn::Drawn,
-    randomness,
-    render::{DeepImage, NoiseKey, RenderError, RenderedWorld, Renderer, View},
+    render::{DeepImage, RenderError, RenderedWorld, Renderer, View},
     scene::{BitDepth, Scene, SensorModel},
     sensors::{
-        camera::{AutoExposure, Exposure, floor_camera_intrinsics, world_from_floor_camera},
-        lens::{Lens, world_from_camera},
+        FittedCamera,
+        camera::{AutoExposure, Exposure},
     },
     truth::Truth,
 };
-
-/// Cameras of a robot by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum CameraName {
-    /// Looks down.
-    Floor,
-    /// Looks ahead.
-    Forward,
-    /// Looks up.
-    Ceiling,
-}
 
 /// One picture with how it was exposed.
 #[derive(Clone, Debug)]
 pub struct Still {
     /// The camera that took it.
-    pub camera: CameraName,
+    pub camera: Camera,
     /// The eight most significant bits of what the sensor gave, which is what the localizer gets.
     pub image: GrayImage,
     /// Grey levels as the sensor gave them.
@@ -41,50 +29,36 @@ pub struct Still {
     pub exposure: Exposure,
 }
 
-impl CameraName {
-    /// All of them.
-    pub const ALL: [CameraName; 3] = [CameraName::Floor, CameraName::Forward, CameraName::Ceiling];
-
-    /// As scenes, commands and files call it.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            CameraName::Floor => "floor",
-            CameraName::Forward => "forward",
-            CameraName::Ceiling => "ceiling",
-        }
-    }
-
-    /// Those of the scene's robot.
-    pub fn fitted(scene: &Scene) -> Vec<CameraName> {
-        let robot = &scene.robot;
-        let is_fitted = |name: &CameraName| match name {
-            CameraName::Floor => robot.floor_camera.is_some(),
-            CameraName::Forward => robot.forward_camera.is_some(),
-            CameraName::Ceiling => robot.ceiling_camera.is_some(),
-        };
-        CameraName::ALL.into_iter().filter(is_fitted).collect()
-    }
-}
-
 /// The first views of cameras that stand still, exposed for office light.
 pub fn views_at(
     scene: &Scene,
     drawn: &Drawn,
     pose: Pose,
     illuminance_at_floor_lux: f64,
-    cameras: &[CameraName],
+    cameras: &[Camera],
     seed: u64,
 ) -> Vec<View> {
-    let truth = Truth { pose, ..Truth::default() };
-    let stations =
-        cameras.iter().filter_map(|camera| station(*camera, scene, drawn, &truth, illuminance_at_floor_lux, seed));
-    stations.map(|station| station.exposed(0)).collect()
+    stations(scene, drawn, pose, illuminance_at_floor_lux, (cameras, seed)).map(|station| station.exposed(0)).collect()
 }
 
-/// A camera that stands still: everything of its view but the exposure.
+/// A camera that stands still, with the control of its exposure.
 struct Station {
-    view: View,
+    camera: FittedCamera,
     control: AutoExposure,
+    truth: Truth,
+    illuminance_at_floor_lux: f64,
+}
+
+fn stations<'a>(
+    scene: &'a Scene,
+    drawn: &'a Drawn,
+    pose: Pose,
+    illuminance_at_floor_lux: f64,
+    (cameras, seed): (&'a [Camera], u64),
+) -> impl Iterator<Item = Station> + 'a {
+    let truth = Truth { pose, ..Truth::default() };
+    let fitted = cameras.iter().filter_map(move |camera| FittedCamera::new(*camera, scene, drawn, seed));
+    fitted.map(move |camera| Station::new(camera, truth, illuminance_at_floor_lux))
 }
 
 /// Takes a picture with each of the cameras, which the robot must have; all of them at once, until exposures have settled.
@@ -98,29 +72,25 @@ pub fn take(
     drawn: &Drawn,
     pose: Pose,
     illuminance_at_floor_lux: f64,
-    (cameras, seed): (&[CameraName], u64),
+    (cameras, seed): (&[Camera], u64),
 ) -> Result<Vec<Still>, RenderError> {
     // From office light to a tenth of a lux or to the sun takes four steps of the control; two more settle it.
     const SETTLING: u32 = 6;
-    let truth = Truth { pose, ..Truth::default() };
-    let mut stations: Vec<(CameraName, Station)> = cameras
-        .iter()
-        .filter_map(|&camera| Some((camera, station(camera, scene, drawn, &truth, illuminance_at_floor_lux, seed)?)))
-        .collect();
+    let mut stations: Vec<Station> = stations(scene, drawn, pose, illuminance_at_floor_lux, (cameras, seed)).collect();
     for image in 0..SETTLING {
-        let views: Vec<View> = stations.iter().map(|(_, station)| station.exposed(image)).collect();
+        let views: Vec<View> = stations.iter().map(|station| station.exposed(image)).collect();
         if image + 1 == SETTLING {
-            let still = |((camera, station), levels): ((CameraName, Station), DeepImage)| Still {
-                camera,
-                image: most_significant(&levels, station.view.sensor.bits),
+            let still = |(station, levels): (Station, DeepImage)| Still {
+                camera: station.camera.name,
+                image: most_significant(&levels, station.camera.sensor.bits),
                 levels,
-                sensor: station.view.sensor,
+                sensor: station.camera.sensor,
                 exposure: station.control.exposure(),
             };
             return Ok(stations.into_iter().zip(renderer.draw_deep(world, &views)?).map(still).collect());
         }
         let images = renderer.draw(world, &views)?;
-        for ((_, station), image) in stations.iter_mut().zip(&images) {
+        for (station, image) in stations.iter_mut().zip(&images) {
             station.control.meter(image);
         }
     }
@@ -129,74 +99,17 @@ pub fn take(
 
 /// The eight most significant bits of each level.
 fn most_significant(levels: &DeepImage, bits: BitDepth) -> GrayImage {
-    let shift = bits.bits() - 8;
     GrayImage::from_fn(levels.width(), levels.height(), |u, v| {
-        image::Luma([(levels.get_pixel(u, v).0[0] >> shift) as u8])
+        image::Luma([bits.most_significant(levels.get_pixel(u, v).0[0])])
     })
 }
 
 impl Station {
-    fn exposed(&self, image: u32) -> View {
-        let exposure = self.control.exposure();
-        View {
-            exposure_s: exposure.exposure_s,
-            gain_levels_per_electron: exposure.gain_levels_per_electron,
-            noise: NoiseKey { image, ..self.view.noise },
-            ..self.view.clone()
-        }
+    fn new(camera: FittedCamera, truth: Truth, illuminance_at_floor_lux: f64) -> Station {
+        Station { control: AutoExposure::new(&camera.sensor), camera, truth, illuminance_at_floor_lux }
     }
-}
 
-fn station(
-    name: CameraName,
-    scene: &Scene,
-    drawn: &Drawn,
-    truth: &Truth,
-    illuminance_at_floor_lux: f64,
-    seed: u64,
-) -> Option<Station> {
-    let robot = &scene.robot;
-    let (lens, sensor, pose) = match name {
-        CameraName::Floor => (
-            None,
-            robot.floor_camera.as_ref()?.sensor_model(),
-            world_from_floor_camera(truth, drawn.floor_camera.as_ref()?),
-        ),
-        CameraName::Forward => {
-            let (camera, mount) = (robot.forward_camera.as_ref()?, drawn.forward_camera.as_ref()?);
-            let lens = Lens::forward(camera, mount);
-            (Some(lens), camera.sensor_model(), world_from_camera(truth, mount))
-        }
-        CameraName::Ceiling => {
-            let (camera, mount) = (robot.ceiling_camera.as_ref()?, drawn.ceiling_camera.as_ref()?);
-            let lens = Lens::ceiling(camera, mount);
-            (Some(lens), camera.sensor_model(), world_from_camera(truth, mount))
-        }
-    };
-    let intrinsics = match (&lens, drawn.floor_camera.as_ref()) {
-        (Some(lens), _) => lens.intrinsics(),
-        (None, mount) => floor_camera_intrinsics(robot.floor_camera.as_ref()?, mount?),
-    };
-    let control = AutoExposure::new(&sensor);
-    let exposure = control.exposure();
-    let view = View {
-        intrinsics,
-        sensor,
-        world_from_camera: vec![pose],
-        exposure_s: exposure.exposure_s,
-        gain_levels_per_electron: exposure.gain_levels_per_electron,
-        illuminance_at_floor_lux,
-        noise: NoiseKey { seed: noise_seed(seed, name), image: 0 },
-        lens,
-    };
-    Some(Station { view, control })
-}
-
-/// The floor camera keeps the run's own seed; each other one has noise of its own.
-fn noise_seed(seed: u64, name: CameraName) -> u64 {
-    use rand::Rng;
-    match name {
-        CameraName::Floor => seed,
-        _ => randomness::stream(seed, &format!("{}_camera.noise", name.as_str())).next_u64(),
+    fn exposed(&self, image: u32) -> View {
+        self.camera.view(&[self.truth], self.control.exposure(), self.illuminance_at_floor_lux, image)
     }
 }

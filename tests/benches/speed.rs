@@ -4,22 +4,25 @@
 
 use std::{hint::black_box, path::Path, time::Instant};
 
-use localizer::Interval;
-use localizer::Pose;
+use localizer::{Interval, Pose, reading::Camera};
 use nalgebra::{Isometry3, Translation3};
 use sim::{
     drawn::Drawn,
     render::{Renderer, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
-    still::{CameraName, views_at},
+    still::views_at,
 };
 
 fn main() {
     println!("{:<44} {:>10}   aim", "what", "median");
-    intervals();
-    runs();
+    // `make bench-render` asks for pictures alone.
+    if !std::env::args().any(|argument| argument == "views") {
+        intervals();
+        runs();
+    }
     views();
+    memory();
 }
 
 /// One line: what was measured, its median, what is aimed at.
@@ -97,7 +100,7 @@ fn views() {
     line("light maps of a living room", began.elapsed().as_secs_f64(), "s", "");
     let pose = Pose { x_m: 0.8, y_m: 0.9, heading_rad: 0.5 };
     let lux = world.illuminance_at_floor_lux().unwrap();
-    let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &CameraName::ALL, 0);
+    let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &Camera::ALL, 0);
     // Moved so far during the exposure that the room's views take four sub-frames, at 1 m: 6 px at 417 and at 755 px.
     let moved = |view: &View| {
         let way_m = if view.lens.as_ref().is_some_and(|lens| lens.focal_px[0] < 500.0) { 0.0135 } else { 0.0073 };
@@ -117,7 +120,7 @@ fn views() {
         };
         line(what, median((0..41).map(per_s).collect()), "views/s", aim);
     }
-    for (camera, view) in CameraName::ALL.iter().zip(&still) {
+    for (camera, view) in Camera::ALL.iter().zip(&still) {
         let views = std::slice::from_ref(view);
         let milliseconds = |_| {
             let began = Instant::now();
@@ -131,4 +134,35 @@ fn views() {
             "",
         );
     }
+}
+
+/// How much more memory the process holds after 1000 pictures of cameras that move, lit anew each tick, than after 100.
+fn memory() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let scene = Scene::load(&root.join("scenes/rooms/living_room.toml")).unwrap();
+    let drawn = Drawn::draw(&scene, 0);
+    let mut renderer = Renderer::new().unwrap();
+    let world = renderer.upload_room(&scene, &drawn).unwrap();
+    let (mut n_pictures, mut early_mb) = (0, None);
+    while n_pictures < 1000 {
+        let turned = f64::from(n_pictures) * 0.01;
+        let pose = Pose { x_m: 0.8 + 0.1 * turned.sin(), y_m: 0.9, heading_rad: turned };
+        let lux = 100.0 * (1.1 + turned.sin());
+        let views = views_at(&scene, &drawn, pose, lux, &Camera::ALL, 0);
+        black_box(renderer.draw(&world, &views).unwrap());
+        n_pictures += views.len() as u32;
+        if n_pictures >= 100 && early_mb.is_none() {
+            early_mb = resident_mb();
+        }
+    }
+    if let (Some(early_mb), Some(late_mb)) = (early_mb, resident_mb()) {
+        line("memory gained from picture 100 to 1000", late_mb - early_mb, "MB", "≤ 5");
+    }
+}
+
+/// Memory that the process holds; `None` where the system does not tell in Linux's way.
+fn resident_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?.trim().strip_suffix(" kB")?;
+    Some(kilobytes.parse::<f64>().ok()? / 1024.0)
 }

@@ -21,6 +21,42 @@ fn one_picture_and_its_tone_mapped_twin_per_camera() {
 }
 
 #[test]
+fn a_room_gives_the_same_bytes_in_any_process_on_any_number_of_threads() {
+    let folder = folder("render_threads");
+    let keys = "[[furniture]]\nname = \"box\"\nx_m = 1.0\ny_m = 1.7\nsize_m = [0.4, 0.3]\nheight_m = 0.6\n\
+                [[person]]\nwaypoints_m = [[1.4, 1.6], [1.8, 1.0]]\n\
+                [[building.dot]]\nx_m = 0.9\ny_m = 0.9\n[robot.forward_camera]\nwidth_px = 320\nheight_px = 240\n\
+                lens.distortion = [-0.1, 0.02, 0.0, 0.0, 0.0]\nlens.defocus_px = 1.5\nsensor.bits = 10\n[robot.ceiling_camera]\n";
+    fs::write(folder.join("room.toml"), blind_scene(1.0, keys)).unwrap();
+    let pictures = |threads: &str, out: &str| {
+        let mut command = wherein(&folder, &["render", "room.toml", "--lux", "5", "--seed", "3", "--out", out]);
+        let (code, _, error) = outcome(command.env("LP_NUM_THREADS", threads));
+        assert_eq!(code, 0, "{error}");
+        ["forward.png", "ceiling.png"].map(|name| fs::read(folder.join(out).join("room").join(name)).unwrap())
+    };
+    let first = pictures("1", "one");
+    for threads in ["1", "2", "4"] {
+        assert!(pictures(threads, &format!("again_{threads}")) == first, "{threads} threads");
+    }
+}
+
+#[test]
+fn an_adapter_is_chosen_by_flag() {
+    let folder = folder("render_adapter");
+    fs::write(folder.join("room.toml"), blind_scene(1.0, "[robot.forward_camera]\n")).unwrap();
+    let (code, _, error) = outcome(&mut wherein(&folder, &["render", "room.toml", "--adapter", "of no maker"]));
+    assert_eq!(code, 2);
+    assert!(error.contains("\"of no maker\" (--adapter or WHEREIN_ADAPTER)") && error.contains("found: "), "{error}");
+    // The flag goes before the variable.
+    let (code, found, _) = outcome(&mut wherein(&folder, &["adapter"]));
+    assert_eq!(code, 0);
+    let name = found.split(' ').next().unwrap();
+    let mut command = wherein(&folder, &["--adapter", name, "adapter"]);
+    let (code, again, error) = outcome(command.env("WHEREIN_ADAPTER", "of no maker"));
+    assert_eq!((code, again), (0, found.clone()), "{error}");
+}
+
+#[test]
 fn a_contact_sheet_is_one_picture() {
     let folder = folder("render_sheet");
     let keys = "[robot.forward_camera]\nwidth_px = 96\nheight_px = 64\n";

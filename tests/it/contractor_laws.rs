@@ -148,20 +148,28 @@ fn landmark_problem(n_wrong: usize) -> impl Strategy<Value = (Vec<Landmark>, Int
         ((-6.0..6.0f64, -6.0..6.0f64), proptest::collection::vec((prop_oneof![Just(0.0), 0.0..0.3], share()), 4));
     let pose = (-3.0..3.0f64, -3.0..3.0f64, -7.0..7.0f64);
     let landmarks = proptest::collection::vec(landmark, 2 + n_wrong..7 + n_wrong);
-    (pose, landmarks, proptest::collection::vec(surroundings(), 3)).prop_map(move |((x, y, heading), landmarks, s)| {
-        let (sin, cos) = heading.sin_cos();
-        let n_right = landmarks.len() - n_wrong;
-        let seen = landmarks.into_iter().enumerate().map(|(index, ((a, b), errors))| {
-            let (across, along) = (a - x, b - y);
-            let in_robot = [cos * across + sin * along, cos * along - sin * across];
-            let interval = |value: f64, error: usize| around(value, errors[error].0, errors[error].1);
-            let shift = if index < n_right { 0.0 } else { 4.0 };
-            ([interval(a + shift, 0), interval(b, 1)], [interval(in_robot[0], 2), interval(in_robot[1], 3)])
-        });
-        let domain =
-            IntervalBox::new([around(x, s[0].0, s[0].1), around(y, s[1].0, s[1].1), around(heading, s[2].0, s[2].1)]);
-        (seen.collect(), domain, [x, y, heading])
-    })
+    (pose, landmarks, proptest::collection::vec(surroundings(), 3), 0..12).prop_map(
+        move |((x, y, heading), landmarks, s, known)| {
+            let (sin, cos) = heading.sin_cos();
+            let n_right = landmarks.len() - n_wrong;
+            let seen = landmarks.into_iter().enumerate().map(|(index, ((a, b), errors))| {
+                let (across, along) = (a - x, b - y);
+                let in_robot = [cos * across + sin * along, cos * along - sin * across];
+                let interval = |value: f64, error: usize| around(value, errors[error].0, errors[error].1);
+                let shift = if index < n_right { 0.0 } else { 4.0 };
+                ([interval(a + shift, 0), interval(b, 1)], [interval(in_robot[0], 2), interval(in_robot[1], 3)])
+            });
+            // Nothing known of the heading, or one side of it alone, is a domain as well.
+            let known = match known {
+                0 => Interval::ENTIRE,
+                1 => Interval::new(heading, f64::INFINITY),
+                2 => Interval::new(f64::NEG_INFINITY, heading),
+                _ => around(heading, s[2].0, s[2].1),
+            };
+            let domain = IntervalBox::new([around(x, s[0].0, s[0].1), around(y, s[1].0, s[1].1), known]);
+            (seen.collect(), domain, [x, y, heading])
+        },
+    )
 }
 
 proptest! {

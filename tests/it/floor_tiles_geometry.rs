@@ -68,6 +68,7 @@ fn robot() -> RobotModel {
             q_items: 0,
         }),
         gyro: None,
+        ceiling_camera: None,
         range_camera: None,
     }
 }
@@ -147,7 +148,7 @@ impl Situation {
 
     fn method(&self) -> FloorTiles {
         let room = Interval::new(-10.0, 10.0);
-        let map = Map { room_m: [room, room], tiles: Some(self.grid.clone()) };
+        let map = Map { room_m: [room, room], tiles: Some(self.grid.clone()), markers: None };
         FloorTiles::new(&map, &robot(), Chain::Direct).expect("a tiled map and a floor camera")
     }
 

@@ -78,10 +78,52 @@ fn a_missing_reading_is_bridged_by_what_the_rate_can_have_become() {
         let mut history = GyroHistory::new(model(), 10.0);
         let kept = readings.iter().enumerate().filter(|(idx, _)| !(lost..lost + 3).contains(idx));
         kept.for_each(|(_, (time_s, rate))| history.push(*time_s, *rate));
-        let turn = history.turn(0.02, 0.38, CHANGE_RAD_PER_S2).unwrap();
-        let truth = headings[3800] - headings[200];
-        assert!(turn.contains(truth), "{truth} is not in {turn:?} with readings {lost} to {} lost", lost + 2);
+        for _ in 0..50 {
+            // Anywhere: across the gap, within it, and on from the last reading.
+            let from = rng.random_range(100..4000);
+            let to = rng.random_range(from..=4000);
+            let turn = history.turn(from as f64 * 1e-4, to as f64 * 1e-4, CHANGE_RAD_PER_S2).unwrap();
+            let truth = headings[to] - headings[from];
+            assert!(
+                turn.contains(truth),
+                "{truth} is not in {turn:?} from step {from} to {to}, {lost} and two more lost"
+            );
+        }
     }
+}
+
+#[test]
+fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
+    // Steady 5 rad/s² from rest: 25/2·t² has turned by t. Readings of 0.1 s average 0.25, 0.75 and 1.25 rad/s.
+    let exact =
+        GyroModel { bias_rad_per_s: Interval::ZERO, scale: Interval::point(1.0), noise_rad_per_s: 0.0, period_s: 0.1 };
+    let mut history = GyroHistory::new(exact, 10.0);
+    [(0.1, 0.25), (0.2, 0.75), (0.3, 1.25)].into_iter().for_each(|(end_s, rate)| history.push(end_s, rate));
+    for (from_s, to_s) in [(0.38, 0.39), (0.36, 0.37), (0.395, 0.399), (0.3, 0.4), (0.22, 0.24)] {
+        let truth = 2.5 * (to_s * to_s - from_s * from_s);
+        let turn = history.turn(from_s, to_s, 5.0).unwrap();
+        assert!(turn.contains(truth), "{truth} is not in {turn:?} from {from_s} to {to_s}");
+    }
+    // Between two readings four seconds apart, both 0, the rate may have risen to 1.5 rad/s at 1 rad/s² and come back.
+    let mut sparse = GyroHistory::new(GyroModel { period_s: 0.01, ..exact }, 10.0);
+    [(1.0, 0.0), (5.0, 0.0)].into_iter().for_each(|(end_s, rate)| sparse.push(end_s, rate));
+    let turn = sparse.turn(2.4, 2.6, 1.0).unwrap();
+    assert!(turn.contains(0.29) && turn.contains(-0.29), "{turn:?}");
+}
+
+#[test]
+fn a_pushed_robot_may_turn_about_within_a_period() {
+    // Half a period at 1.6 rad/s, half at −1.6: read as 0, turned by 8 mrad in the first half.
+    let reach = Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 1.0 };
+    let exact =
+        GyroModel { noise_rad_per_s: 0.0, bias_rad_per_s: Interval::ZERO, scale: Interval::point(1.0), ..model() };
+    let mut history = WheelHistory::new(10.0).with_gyro(exact);
+    [0.01, 0.02, 0.03].into_iter().for_each(|end_s| history.push_rate(end_s, 0.0));
+    let turn = history.reach_motion(0.01, 0.015, &reach)[2];
+    assert!(turn.contains(0.008) && turn.contains(-0.008), "{turn:?}");
+    // Over whole periods the mean is the turn.
+    let turn = history.reach_motion(0.01, 0.03, &reach)[2];
+    assert!(turn.contains(0.0) && turn.width() < 1e-9, "{turn:?}");
 }
 
 #[test]

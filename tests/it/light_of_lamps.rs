@@ -2,9 +2,12 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3, vector};
 use sim::{
-    building::{Building, Material, Part, UprightBox},
+    building::{Building, Material, Part, UprightBody, UprightBox},
     drawn::Drawn,
-    light::{LightMap, Lighting, Photons, Shape, Source, bake, opposite_rectangles_view_factor, polygon_irradiance},
+    light::{
+        LightMap, Lighting, Photons, Shape, Source, bake, nodes_with_people, opposite_rectangles_view_factor,
+        polygon_irradiance,
+    },
     scene::{Scene, Spectrum},
 };
 
@@ -141,6 +144,29 @@ fn shadow_edges_are_where_similar_triangles_put_them() {
     for (edge, expected) in [(crossing(1.85, 2.4), 2.0), (crossing(2.4, 2.95), 2.8)] {
         assert!((edge - expected).abs() < 0.01, "{edge}, expected {expected}");
     }
+}
+
+#[test]
+fn the_shadow_of_a_person_ends_where_rays_past_head_and_shoulders_meet_the_floor() {
+    let (building, lighting, map) = baked(&black_room(BULB), &[]);
+    // The bulb is 2 m up at x = 1. The way over a head 1 m up at x = 1.6 meets the floor at x = 1 + 0.6·2/(2 − 1) = 2.2.
+    let person = UprightBody { middle_m: [1.6, 1.5], heading_rad: 0.0, height_m: 1.0, radius_m: 0.2, stride: 0.0 };
+    let nodes = nodes_with_people(&lighting, &map, &building.panels, &[person]);
+    let shaded = LightMap { nodes, ..map.clone() };
+    let share = |x: f64, y: f64| at_floor(&shaded, &building, x, y) / at_floor(&map, &building, x, y);
+    assert!(share(1.95, 1.5) < 0.06, "in the shadow {}", share(1.95, 1.5));
+    // Before the lamp's foot, far from the person's own feet.
+    assert!(share(0.3, 1.5) > 0.99 && share(3.2, 1.5) > 0.99);
+    let crossing = |at: &dyn Fn(f64) -> [f64; 2]| {
+        let half = |step: &i32| share(at(f64::from(*step) / 1000.0)[0], at(f64::from(*step) / 1000.0)[1]) > 0.5;
+        f64::from((0..1000).find(half).unwrap()) / 1000.0
+    };
+    // Nodes are 0.05 m apart, and an edge is placed to half of that.
+    let end = 2.0 + crossing(&|share| [2.0 + share, 1.5]);
+    assert!((end - 2.2).abs() < 0.025, "the head's shadow ends at {end}");
+    // Taken to be 0.15 m wide to either side: at x = 2 the ray that passes 0.15 m beside the axis is y = 0.25/√(1 − 0.25²) aside.
+    let side = crossing(&|share| [2.0, 1.5 + share]);
+    assert!((side - 0.2582).abs() < 0.025, "the shoulder's shadow ends {side} aside");
 }
 
 #[test]

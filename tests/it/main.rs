@@ -24,6 +24,8 @@ mod range_landmarks_setup;
 mod range_landmarks_solvers;
 /// Drives past landmarks that nobody has mapped.
 mod range_landmarks_drive;
+/// Gaps between uses of a code, and constraints that outlive what they stood on.
+mod range_landmarks_gaps;
 /// Point methods and the printed contractor beside the sound ones.
 mod landmark_baselines;
 /// The gyroscope's turn against turns integrated much finer.
@@ -42,6 +44,19 @@ mod dark_vision;
 mod flow_enclosure;
 /// Paper 2's slip decision, direction database and pose graph.
 mod dark_baselines;
+/// Ceiling markers to poses, against a camera and a ceiling of the tests' own.
+mod ceiling_markers_geometry;
+/// Markers on rendered ceilings, whole and damaged, read by the localizer.
+mod ceiling_pasted;
+/// A camera's lens and the place of its mount, measured on rendered pictures.
+mod calibration_rendered;
+mod ceiling_runs;
+/// Whether markers cover a room, against cameras and poses drawn at random.
+mod marker_coverage;
+/// `wherein markers`: sheet and map.
+mod marker_sheet;
+/// Markers that must be refused, and what the refusal says.
+mod marker_refusals;
 /// Scenes and drives that the tests of the world share.
 mod world_setup;
 /// The tyre law against the brush's own integral and closed form.
@@ -52,6 +67,10 @@ mod world_motion;
 mod world_floor;
 /// Routes driven by estimates, and the default bounds on such a drive.
 mod world_driver;
+/// Occupancy grids, ways through them and their files, against maps drawn by hand and map_server's rules.
+mod navigation_map;
+/// Errands: control laws by hand, estimates that lie, blocked ways, what a run tells of it.
+mod navigation_drive;
 /// Encoders against the definition of a tick.
 mod world_encoder;
 /// Drawn errors against their tolerances.
@@ -78,6 +97,8 @@ mod render_projection;
 mod light_of_lamps;
 /// Rooms seen through lenses against projections of the tests' own.
 mod render_room;
+/// Pictures of rooms against pictures that somebody has looked at.
+mod golden_images;
 /// `wherein render`.
 mod cli_render;
 /// What the renderer's tests share.

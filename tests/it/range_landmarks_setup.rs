@@ -39,6 +39,7 @@ pub(crate) fn robot(q_items: usize, wrong_spacing: usize) -> RobotModel {
         reach: REACH,
         body: BodyModel { tilt_rad: TILT_RAD, heave_m: 0.0, clearance_m: 0.0 },
         floor_camera: None,
+        ceiling_camera: None,
         gyro: None,
         range_camera: Some(RangeCameraModel {
             focal_px: Interval::centred(580.0, 0.6),

@@ -70,6 +70,29 @@ fn wrong_matches_within_q_lose_nothing_and_without_q_are_found_out() {
 }
 
 #[test]
+fn uses_of_a_code_that_say_nothing_count_in_its_window() {
+    // So coarse that far landmarks may be at infinity: their right uses say nothing, while a near one that is taken for them does.
+    let mut scene = scene("wrong_matches", 60.0);
+    let camera = scene.robot.range_camera.as_mut().unwrap();
+    (camera.column_step_px, camera.match_step_px, camera.greatest_range_m) = (8.0, 8.0, 12.0);
+    (camera.wrong_share, camera.wrong_items_max, camera.q_items) = (0.3, 1, 1);
+    for seed in 48..52 {
+        assert_clean(&judged(&scene, seed).1);
+    }
+}
+
+#[test]
+fn after_pushes_that_hide_for_seconds_no_failure_is_called_unsound() {
+    let mut scene = scene("loop", 100.0);
+    for (at_s, displacement_m) in [(30.0, [0.0, 0.3]), (60.0, [0.3, 0.0])] {
+        scene.events.push(Event::Push { at_s, displacement_m, lasts_s: 0.5 });
+    }
+    let (_, verdict) = judged(&scene, 53);
+    assert!(verdict.containment.bound_broken > 0, "{:?}", verdict.containment);
+    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+}
+
+#[test]
 fn a_push_is_noticed_and_what_was_learnt_from_it_is_unlearnt() {
     let mut scene = scene("loop", 30.0);
     scene.events.push(Event::Push { at_s: 12.0, displacement_m: [0.0, 0.5], lasts_s: 0.3 });

@@ -120,7 +120,13 @@ fn furniture_hides_what_is_behind_it_and_not_what_is_above_or_on_it() {
 #[test]
 fn a_person_hides_what_is_behind() {
     let scene = watching(serde_json::json!({ "landmark": [{ "x_m": 4.0, "y_m": 3.0 }] }));
-    let person = |y_m: f64, height_m: f64| Bystander { place_m: [2.5, y_m], radius_m: 0.25, height_m };
+    let person = |y_m: f64, height_m: f64| Bystander {
+        place_m: [2.5, y_m],
+        radius_m: 0.25,
+        height_m,
+        heading_rad: 0.0,
+        walked_m: 0.0,
+    };
     assert!(seen(&scene, &[person(3.1, 1.7)]).is_empty());
     assert!(!seen(&scene, &[person(3.26, 1.7)]).is_empty());
     assert!(seen(&scene, &[person(2.75, 1.7)]).is_empty(), "only the second view is blocked");

@@ -6,7 +6,7 @@ use sim::{
     sensors::camera::AutoExposure,
 };
 
-use crate::render_studio::{Studio, exposed, standing};
+use crate::render_studio::{Studio, exposed, renderer, standing};
 
 /// One tile fills the view: 5 m tiles of albedo 0.5, seen from the middle of one.
 const ONE_TILE: &str = "[floor.tiles]\nedge_x_m = 5.0\nedge_y_m = 5.0\nphase_x_m = 0.0\npattern = \"plain\"\n\
@@ -91,6 +91,19 @@ fn noise_is_the_same_for_the_same_key_and_independent_for_another() {
         // 307 200 independent pairs correlate by 0.0018 (one sigma).
         assert!(correlation.abs() < 0.009, "{correlation}");
     }
+}
+
+#[test]
+fn views_of_several_worlds_in_one_submit_are_those_of_each_alone() {
+    let dark = Studio::new(3.0, "[floor.tiles]\nedge_x_m = 0.2\ntile_albedo = 0.3\n");
+    let (bright, places) = (one_tile(), [standing(1.5, 1.5, 0.4), standing(2.5, 2.5, 0.0)]);
+    let views = [dark.view(&[places[0]], 1), bright.view(&[places[1]], 2), dark.view(&[places[1]], 3)];
+    let alone = [dark.draw(views[0].clone()), bright.draw(views[1].clone()), dark.draw(views[2].clone())];
+    let mut renderer = renderer();
+    let worlds = [&dark, &bright].map(|studio| renderer.upload(&studio.scene, &studio.drawn).unwrap());
+    let together = [(&worlds[0], &views[0]), (&worlds[1], &views[1]), (&worlds[0], &views[2])];
+    assert!(renderer.draw_together(&together).unwrap() == alone);
+    assert!(alone[0] != alone[1] && alone[0] != alone[2]);
 }
 
 #[test]

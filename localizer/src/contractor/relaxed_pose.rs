@@ -96,6 +96,10 @@ impl RelaxedPose {
 
     /// Slices of a part of the headings, until they narrow it no more.
     fn fine(&self, mut part: IntervalBox<3>) -> IntervalBox<3> {
+        // All directions are in there, again and again: no slice of them is any narrower.
+        if !part[2].is_bounded() {
+            return part;
+        }
         for _ in 0..MOST_ROUNDS {
             let (lo, hi, width) = (part[2].lo(), part[2].hi(), part.width(2));
             let end =

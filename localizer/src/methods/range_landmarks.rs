@@ -6,8 +6,9 @@
 //! as their own view allows, however long the way.
 //! **Sound.** A landmark's box is the intersection of t + R(θ)·b over boxes that contain the true t, θ and b.
 //! **Wrong correspondences.** At most `q_items` sightings of a reading are taken for the wrong landmark: the pose is what all but
-//! so many allow. A landmark learns by windows of `wrong_spacing + 1` uses of its code, of which at most one is wrong, hence
-//! from their 1-relaxed intersection.
+//! so many allow. A landmark learns by windows of `wrong_spacing + 1` consecutive uses of its code, of which at most one is wrong,
+//! hence from their 1-relaxed intersection. A use that says nothing, because the landmark may be at infinity, counts as one that allows
+//! every place; a reading that is not learnt from ends all windows.
 //! **Loop closure.** Key frames keep raw sightings and the motion from one to the next. A sweep contracts the pose of each against
 //! all landmarks and against its neighbours, and the landmarks by the poses: what is known at the end of a loop reaches its middle.
 //! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame as its section II asks.
@@ -17,8 +18,10 @@ mod keyframes;
 mod sight;
 mod solver;
 
+use std::collections::VecDeque;
+
 use crate::{
-    Interval, PoseUnion, Reading, RobotModel,
+    Contractor, Interval, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
     reading::LandmarkId,
 };
@@ -52,10 +55,15 @@ pub struct RangeLandmarks {
     solver: Solver,
     atlas: Atlas,
     keyframes: KeyFrames,
-    /// The reading last constrained: its stamp and what it saw.
+    /// The reading last constrained, as long as it is not learnt from: its stamp and what it saw.
     latest: Option<(f64, Vec<Seen>)>,
+    /// What was seen lately, to make constraints anew from.
+    recent: VecDeque<(f64, Vec<Seen>)>,
     n_learnt: usize,
 }
+
+/// How long readings are kept for constraints to be made anew: longer than the localizer remembers stamps.
+const RECENT_S: f64 = 4.0;
 
 /// Readings between two sweeps over the key frames.
 const SWEEP_EVERY: usize = 10;
@@ -70,15 +78,17 @@ impl RangeLandmarks {
             atlas: Atlas::new(camera.q_items, camera.wrong_spacing),
             freedom,
             solver,
-            keyframes: KeyFrames::default(),
+            keyframes: KeyFrames::new(camera.q_items, camera.wrong_spacing),
             latest: None,
+            recent: VecDeque::new(),
             n_learnt: 0,
         })
     }
 
     /// Landmark boxes in the world beside those in the robot frame, for each sighting of a known landmark.
     fn pairs(&self, seen: &[Seen]) -> Vec<([Interval; 2], [Interval; 2])> {
-        seen.iter().filter_map(|seen| Some((self.atlas.place(seen.landmark)?, seen.in_robot_m))).collect()
+        let bounded = seen.iter().filter(|seen| seen.is_bounded());
+        bounded.filter_map(|seen| Some((self.atlas.place(seen.landmark)?, seen.in_robot_m))).collect()
     }
 }
 
@@ -93,15 +103,25 @@ impl Method for RangeLandmarks {
 
     fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
         let Reading::Range { measured_s, sightings, .. } = reading else { return None };
-        let seen: Vec<Seen> = sightings.iter().map(|one| self.sensor.seen(one)).filter(Seen::is_bounded).collect();
-        if seen.is_empty() {
+        if self.latest.take().is_some() {
+            // A reading that is not learnt from leaves a gap in what was consecutive.
+            self.atlas.interrupt();
+            self.keyframes.interrupt();
+        }
+        if sightings.is_empty() {
             return None;
         }
+        let seen: Vec<Seen> = sightings.iter().map(|one| self.sensor.seen(one)).collect();
+        self.latest = Some((*measured_s, seen.clone()));
+        self.recent.push_back((*measured_s, seen.clone()));
+        self.recent.retain(|(stamp_s, _)| *stamp_s > measured_s - RECENT_S);
         let pairs = self.pairs(&seen);
         let decides = pairs.len() >= 2 + self.q_items;
         let claim = |seen: &Seen| Claim::Landmark { landmark: seen.landmark, in_robot_m: seen.in_robot_m };
-        let claims = seen.iter().map(claim).collect();
-        self.latest = Some((*measured_s, seen));
+        let claims: Vec<Claim> = seen.iter().filter(|seen| seen.is_bounded()).map(claim).collect();
+        if claims.is_empty() {
+            return None;
+        }
         Some(Constraint {
             method: self.name(),
             stamp_s: *measured_s,
@@ -123,22 +143,26 @@ impl Method for RangeLandmarks {
             self.atlas.learn(stamp_s, seen.landmark, in_world(posterior, seen));
         }
         self.n_learnt += 1;
-        // A single wrong match may be among the raw sightings of any key frame, so that sweeps are for right ones only.
-        if self.q_items > 0 {
-            return;
-        }
         self.keyframes.keep(stamp_s, posterior.hull(), seen, motion);
         if self.n_learnt.is_multiple_of(SWEEP_EVERY) {
             self.keyframes.sweep(stamp_s, &mut self.atlas, self.freedom);
         }
     }
 
+    fn renewed(&self, stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
+        let (_, seen) = self.recent.iter().rev().find(|(recent_s, _)| *recent_s == stamp_s)?;
+        Some(Box::new(PoseFromLandmarks::new(self.pairs(seen), self.q_items, self.freedom, self.solver)))
+    }
+
     fn forget_since(&mut self, since_s: f64) {
+        self.latest = None;
         self.atlas.forget_since(since_s);
         self.keyframes.forget_since(since_s);
     }
 
     fn clock_set_back(&mut self) {
+        self.latest = None;
+        self.recent.clear();
         self.atlas.settle();
         self.keyframes.settle();
     }

@@ -55,14 +55,14 @@ impl GyroHistory {
         let mut beside = Interval::ZERO;
         let mut done_s = from_s;
         let first = self.readings.partition_point(|(end_s, _)| *end_s <= from_s + SAME_S);
-        let mut latest = first.checked_sub(1).and_then(|idx| self.readings.get(idx)).map(|(_, rate)| *rate);
+        let mut latest = first.checked_sub(1).and_then(|idx| self.readings.get(idx)).copied();
         for &(end_s, rate) in self.readings.iter().skip(first) {
             let begin_s = end_s - period_s;
-            latest = Some(rate);
+            latest = Some((end_s, rate));
             if begin_s >= to_s - SAME_S {
                 break;
             }
-            beside += self.beside(rate, begin_s - done_s, change_rad_per_s2);
+            beside += self.beside((end_s, rate), [done_s, begin_s], change_rad_per_s2);
             let span_s = end_s.min(to_s) - begin_s.max(done_s);
             covered.add(rate, span_s);
             if span_s < period_s - SAME_S {
@@ -70,7 +70,7 @@ impl GyroHistory {
             }
             done_s = end_s.min(to_s);
         }
-        beside += self.beside(latest?, to_s - done_s, change_rad_per_s2);
+        beside += self.beside(latest?, [done_s, to_s], change_rad_per_s2);
         Some(covered.turn(&self.model) + beside)
     }
 
@@ -99,13 +99,14 @@ impl GyroHistory {
         self.model.bias_rad_per_s = bias_rad_per_s;
     }
 
-    /// Turn in a span beside the period of a reading.
-    fn beside(&self, rate: f64, span_s: f64, change_rad_per_s2: f64) -> Interval {
-        if span_s <= SAME_S {
+    /// Turn in a span beside the period of a reading: somewhere in the period the rate was the mean that was read, and from there it
+    /// changed for as long as from the farther end of the period to the farther end of the span.
+    fn beside(&self, (end_s, rate): (f64, f64), [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Interval {
+        if to_s - from_s <= SAME_S {
             return Interval::ZERO;
         }
-        let changed = change_rad_per_s2 * (span_s + self.model.period_s);
-        true_rate(rate, &self.model).inflate(changed) * span_s
+        let away_s = end_s.max(to_s) - from_s.min(end_s - self.model.period_s);
+        true_rate(rate, &self.model).inflate(change_rad_per_s2 * away_s) * (to_s - from_s)
     }
 }
 

@@ -66,11 +66,13 @@ pub enum Texture {
     Picture,
     /// Water: mirrors what is there.
     Wet,
+    /// Black and white squares within a white margin as wide as one; the seed says how many.
+    Chessboard,
 }
 
 impl Texture {
     /// How many there are.
-    pub const COUNT: usize = 8;
+    pub const COUNT: usize = 9;
 }
 
 impl Material {

@@ -87,6 +87,15 @@ pub(super) fn pictures(scene: &Scene, building: &Building) -> Vec<Panel> {
     scene.building.pictures.iter().map(|picture| hung(picture, building)).collect()
 }
 
+/// A chessboard's mean albedo is that of its black and its white, as in texture.wgsl.
+fn painting(picture: &Picture) -> Material {
+    let material = Material::matt(0.45);
+    match picture.chessboard {
+        None => Material { seed: picture.number, ..material.with(Texture::Picture) },
+        Some([columns, rows]) => Material { seed: 256 * columns + rows, ..material.with(Texture::Chessboard) },
+    }
+}
+
 fn hung(picture: &Picture, building: &Building) -> Panel {
     let (from, to) = (raised(picture.from_m, picture.bottom_m), raised(picture.to_m, picture.bottom_m));
     let along = to - from;
@@ -99,7 +108,7 @@ fn hung(picture: &Picture, building: &Building) -> Panel {
         corner: corner + out * 0.02,
         along,
         up: vector![0.0, 0.0, picture.height_m],
-        material: Material { seed: picture.number, ..Material::matt(0.45).with(Texture::Picture) },
+        material: painting(picture),
         part: Part::Thing,
         room: building.room_at(middle + out * 0.3),
     }

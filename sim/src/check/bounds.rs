@@ -1,12 +1,13 @@
 //! Every declared bound against the true value behind it.
 
+mod ceiling;
 mod monitor;
 mod motion;
 mod range;
 
 use crate::{
     run::{ImageRecord, RunRecord},
-    scene::{FloorCamera, Scene},
+    scene::{CameraTiming, FloorCamera, Scene},
     sensors::camera::world_from_floor_camera,
 };
 
@@ -18,6 +19,7 @@ pub fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let mut found = motion::violations(scene, record);
     found.extend(wheels(scene, record));
     found.extend(range::violations(scene, record));
+    found.extend(ceiling::violations(scene, record));
     if let (Some(camera), Some(_)) = (&scene.robot.floor_camera, &record.drawn.floor_camera) {
         found.extend(floor_camera(camera, record));
         found.extend(tiles(scene, camera, record));
@@ -77,17 +79,26 @@ fn floor_camera(camera: &FloorCamera, record: &RunRecord) -> Vec<Violation> {
     .into_iter()
     .flatten()
     .collect();
-    let (mut stamp, mut latency) = (Monitor::new("floor_camera.stamp"), Monitor::new("floor_camera.latency"));
-    for image in images(record) {
+    let names = ["floor_camera.stamp", "floor_camera.latency"];
+    found.extend(deliveries(record, "floor_tiles", names, &camera.timing()));
+    found
+}
+
+/// Stamps and latencies of the images that a method read, against the two bounds named.
+fn deliveries(
+    record: &RunRecord,
+    method: &str,
+    [stamp, latency]: [&'static str; 2],
+    timing: &CameraTiming,
+) -> Vec<Violation> {
+    let (mut stamp, mut latency) = (Monitor::new(stamp), Monitor::new(latency));
+    for image in record.images.iter().filter(|image| image.method == method) {
         let span_s = [image.truth.time_s, image.arrived_s];
-        stamp.watch(span_s, camera.stamp_tolerance_s, (image.measured_s - image.truth.time_s).abs());
-        latency.watch(
-            span_s,
-            camera.latency_tolerance_s,
-            (image.arrived_s - image.truth.time_s - camera.latency_s).abs(),
-        );
+        stamp.watch(span_s, timing.stamp_tolerance_s, (image.measured_s - image.truth.time_s).abs());
+        let late_s = image.arrived_s - image.truth.time_s - timing.latency_s;
+        latency.watch(span_s, timing.latency_tolerance_s, late_s.abs());
     }
-    found.extend(stamp.finish());
+    let mut found = stamp.finish();
     found.extend(latency.finish());
     found
 }

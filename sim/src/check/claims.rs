@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use localizer::{Claim, Interval, reading::LandmarkId};
 use nalgebra::{Point3, Vector3};
 
+use super::markers;
 use crate::{
     drawn::{Drawn, DrawnFloorCamera},
     run::{ImageRecord, RunRecord},
@@ -26,6 +27,7 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
     match claim {
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
         Claim::WallLine { ends_px, bound_px } => wall_line(*ends_px, *bound_px, scene, drawn, truth),
+        Claim::Marker { marker, dots_px } => markers::is_marker(*marker, dots_px, scene, drawn, truth),
         Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
     }
 }

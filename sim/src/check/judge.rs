@@ -9,11 +9,13 @@ const CAUSE_WITHIN_S: f64 = 3.0;
 
 /// The judgement of every step, their counts, and the first step outside.
 ///
-/// A step outside inherits the cause of the step before it: a box that went wrong stays wrong until something resolves it.
+/// A step outside inherits the cause of the step before it: a box that went wrong stays wrong until something resolves it. What was
+/// learnt wrongly misleads for as long as it is believed: in one of the spans `misled`, whatever was broken before it is a cause.
 pub(super) fn containment(
     record: &RunRecord,
     violations: &[Violation],
     false_claims: &[usize],
+    misled: &[[f64; 2]],
 ) -> (Containment, Vec<Judgement>) {
     let mut judgements = Vec::with_capacity(record.truths.len());
     let mut counts = Containment { checks: record.truths.len().min(record.estimates.len()), ..Containment::default() };
@@ -29,8 +31,17 @@ pub(super) fn containment(
         }
         let explained = standing.as_ref().is_some_and(|(judgement, _)| *judgement != Judgement::Unsound);
         if !explained {
-            let from_s = last_contained_s - CAUSE_WITHIN_S;
-            standing = Some(blame(record, violations, false_claims, &estimate.relies_on, [from_s, truth.time_s]));
+            let span_s = [last_contained_s - CAUSE_WITHIN_S, truth.time_s];
+            let found = blame(record, violations, false_claims, &estimate.relies_on, span_s);
+            let learnt = misled.iter().find(|span_s| span_s[0] <= truth.time_s && truth.time_s <= span_s[1]);
+            standing = Some(match (found, learnt) {
+                ((Judgement::Unsound, _), Some([from_s, _])) => {
+                    let relied_on = relied_on_at(record, *from_s);
+                    // Key frames keep the way since the start of the drive: a push hides in them until a landmark comes into view again.
+                    blame(record, violations, false_claims, relied_on, [0.0, *from_s])
+                }
+                (found, _) => found,
+            });
         }
         let Some((judgement, cause)) = &standing else { continue };
         judgements.push(*judgement);
@@ -75,6 +86,12 @@ fn blame(
         }
         None => (Judgement::Unsound, "no declared bound was exceeded and no claim was false".to_string()),
     }
+}
+
+/// What the estimate relied on just before a time.
+fn relied_on_at(record: &RunRecord, time_s: f64) -> &[&'static str] {
+    let before = record.estimates.iter().rev().find(|estimate| estimate.time_s < time_s);
+    before.map_or(&[], |estimate| &estimate.relies_on)
 }
 
 /// The axis along which a pose lies farthest outside of a box, and how far; between branches the distance is 0.

@@ -27,7 +27,16 @@ pub(super) fn errors(estimates: &[Pose], truths: &[Pose]) -> ErrorTable {
         y_m: axis(|pose| pose.y_m),
         heading_rad: axis(|pose| pose.heading_rad),
         position_m: position_error(&distances),
+        at_fix: None,
     }
+}
+
+/// Errors of the midpoint just after each constraint.
+pub(super) fn errors_at_fix(record: &RunRecord) -> ErrorTable {
+    let fixes = record.images.iter().filter(|image| image.constrained && !image.emptied);
+    let (midpoints, truths): (Vec<Pose>, Vec<Pose>) =
+        fixes.map(|image| (midpoint(&image.posterior.hull()), image.truth.pose)).unzip();
+    errors(&midpoints, &truths)
 }
 
 /// Full widths of the hull over all steps, and just after each constraint.
@@ -54,6 +63,7 @@ fn axis_error(errors: &[f64]) -> AxisError {
     let third = |index: usize| rmse(&errors[index * n_steps / 3..(index + 1) * n_steps / 3]);
     AxisError {
         rmse: rmse(errors),
+        mean: mean_magnitude(errors),
         max: errors.iter().filter(|error| error.is_finite()).fold(0.0, |max, error| error.abs().max(max)),
         rmse_by_third: [third(0), third(1), third(2)],
     }
@@ -63,6 +73,11 @@ fn rmse(errors: &[f64]) -> f64 {
     let finite = errors.iter().filter(|error| error.is_finite());
     let (sum, count) = finite.fold((0.0, 0_usize), |(sum, count), error| (sum + error * error, count + 1));
     if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
+}
+
+fn mean_magnitude(errors: &[f64]) -> f64 {
+    let finite: Vec<f64> = errors.iter().filter(|error| error.is_finite()).map(|error| error.abs()).collect();
+    finite.iter().sum::<f64>() / finite.len().max(1) as f64
 }
 
 fn position_error(distances: &[f64]) -> PositionError {

@@ -152,6 +152,9 @@ pub struct ErrorTable {
     pub heading_rad: AxisError,
     /// Distance in the plane.
     pub position_m: PositionError,
+    /// The same just after each fix, at the stamp of the reading that made it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_fix: Option<Box<ErrorTable>>,
 }
 
 /// Errors along one axis.
@@ -159,6 +162,8 @@ pub struct ErrorTable {
 pub struct AxisError {
     /// Root mean square over all steps.
     pub rmse: f64,
+    /// Mean magnitude.
+    pub mean: f64,
     /// Greatest magnitude.
     pub max: f64,
     /// Root mean square of each third of the run.

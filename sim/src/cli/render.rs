@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, str::FromStr};
 
-use localizer::Pose;
+use localizer::{Pose, reading::Camera};
 
 use super::{CommandError, RenderArguments, print};
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
     frames::{Column, contact_sheet, tone_mapped},
     render::{RenderedWorld, Renderer},
     scene::{BitDepth, Scene, SceneFile},
-    still::{CameraName, Still, take},
+    still::{Still, take},
 };
 
 /// A place and a heading on the command line: `1.5,2,90`.
@@ -64,7 +64,7 @@ pub(super) fn illuminance(text: &str) -> Result<f64, String> {
 }
 
 /// Renders what was asked for and names the files.
-pub(super) fn render(arguments: &RenderArguments) -> Result<(), CommandError> {
+pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Result<(), CommandError> {
     let mut files = SceneFile::load_all(std::slice::from_ref(&arguments.scene))?;
     if files.len() != 1 {
         return Err(CommandError::SeveralScenes { path: arguments.scene.clone(), count: files.len() });
@@ -73,7 +73,7 @@ pub(super) fn render(arguments: &RenderArguments) -> Result<(), CommandError> {
     let cameras = cameras(arguments.camera, &file)?;
     let pose = pose(arguments.at, &file)?;
     let drawn = Drawn::draw(&file.scene, arguments.seed);
-    let mut renderer = Renderer::new()?;
+    let mut renderer = Renderer::on_adapter(adapter)?;
     let world = renderer.upload_room(&file.scene, &drawn)?;
     let folder = arguments.out.join(&file.name);
     fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;
@@ -112,8 +112,8 @@ fn stated_lux(scene: &Scene, world: &RenderedWorld) -> f64 {
     world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
 }
 
-fn cameras(wanted: Option<CameraName>, file: &SceneFile) -> Result<Vec<CameraName>, CommandError> {
-    let fitted = CameraName::fitted(&file.scene);
+fn cameras(wanted: Option<Camera>, file: &SceneFile) -> Result<Vec<Camera>, CommandError> {
+    let fitted = file.scene.robot.cameras();
     match wanted {
         None if fitted.is_empty() => Err(CommandError::NoCamera { scene: file.path.clone(), wanted: None }),
         None => Ok(fitted),

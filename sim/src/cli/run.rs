@@ -30,13 +30,13 @@ struct Recorded {
 }
 
 /// Runs everything asked for and prints the results. The exit code says whether all expectations were met.
-pub(super) fn run_scenes(arguments: &RunArguments) -> Result<ExitCode, CommandError> {
+pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let files = load(arguments)?;
     record::prepare(&arguments.out)?;
     // Opening an adapter takes a moment, and a scene without a camera needs none.
     let mut renderer = None;
     if files.iter().any(|file| file.scene.has_camera()) {
-        renderer = Some(Renderer::new()?);
+        renderer = Some(Renderer::on_adapter(adapter)?);
     }
     let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
     let bar =

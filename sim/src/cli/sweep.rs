@@ -20,12 +20,12 @@ use crate::{
 use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude};
 
 /// Runs every case that is not recorded yet, and writes the results of all.
-pub(super) fn sweep(arguments: &SweepArguments) -> Result<ExitCode, CommandError> {
+pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let sweep = asked(arguments)?;
     let template = SceneTemplate::load(&sweep.scene).map_err(SweepError::from)?;
     let variations = sweep.variations(&template)?;
     let has_camera = variations.iter().any(|file| file.scene.has_camera());
-    let renderer = if has_camera { Some(Renderer::new()?) } else { None };
+    let renderer = if has_camera { Some(Renderer::on_adapter(adapter)?) } else { None };
     let (plan, cases) = Plan::new(&sweep, &template, variations, renderer.as_ref().map(Renderer::adapter));
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("sweeps").join(&plan.scene));
     let store = Store::open(&out)?;

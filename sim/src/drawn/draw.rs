@@ -1,15 +1,17 @@
 //! Draws a run's errors inside the tolerances that its scene declares, each quantity from its own stream.
 
 use localizer::Pose;
+use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
+    navigation::Planner,
     randomness::stream,
-    scene::{Calibration, Distribution, FloorCamera, Gyro, RangeCamera, Scene},
+    scene::{Calibration, CeilingCamera, Distribution, FloorCamera, ForwardCamera, Gyro, RangeCamera, Scene},
     sensors::lens,
 };
 
-use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnRangeCamera, LaidTiles, draw_within};
+use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, draw_within};
 
 impl Drawn {
     /// Draws everything that a seed decides before the start.
@@ -29,20 +31,11 @@ impl Drawn {
                 .as_ref()
                 .map(|camera| draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"))),
             forward_camera: robot.forward_camera.as_ref().map(|camera| {
-                let size_px = [camera.width_px, camera.height_px].map(f64::from);
-                let nominal = DrawnCamera {
-                    body_from_camera: lens::body_from_forward_camera(camera),
-                    focal_px: [lens::forward_focal_px(camera); 2],
-                    principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
-                };
+                let nominal = DrawnCamera::forward(camera);
                 draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "forward_camera.mount"))
             }),
             ceiling_camera: robot.ceiling_camera.as_ref().map(|camera| {
-                let nominal = DrawnCamera {
-                    body_from_camera: lens::body_from_ceiling_camera(camera),
-                    focal_px: camera.focal_px,
-                    principal_point_px: camera.principal_point_px,
-                };
+                let nominal = DrawnCamera::ceiling(camera);
                 draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "ceiling_camera.mount"))
             }),
             range_camera: robot
@@ -51,6 +44,29 @@ impl Drawn {
                 .map(|camera| draw_range_camera(camera, errors, &mut stream(seed, "range_camera.mount"))),
             gyro: robot.gyro.as_ref().map(|gyro| draw_gyro(gyro, errors, &mut stream(seed, "gyro.calibration"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
+            goals_m: draw_goals(scene, seed),
+            markers: DrawnMarker::draw_all(scene, seed),
+        }
+    }
+}
+
+impl DrawnCamera {
+    /// The forward camera without any error.
+    pub fn forward(camera: &ForwardCamera) -> DrawnCamera {
+        let size_px = [camera.width_px, camera.height_px].map(f64::from);
+        DrawnCamera {
+            body_from_camera: lens::body_from_forward_camera(camera),
+            focal_px: [lens::forward_focal_px(camera); 2],
+            principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
+        }
+    }
+
+    /// The ceiling camera without any error.
+    pub fn ceiling(camera: &CeilingCamera) -> DrawnCamera {
+        DrawnCamera {
+            body_from_camera: lens::body_from_ceiling_camera(camera),
+            focal_px: camera.focal_px,
+            principal_point_px: camera.principal_point_px,
         }
     }
 }
@@ -63,6 +79,30 @@ fn draw_start(scene: &Scene, seed: u64) -> Pose {
         y_m: nominal.y_m + draw_within(start.tolerance_m, errors, &mut rng),
         heading_rad: nominal.heading_rad + draw_within(start.tolerance_deg.to_radians(), errors, &mut rng),
     }
+}
+
+/// Random goals are at least so far from the one before, or there would be nothing to drive.
+const LEAST_LEG_M: f64 = 1.0;
+
+/// Middles of cells that the robot can get to.
+fn draw_goals(scene: &Scene, seed: u64) -> Vec<[f64; 2]> {
+    let n_goals = scene.navigation.as_ref().map_or(0, |navigation| navigation.random_goals);
+    let mut from_m = scene.errands.last().map_or([scene.start.x_m, scene.start.y_m], |errand| [errand.x_m, errand.y_m]);
+    if n_goals == 0 {
+        return Vec::new();
+    }
+    let centres_m = Planner::of(scene).reach(from_m).map(|reach| reach.centres_m()).unwrap_or_default();
+    let mut rng = stream(seed, "navigation.goals");
+    let mut goals_m = Vec::new();
+    for _ in 0..n_goals {
+        let is_far = |at_m: &&[f64; 2]| (at_m[0] - from_m[0]).hypot(at_m[1] - from_m[1]) >= LEAST_LEG_M;
+        let far_m: Vec<&[f64; 2]> = centres_m.iter().filter(is_far).collect();
+        // Where the room is too small for that, any place is far enough.
+        let Some(goal_m) = far_m.choose(&mut rng).copied().or_else(|| centres_m.choose(&mut rng)) else { break };
+        goals_m.push(*goal_m);
+        from_m = *goal_m;
+    }
+    goals_m
 }
 
 fn draw_floor_camera(camera: &FloorCamera, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnFloorCamera {
@@ -112,11 +152,12 @@ fn draw_camera(
     rng: &mut ChaCha8Rng,
 ) -> DrawnCamera {
     let shift_m = [0; 3].map(|_| draw_within(calibration.position_tolerance_m, errors, rng));
-    let turn_rad = [0; 3].map(|_| draw_within(calibration.angle_tolerance_deg.to_radians(), errors, rng));
+    let tilt_rad = draw_tilt(calibration.angle_tolerance_deg, errors, rng);
+    let yaw_rad = draw_within(calibration.angle_tolerance_deg.to_radians(), errors, rng);
     let scale = 1.0 + draw_within(calibration.focal_tolerance, errors, rng);
     let tolerance_px = calibration.principal_point_tolerance_px;
     DrawnCamera {
-        body_from_camera: lens::turned(nominal.body_from_camera, turn_rad, shift_m),
+        body_from_camera: lens::misplaced(nominal.body_from_camera, tilt_rad, yaw_rad, shift_m),
         focal_px: nominal.focal_px.map(|focal_px| focal_px * scale),
         principal_point_px: nominal.principal_point_px.map(|at_px| at_px + draw_within(tolerance_px, errors, rng)),
     }

@@ -4,7 +4,7 @@ use image::{
     GrayImage, Luma, Rgb,
     imageops::{self, FilterType},
 };
-use localizer::Claim;
+use localizer::{Claim, markers::GridPlace};
 
 use crate::{
     check::is_true,
@@ -79,6 +79,7 @@ pub(super) fn draw(
                 Claim::WallLine { ends_px: [[u0, v0], [u1, v1]], .. } => {
                     canvas.line(place(*u0, *v0), place(*u1, *v1), 2.5, colour);
                 }
+                Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, colour),
                 // Not of an image.
                 Claim::Landmark { .. } => {}
             }
@@ -94,6 +95,25 @@ fn paint(canvas: &mut Canvas, panel: Panel, pixels: &GrayImage) {
     for (u, v, Luma([level])) in scaled.enumerate_pixels() {
         let (left, top) = (panel.left_px as u32 + u, panel.top_px as u32 + v);
         canvas.image.put_pixel(left, top, Rgb([*level; 3]));
+    }
+}
+
+/// A ring about each dot of a marker, and its identity beside them.
+fn marked(
+    canvas: &mut Canvas,
+    id: u16,
+    dots_px: &[(GridPlace, [f64; 3])],
+    place: impl Fn(f64, f64) -> [f64; 2],
+    colour: Rgb<u8>,
+) {
+    let mut corner: Option<[f64; 2]> = None;
+    for (_, [u, v, _]) in dots_px {
+        let at = place(*u, *v);
+        canvas.ring(at, 7.0, 2.0, colour);
+        corner = Some(corner.map_or(at, |[left, bottom]| [left.min(at[0]), bottom.max(at[1])]));
+    }
+    if let Some([left, bottom]) = corner {
+        canvas.text([left, bottom + 12.0], 18.0, colour, &format!("marker {id}"));
     }
 }
 

@@ -61,6 +61,7 @@ fn maps(canvas: &mut Canvas, room: &MapView, near: &MapView, scene: &Scene, reco
     for view in [room, near] {
         view.draw_floor(canvas, scene, record.drawn.tiles.as_ref());
         view.draw_things(canvas, scene);
+        view.draw_errands(canvas, scene, record, image.truth.time_s);
         view.draw_trail(canvas, record, image.truth.time_s);
     }
     room.draw_robot(canvas, scene, truth);

@@ -4,6 +4,8 @@ use localizer::{Pose, PoseBox};
 
 use crate::{
     drawn::LaidTiles,
+    driver::Outcome,
+    navigation::{Cell, OccupancyGrid},
     run::{ImageRecord, RunRecord},
     scene::{Scene, Tiles},
 };
@@ -88,6 +90,28 @@ impl MapView {
                 walk.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.5, palette::FAINT_INK));
                 let radius_px = person.radius_m * self.pixels_per_m;
                 walk.iter().for_each(|at| canvas.ring(*at, radius_px, 1.0, palette::FAINT_INK));
+            }
+        });
+    }
+
+    /// What the map shows, the ways that were planned on it until an instant, and the goals.
+    pub(super) fn draw_errands(&self, canvas: &mut Canvas, scene: &Scene, record: &RunRecord, until_s: f64) {
+        let Some(log) = &record.errands else { return };
+        let grid = OccupancyGrid::of(scene);
+        canvas.clipped(self.panel, |canvas| {
+            for (index, _) in grid.cells.iter().enumerate().filter(|(_, cell)| **cell == Cell::Occupied) {
+                let [x_m, y_m] = grid.centre_m([index % grid.size[0], index / grid.size[0]]);
+                let half_m = 0.5 * grid.resolution_m;
+                let corners = self.rectangle([x_m - half_m, x_m + half_m], [y_m - half_m, y_m + half_m]);
+                canvas.fill(&corners, palette::WALL, 0.35);
+            }
+            for leg in log.legs.iter().filter(|leg| leg.from_s <= until_s) {
+                let corners: Vec<[f64; 2]> = leg.corners_m.iter().map(|at| self.place(*at)).collect();
+                corners.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 3.0, palette::ROUTE));
+            }
+            for errand in &log.errands {
+                let colour = if errand.outcome == Outcome::Reached { palette::TRUTH } else { palette::MISS };
+                canvas.ring(self.place(errand.goal_m), 6.0, 2.0, colour);
             }
         });
     }

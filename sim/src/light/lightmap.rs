@@ -237,7 +237,7 @@ fn mean_over(work: &[(&Panel, Patch)], nodes: &[Vec<Illuminance>], wanted: impl 
 }
 
 /// Shares of the sides at which the nodes of a patch are, row by row.
-fn nodes_of(patch: Patch) -> impl Iterator<Item = [f64; 2]> {
+pub(super) fn nodes_of(patch: Patch) -> impl Iterator<Item = [f64; 2]> {
     let share = |index: usize, count: usize| index as f64 / (count - 1) as f64;
     (0..patch.count[1])
         .flat_map(move |j| (0..patch.count[0]).map(move |i| [share(i, patch.count[0]), share(j, patch.count[1])]))

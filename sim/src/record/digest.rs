@@ -5,12 +5,17 @@ use std::{env, fmt::Write, fs, io, sync::OnceLock};
 use localizer::{Estimate, Status};
 use sha2::{Digest, Sha256};
 
-use crate::{scene::Scene, truth::Truth};
+use crate::{navigation::map_server, scene::Scene, truth::Truth};
 
-/// Digest of all that a scene states, whatever its file's layout and comments.
+/// Digest of all that a scene states and of the map that it names, whatever its file's layout and comments.
 pub fn scene_digest(scene: &Scene) -> String {
     // A scene's keys are texts, so that nothing in it can fail to serialise.
-    hex(&Sha256::digest(serde_json::to_vec(scene).unwrap_or_default()))
+    let mut hasher = Sha256::new_with_prefix(serde_json::to_vec(scene).unwrap_or_default());
+    if let Some(grid) = scene.navigation.as_ref().and_then(|navigation| navigation.surveyed.as_ref()) {
+        hasher.update(map_server::header(grid, ""));
+        hasher.update(map_server::pgm(grid));
+    }
+    hex(&hasher.finalize())
 }
 
 /// Digest of the program that runs: results of another build are not taken for its own.

@@ -89,8 +89,12 @@ impl Timing {
     /// The timing of a run.
     pub fn of(file: &SceneFile, record: &RunRecord) -> Timing {
         let solvers = record.range_baselines.solvers.iter();
-        let solve_us =
+        let mut solve_us: BTreeMap<&str, f64> =
             solvers.map(|(name, answers)| (*name, 1e6 * answers.spent_s / answers.problems as f64)).collect();
+        let paper = &record.marker_baselines;
+        if !paper.answers.is_empty() {
+            solve_us.insert("nearest_marker", 1e6 * paper.spent_s / paper.answers.len() as f64);
+        }
         Timing {
             duration_s: duration_s(record),
             images: record.images.len(),

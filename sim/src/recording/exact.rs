@@ -14,7 +14,6 @@ pub(crate) const IMAGE_STAMP: &str = "/wherein/image_stamp";
 pub(crate) const GYRO: &str = "/wherein/gyro";
 pub(crate) const RANGE: &str = "/wherein/range";
 pub(crate) const ESTIMATE: &str = "/wherein/estimate";
-pub(crate) const IMAGE: &str = "/floor_camera/image";
 
 /// Where the localizer is started again.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +38,7 @@ pub(crate) struct ImageStamp {
     measured_s: f64,
     arrived_s: f64,
     exposure_s: f64,
+    camera: Camera,
 }
 
 impl Start {
@@ -79,8 +79,8 @@ pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
     let message = Message::new().f64s(&[reading.measured_s(), reading.arrived_s()]);
     match reading {
         Reading::Wheels { ticks: [left, right], .. } => (WHEELS, message.i64(*left).i64(*right).finish()),
-        Reading::Camera { exposure_s, camera: Camera::Floor, .. } => {
-            (IMAGE_STAMP, message.f64s(&[*exposure_s]).text("floor").finish())
+        Reading::Camera { exposure_s, camera, .. } => {
+            (IMAGE_STAMP, message.f64s(&[*exposure_s]).text(camera.as_str()).finish())
         }
         Reading::Gyro { rate_rad_per_s, .. } => (GYRO, message.f64s(&[*rate_rad_per_s]).finish()),
         Reading::Range { sightings, .. } => {
@@ -121,8 +121,10 @@ pub(crate) fn decode(topic: &str, message: &[u8]) -> Option<Reading> {
 impl ImageStamp {
     pub(crate) fn decode(message: &[u8]) -> Option<ImageStamp> {
         let mut fields = Fields::of(message)?;
-        let stamp = ImageStamp { measured_s: fields.f64()?, arrived_s: fields.f64()?, exposure_s: fields.f64()? };
-        (fields.text()? == "floor").then_some(stamp)
+        let (measured_s, arrived_s, exposure_s) = (fields.f64()?, fields.f64()?, fields.f64()?);
+        let name = fields.text()?;
+        let camera = Camera::ALL.into_iter().find(|camera| camera.as_str() == name)?;
+        Some(ImageStamp { measured_s, arrived_s, exposure_s, camera })
     }
 
     /// The camera reading with the image that follows the stamp, a `sensor_msgs/Image`.
@@ -135,7 +137,7 @@ impl ImageStamp {
             return None;
         }
         let image = GrayImage::from_raw(width, height, fields.bytes()?.to_vec())?;
-        let ImageStamp { measured_s, arrived_s, exposure_s } = self;
-        Some(Reading::Camera { measured_s, arrived_s, camera: Camera::Floor, exposure_s, image })
+        let ImageStamp { measured_s, arrived_s, exposure_s, camera } = self;
+        Some(Reading::Camera { measured_s, arrived_s, camera, exposure_s, image })
     }
 }

@@ -1,17 +1,19 @@
 //! What ROS 2 tools know: poses, transforms, images, calibration, joints, log.
 
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::f64::consts::TAU;
 
 use image::GrayImage;
-use localizer::{Pose, robot::FloorCameraModel};
+use localizer::Pose;
 
-use super::cdr::Message;
+use super::{
+    cameras::{NominalCamera, topics},
+    cdr::Message,
+};
 use crate::truth::Truth;
 
 pub(super) const WORLD: &str = "world";
 pub(super) const ROBOT: &str = "robot";
 pub(super) const TRUE_ROBOT: &str = "true_robot";
-pub(super) const FLOOR_CAMERA: &str = "floor_camera";
 
 /// Severity of a `rcl_interfaces/Log`.
 #[derive(Clone, Copy)]
@@ -47,17 +49,17 @@ pub(super) fn world_from_bodies(time_s: f64, bodies: &[(&str, Pose)]) -> Vec<u8>
     bodies.iter().fold(Message::new().length(bodies.len()), transform).finish()
 }
 
-/// `tf2_msgs/TFMessage` of the floor camera's nominal mount, `robot_from_floor_camera`.
-pub(super) fn robot_from_floor_camera(camera: &FloorCameraModel) -> Vec<u8> {
-    let [forward, left] = camera.position_m;
-    // Image right is robot right (−y), image down is robot backward (−x): half a turn about (1, −1, 0).
-    Message::new()
-        .length(1)
-        .header(0.0, ROBOT)
-        .text(FLOOR_CAMERA)
-        .f64s(&[forward.mid(), left.mid(), camera.height_m])
-        .f64s(&[FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0, 0.0])
-        .finish()
+/// `tf2_msgs/TFMessage` of the cameras' nominal mounts.
+pub(super) fn robot_from_cameras(cameras: &[NominalCamera]) -> Vec<u8> {
+    let transform = |message: Message, camera: &NominalCamera| {
+        let (place, turn) = (camera.robot_from_camera.translation.vector, camera.robot_from_camera.rotation.coords);
+        message
+            .header(0.0, ROBOT)
+            .text(topics(camera.name).frame)
+            .f64s(&[place.x, place.y, place.z])
+            .f64s(&[turn.x, turn.y, turn.z, turn.w])
+    };
+    cameras.iter().fold(Message::new().length(cameras.len()), transform).finish()
 }
 
 /// `sensor_msgs/Image` in grey levels.
@@ -74,19 +76,17 @@ pub(super) fn image(time_s: f64, frame: &str, image: &GrayImage) -> Vec<u8> {
 }
 
 /// `sensor_msgs/CameraInfo` of the nominal camera: what the localizer is told, in the middle of its bounds.
-pub(super) fn camera_info(time_s: f64, camera: &FloorCameraModel) -> Vec<u8> {
-    let focal_px = camera.pixels_per_m.mid() * camera.height_m;
-    let centre = |size_px: u32| 0.5 * (f64::from(size_px) - 1.0);
-    let (u_px, v_px) = (centre(camera.width_px), centre(camera.height_px));
+pub(super) fn camera_info(time_s: f64, camera: &NominalCamera) -> Vec<u8> {
+    let ([fu, fv], [cu, cv]) = (camera.focal_px, camera.principal_point_px);
     Message::new()
-        .header(time_s, FLOOR_CAMERA)
-        .u32(camera.height_px)
-        .u32(camera.width_px)
+        .header(time_s, topics(camera.name).frame)
+        .u32(camera.size_px[1])
+        .u32(camera.size_px[0])
         .text("plumb_bob")
-        .f64_sequence(&[0.0; 5])
-        .f64s(&[focal_px, 0.0, u_px, 0.0, focal_px, v_px, 0.0, 0.0, 1.0])
+        .f64_sequence(&camera.distortion)
+        .f64s(&[fu, 0.0, cu, 0.0, fv, cv, 0.0, 0.0, 1.0])
         .f64s(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
-        .f64s(&[focal_px, 0.0, u_px, 0.0, 0.0, focal_px, v_px, 0.0, 0.0, 0.0, 1.0, 0.0])
+        .f64s(&[fu, 0.0, cu, 0.0, 0.0, fv, cv, 0.0, 0.0, 0.0, 1.0, 0.0])
         // No binning; a region of interest of zeros is the whole image.
         .u32(0)
         .u32(0)

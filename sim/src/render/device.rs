@@ -16,7 +16,7 @@ const ADAPTER_VARIABLE: &str = "WHEREIN_ADAPTER";
 pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 
 /// An open device and the first error its driver reported. Clones share the device.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(super) struct Graphics {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
@@ -26,8 +26,9 @@ pub(super) struct Graphics {
 
 impl Graphics {
     /// Opens the adapter that [`choose`] picks, with all that it offers.
-    pub(super) fn open() -> Result<Graphics, RenderError> {
-        let adapter = choose(std::env::var(ADAPTER_VARIABLE).ok())?;
+    pub(super) fn open(wanted: Option<&str>) -> Result<Graphics, RenderError> {
+        let wanted = wanted.map(str::to_owned).or_else(|| std::env::var(ADAPTER_VARIABLE).ok());
+        let adapter = choose(wanted)?;
         let info = adapter.get_info();
         let unusable = |reason: String| RenderError::Unusable { adapter: describe(&info), reason };
         let descriptor = wgpu::DeviceDescriptor {

@@ -6,13 +6,14 @@
 //! ```
 
 use super::{RenderError, View, device::Graphics};
-use crate::{building::UprightBody, sensors::lens::Lens};
+use crate::sensors::lens::Lens;
 
 mod faces;
 mod layouts;
 mod map;
 mod motion;
 mod pipelines;
+mod people;
 mod plate;
 mod world;
 
@@ -48,7 +49,7 @@ impl RoomPass {
         &mut self,
         graphics: &Graphics,
         encoder: &mut wgpu::CommandEncoder,
-        (world, bodies): (&RoomWorld, &[UprightBody]),
+        world: &RoomWorld,
         (view, lens): (&View, &Lens),
         slot: &mut Option<RoomSlot>,
         luminance: &wgpu::TextureView,
@@ -60,15 +61,14 @@ impl RoomPass {
         let frames = sub_frames(lens, &view.world_from_camera, view.exposure_s)
             .ok_or(RenderError::BadView("it has no camera pose"))?;
         let turned_up = view.illuminance_at_floor_lux / world.mean_at_floor_lux().max(1e-12);
-        let corners = slot.fill_bodies(graphics, world, bodies, lens.band);
         for (index, frame) in frames.iter().enumerate() {
-            let on_device = ViewOnDevice::new(lens, slot, frame, world, bodies, turned_up);
+            let on_device = ViewOnDevice::new(lens, slot, frame, world, turned_up);
             slot.write_view(graphics, index, &on_device, 1.0 / frames.len() as f32);
         }
-        let how = Use::of(lens, !bodies.is_empty());
+        let how = Use::of(lens);
         self.pipelines.prepare(&graphics.device, &how, world.kinds());
         for index in 0..frames.len() {
-            self.draw_plate(encoder, world, slot, &how, index, corners);
+            self.draw_plate(encoder, world, slot, &how, index);
             self.draw_lens(encoder, slot, &how, index, luminance);
         }
         Ok(())
@@ -81,7 +81,6 @@ impl RoomPass {
         slot: &RoomSlot,
         how: &Use,
         index: usize,
-        body_corners: u32,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("plate"),
@@ -108,10 +107,10 @@ impl RoomPass {
         }
         pass.set_pipeline(self.pipelines.lamps(how));
         pass.draw(0..6, 0..world.first_bulb);
-        if body_corners > 0 {
+        if world.people.corner_count > 0 {
             pass.set_pipeline(self.pipelines.bodies(how));
-            pass.set_vertex_buffer(0, slot.bodies.slice(..));
-            pass.draw(0..body_corners, 0..1);
+            pass.set_vertex_buffer(0, world.people.corners[how.band()].slice(..));
+            pass.draw(0..world.people.corner_count, 0..1);
         }
         if world.disc_count > 0 {
             pass.set_pipeline(self.pipelines.discs(how));

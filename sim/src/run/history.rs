@@ -2,9 +2,9 @@
 
 use localizer::{Claim, Estimate, Interval, Pose, PoseUnion, Reading, reading::LandmarkId};
 
-use crate::{drawn::Drawn, truth::Truth};
+use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth};
 
-use super::RangeBaselines;
+use super::{Clearance, MarkerBaselines, RangeBaselines};
 
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
@@ -27,8 +27,14 @@ pub struct RunRecord {
     pub widest_image: Option<(usize, Reading)>,
     /// Poses that odometry alone gives, same times.
     pub odometry: Vec<Pose>,
+    /// What became of the errands; none of a route.
+    pub errands: Option<ErrandLog>,
+    /// How much room the robot had at each step, same times; none of a route.
+    pub clearances: Vec<Clearance>,
     /// What point methods and solvers made of the range readings.
     pub range_baselines: RangeBaselines,
+    /// What paper 5's pipeline made of the pictures of the ceiling.
+    pub marker_baselines: MarkerBaselines,
     /// Greatest noise in a reading of the gyroscope.
     pub greatest_gyro_noise_rad_per_s: f64,
     /// Wall-clock time spent, by stage.
@@ -114,7 +120,10 @@ impl RunRecord {
             images: Vec::new(),
             widest_image: None,
             odometry: Vec::new(),
+            errands: None,
+            clearances: Vec::new(),
             range_baselines: RangeBaselines::default(),
+            marker_baselines: MarkerBaselines::default(),
             greatest_gyro_noise_rad_per_s: 0.0,
             timing: Timing::default(),
             readings_digest: String::new(),

@@ -97,6 +97,11 @@ pub struct Picture {
     #[serde(default)]
     #[schemars(range(min = 0, max = 1000000))]
     pub number: u32,
+    /// Instead of a painting a chessboard of so many columns and rows of squares, for the calibration of cameras. A square's side is the
+    /// height over rows + 2, and the picture must be as wide as columns + 2 of them: a white margin goes round the board.
+    #[serde(default)]
+    #[schemars(inner(range(min = 2, max = 64)))]
+    pub chessboard: Option<[u32; 2]>,
 }
 
 /// A round retro-reflective dot that faces down from the ceiling.
@@ -174,6 +179,6 @@ fn default_dot_radius_m() -> f64 {
     0.01
 }
 
-fn default_retroreflection() -> f64 {
+pub(super) fn default_retroreflection() -> f64 {
     200.0
 }

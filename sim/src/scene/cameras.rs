@@ -1,9 +1,10 @@
 //! Cameras that look ahead and up, with their lenses and how well they are calibrated.
 
+use localizer::reading::Camera;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Sensor, SensorModel, SensorPreset};
+use super::{FloorCamera, Robot, Sensor, SensorModel, SensorPreset};
 
 /// A camera that looks forward over the robot's head, tilted up. Image right is robot right.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -33,6 +34,18 @@ pub struct ForwardCamera {
     /// Height of the optical centre above the floor.
     #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
+    /// Time between two images.
+    #[schemars(range(min = 0.01, max = 100.0))]
+    pub period_s: f64,
+    /// Mid-exposure to delivery.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub latency_s: f64,
+    /// Each delivery is drawn within this of the latency.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub latency_tolerance_s: f64,
+    /// Each stamp is drawn within this of the true middle of the exposure.
+    #[schemars(range(min = 0.0, max = 0.1))]
+    pub stamp_tolerance_s: f64,
     /// What it sees.
     pub band: Band,
     /// What the lens does besides projecting.
@@ -43,7 +56,7 @@ pub struct ForwardCamera {
     pub calibration: Calibration,
 }
 
-/// An infrared camera that looks straight up, with a ring of diodes around its lens. Image up is robot backward, image right is
+/// An infrared camera that looks up, with a ring of diodes around its lens. Image up is robot backward, image right is
 /// robot right.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -69,6 +82,24 @@ pub struct CeilingCamera {
     /// Height of the optical centre above the floor.
     #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
+    /// Angle by which the optical axis leans forward from the body's vertical.
+    #[schemars(range(min = -60.0, max = 60.0))]
+    pub lean_forward_deg: f64,
+    /// Angle by which it leans to the left. Both are the components of one turn.
+    #[schemars(range(min = -60.0, max = 60.0))]
+    pub lean_left_deg: f64,
+    /// Time between two images.
+    #[schemars(range(min = 0.01, max = 100.0))]
+    pub period_s: f64,
+    /// Mid-exposure to delivery.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub latency_s: f64,
+    /// Each delivery is drawn within this of the latency.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub latency_tolerance_s: f64,
+    /// Each stamp is drawn within this of the true middle of the exposure.
+    #[schemars(range(min = 0.0, max = 0.1))]
+    pub stamp_tolerance_s: f64,
     /// What it sees.
     pub band: Band,
     /// Radiant intensity of the ring along the optical axis, at 850 nm; 0 for none. It falls with the cosine of the angle
@@ -81,6 +112,9 @@ pub struct CeilingCamera {
     pub sensor: Sensor,
     /// How far mount and lens may be from what these keys state.
     pub calibration: Calibration,
+    /// At most this many markers of one image are assumed not to be what the map says.
+    #[schemars(range(min = 0, max = 4))]
+    pub q_items: usize,
 }
 
 /// Filters before a sensor.
@@ -117,7 +151,7 @@ pub struct Calibration {
     /// The optical centre, along each axis of the robot frame.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// The attitude, about each axis of the camera frame.
+    /// The attitude: as much by a tilt about any level axis, and as much by a turn about the vertical.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub angle_tolerance_deg: f64,
     /// Both focal lengths alike, as a share.
@@ -126,6 +160,47 @@ pub struct Calibration {
     /// The principal point, along u and v.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub principal_point_tolerance_px: f64,
+    /// Anywhere in the image, the place of a pixel by the lens's coefficients. The simulator's lenses do as their coefficients say.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub distortion_tolerance_px: f64,
+}
+
+/// When a camera exposes, stamps and delivers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraTiming {
+    /// Time between two images.
+    pub period_s: f64,
+    /// Mid-exposure to delivery.
+    pub latency_s: f64,
+    /// Each delivery is within this of the latency.
+    pub latency_tolerance_s: f64,
+    /// Each stamp is within this of the true middle of the exposure.
+    pub stamp_tolerance_s: f64,
+    /// Longest time from the start of the first row's exposure to the end of the last row's.
+    pub longest_s: f64,
+}
+
+impl CameraTiming {
+    /// Latest time after the start at which the first image has arrived.
+    pub fn first_arrival_s(&self) -> f64 {
+        self.longest_s + self.latency_s + self.latency_tolerance_s
+    }
+}
+
+impl Robot {
+    /// The cameras that it has, in the order of [`Camera::ALL`].
+    pub fn cameras(&self) -> Vec<Camera> {
+        Camera::ALL.into_iter().filter(|camera| self.camera_timing(*camera).is_some()).collect()
+    }
+
+    /// When one of its cameras exposes, stamps and delivers; `None` if it has no such camera.
+    pub fn camera_timing(&self, camera: Camera) -> Option<CameraTiming> {
+        match camera {
+            Camera::Floor => self.floor_camera.as_ref().map(FloorCamera::timing),
+            Camera::Forward => self.forward_camera.as_ref().map(ForwardCamera::timing),
+            Camera::Ceiling => self.ceiling_camera.as_ref().map(CeilingCamera::timing),
+        }
+    }
 }
 
 impl ForwardCamera {
@@ -133,12 +208,34 @@ impl ForwardCamera {
     pub fn sensor_model(&self) -> SensorModel {
         self.sensor.model(SensorPreset::RobotVacuum)
     }
+
+    /// When it exposes, stamps and delivers.
+    pub fn timing(&self) -> CameraTiming {
+        CameraTiming {
+            period_s: self.period_s,
+            latency_s: self.latency_s,
+            latency_tolerance_s: self.latency_tolerance_s,
+            stamp_tolerance_s: self.stamp_tolerance_s,
+            longest_s: self.sensor_model().longest_exposure_s + self.lens.row_time_s * f64::from(self.height_px - 1),
+        }
+    }
 }
 
 impl CeilingCamera {
     /// Its sensor, nothing left open.
     pub fn sensor_model(&self) -> SensorModel {
         self.sensor.model(SensorPreset::Infrared)
+    }
+
+    /// When it exposes, stamps and delivers.
+    pub fn timing(&self) -> CameraTiming {
+        CameraTiming {
+            period_s: self.period_s,
+            latency_s: self.latency_s,
+            latency_tolerance_s: self.latency_tolerance_s,
+            stamp_tolerance_s: self.stamp_tolerance_s,
+            longest_s: self.sensor_model().longest_exposure_s + self.lens.row_time_s * f64::from(self.height_px - 1),
+        }
     }
 }
 
@@ -153,6 +250,10 @@ impl Default for ForwardCamera {
             forward_m: 0.12,
             left_m: 0.0,
             height_m: 0.25,
+            period_s: 0.1,
+            latency_s: 0.03,
+            latency_tolerance_s: 0.002,
+            stamp_tolerance_s: 0.0001,
             band: Band::Visible,
             lens: LensKeys::default(),
             sensor: Sensor::default(),
@@ -171,12 +272,19 @@ impl Default for CeilingCamera {
             forward_m: 0.0,
             left_m: 0.0,
             height_m: 0.3,
+            lean_forward_deg: 0.0,
+            lean_left_deg: 0.0,
+            period_s: 0.1,
+            latency_s: 0.03,
+            latency_tolerance_s: 0.002,
+            stamp_tolerance_s: 0.0001,
             band: Band::Infrared,
             // Twelve diodes of 25 mW/sr.
             ring_intensity_w_per_sr: 0.3,
             lens: LensKeys::default(),
             sensor: Sensor::default(),
             calibration: Calibration::default(),
+            q_items: 0,
         }
     }
 }
@@ -194,6 +302,7 @@ impl Default for Calibration {
             angle_tolerance_deg: 0.1,
             focal_tolerance: 0.001,
             principal_point_tolerance_px: 0.5,
+            distortion_tolerance_px: 0.0,
         }
     }
 }

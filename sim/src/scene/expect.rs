@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::{
-    check::{Baseline, Verdict},
+    check::{Baseline, ErrorTable, Verdict},
     figures::figures,
 };
 
@@ -134,7 +134,7 @@ fn blank_summary() -> Value {
         containment: Default::default(),
         judgements: Vec::new(),
         violations: Vec::new(),
-        error: Default::default(),
+        error: ErrorTable { at_fix: Some(Default::default()), ..Default::default() },
         width: Default::default(),
         availability: 0.0,
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),

@@ -3,18 +3,23 @@
 use localizer::{
     Interval, Map, Pose, PoseBox, RobotModel,
     map::TileGrid,
-    robot::{BodyModel, FloorCameraModel, GyroModel, RangeCameraModel, Reach, WheelModel},
+    reading::Camera,
+    robot::{BodyModel, CeilingCameraModel, FloorCameraModel, GyroModel, RangeCameraModel, Reach, WheelModel},
 };
 
-use crate::sensors::range_camera::FIRST_S;
+use crate::sensors::{camera::AutoExposure, range_camera::FIRST_S};
 
-use super::{FloorCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
+use super::{CeilingCamera, FloorCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
 
 impl Scene {
     /// The building as surveyed.
     pub fn map(&self) -> Map {
         let room_m = [Interval::new(0.0, self.room.width_m), Interval::new(0.0, self.room.depth_m)];
-        Map { room_m, tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)) }
+        Map {
+            room_m,
+            tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)),
+            markers: self.markers.as_ref().map(|markers| markers.map(self)),
+        }
     }
 
     /// The robot as it knows itself.
@@ -45,6 +50,7 @@ impl Scene {
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
             gyro: robot.gyro.as_ref().map(gyro_model),
+            ceiling_camera: robot.ceiling_camera.as_ref().map(ceiling_camera_model),
             range_camera: robot.range_camera.as_ref().map(range_camera_model),
         }
     }
@@ -57,9 +63,8 @@ impl Scene {
     /// The scene with the robot put at a station, for as long as one image takes to arrive.
     pub fn at_station(&self, station: &Station) -> Scene {
         let robot = &self.robot;
-        let image_s = robot.floor_camera.as_ref().map_or(0.0, |camera| {
-            camera.sensor_model().longest_exposure_s + camera.latency_s + camera.latency_tolerance_s
-        });
+        let timings = Camera::ALL.into_iter().filter_map(|camera| robot.camera_timing(camera));
+        let image_s = timings.map(|timing| timing.first_arrival_s()).fold(0.0, f64::max);
         let range_s =
             robot.range_camera.as_ref().map_or(0.0, |camera| FIRST_S + camera.latency_s + camera.latency_tolerance_s);
         let arrival_s = image_s.max(range_s);
@@ -122,6 +127,35 @@ fn floor_camera_model(camera: &FloorCamera) -> FloorCameraModel {
         tilt_rad: camera.tilt_tolerance_deg.to_radians(),
         stamp_error_s: camera.stamp_tolerance_s,
         latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s),
+        q_items: camera.q_items,
+    }
+}
+
+fn ceiling_camera_model(camera: &CeilingCamera) -> CeilingCameraModel {
+    let (calibration, sensor) = (&camera.calibration, camera.sensor_model());
+    let [k1, k2, p1, p2, _] = camera.lens.distortion;
+    let angle_rad = calibration.angle_tolerance_deg.to_radians();
+    let place = |nominal_m: f64| Interval::centred(nominal_m, calibration.position_tolerance_m);
+    // Fixed or not, no image has more gain than the greatest; a fixed one has the least.
+    let gain = AutoExposure::new(&sensor).greatest_gain_levels_per_electron();
+    CeilingCameraModel {
+        width_px: camera.width_px,
+        height_px: camera.height_px,
+        focal_px: camera.focal_px.map(|focal_px| relative(focal_px, calibration.focal_tolerance)),
+        centre_px: camera
+            .principal_point_px
+            .map(|at_px| Interval::centred(at_px, calibration.principal_point_tolerance_px)),
+        distortion: [k1, k2, p1, p2],
+        distortion_px: calibration.distortion_tolerance_px,
+        height_m: place(camera.height_m),
+        position_m: [place(camera.forward_m), place(camera.left_m)],
+        // The model's image shows the robot's left at its right; half a turn makes that what this camera shows.
+        yaw_rad: Interval::centred(std::f64::consts::PI, angle_rad),
+        lean_rad: [-camera.lean_forward_deg.to_radians(), -camera.lean_left_deg.to_radians()],
+        tilt_rad: angle_rad,
+        stamp_error_s: camera.stamp_tolerance_s,
+        latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s),
+        electrons_per_grey: sensor.bits.levels_per_byte_level() / gain,
         q_items: camera.q_items,
     }
 }

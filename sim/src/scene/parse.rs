@@ -1,12 +1,14 @@
 //! From text to a valid scene.
 
-use std::ops::Range;
+use std::{ops::Range, path::Path};
 
 use miette::NamedSource;
 use toml::{
     Spanned,
     de::{DeTable, DeValue},
 };
+
+use crate::navigation::map_server;
 
 use super::{
     Scene, SceneError, conform,
@@ -15,19 +17,24 @@ use super::{
 };
 
 impl Scene {
-    /// Reads the text of a scene; `file` names it in errors.
+    /// Reads the text of a scene; `file` names it in errors, and the map that it may state lies beside that file.
     ///
     /// Errs when the text is not TOML, departs from the schema, or describes what cannot be: something outside the
-    /// room, an event after the end, an expectation of an unknown figure.
+    /// room, an event after the end, an errand to which no way leads, an expectation of an unknown figure.
     pub fn parse(text: &str, file: &str) -> Result<Scene, SceneError> {
-        read(text).map_err(|problems| SceneError::Invalid {
+        Scene::parse_beside(text, file, Path::new(file).parent())
+    }
+
+    /// Reads like [`Scene::parse`] with the map in `folder`; without one a map is not read, and nothing can be planned on it.
+    pub(crate) fn parse_beside(text: &str, file: &str, folder: Option<&Path>) -> Result<Scene, SceneError> {
+        read(text, folder).map_err(|problems| SceneError::Invalid {
             text: NamedSource::new(file, text.to_owned()).with_language("toml"),
             problems: Problems(problems),
         })
     }
 }
 
-fn read(text: &str) -> Result<Scene, Vec<Problem>> {
+fn read(text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
     let document = DeTable::parse(text).map_err(|error| vec![from_toml(&error)])?;
     let departures = conform::departures(&document, text);
     if !departures.is_empty() {
@@ -35,12 +42,29 @@ fn read(text: &str) -> Result<Scene, Vec<Problem>> {
     }
     // The schema has accepted the document, so that this fails only on what a schema cannot say, such as a whole
     // number too large for its type.
-    let scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
-    let misplaced: Vec<Problem> = places::contradictions(&scene)
+    let mut scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
+    scene.spread_stations();
+    let unreadable = survey(&mut scene, folder).err();
+    let misplaced: Vec<Problem> = unreadable
+        .map_or_else(|| places::contradictions(&scene), |unreadable| vec![unreadable])
         .into_iter()
         .map(|contradiction| contradiction.in_text(&document, text))
         .collect();
-    if misplaced.is_empty() { Ok(scene) } else { Err(misplaced) }
+    if !misplaced.is_empty() {
+        return Err(misplaced);
+    }
+    // Only what is otherwise valid can be covered.
+    scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(&document, text)])?;
+    Ok(scene)
+}
+
+/// Reads the map that a scene names.
+fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction> {
+    let Some(navigation) = &mut scene.navigation else { return Ok(()) };
+    let Some((map, folder)) = navigation.map.as_ref().zip(folder) else { return Ok(()) };
+    let unreadable = |error| Contradiction { key: "navigation.map".to_owned(), expected: format!("failed to {error}") };
+    navigation.surveyed = Some(map_server::read(&folder.join(map)).map_err(unreadable)?);
+    Ok(())
 }
 
 fn from_toml(error: &toml::de::Error) -> Problem {

@@ -1,6 +1,8 @@
 //! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
 
 mod building;
+mod errands;
+mod markers;
 
 use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
@@ -13,6 +15,8 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     things(scene, &mut found);
     events(scene, &mut found);
     building::contradictions(scene, &mut found);
+    errands::contradictions(scene, &mut found);
+    markers::contradictions(scene, &mut found);
     let gyro_s = scene.robot.gyro.as_ref().map(|gyro| ("robot.gyro.period_s", gyro.period_s));
     for (key, period_s) in [("robot.encoders.period_s", scene.robot.encoders.period_s)].into_iter().chain(gyro_s) {
         if let Some(expected) = sampling(period_s) {
@@ -30,12 +34,24 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
 }
 
 fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
-    let expected = match (&scene.route, scene.stations.is_empty()) {
-        (None, true) => "missing, expected a `[route]` to drive or at least one `[[station]]` to stand at",
-        (Some(_), false) => "stands beside `[[station]]`, expected one of the two: a drive, or still poses",
+    let (key, expected) = match (&scene.route, scene.has_errands(), scene.stations.is_empty()) {
+        (None, _, true) if scene.station_spread.is_some() => {
+            ("station_spread.count", "the room has no place for the robot's body, expected a larger one")
+        }
+        (None, false, true) => (
+            "route",
+            "missing, expected a `[route]` to drive, an `[[errand]]`, or at least one `[[station]]` to stand at",
+        ),
+        (Some(_), _, false) => {
+            ("route", "stands beside `[[station]]`, expected one of the two: a drive, or still poses")
+        }
+        (Some(_), true, true) => ("route", "stands beside errands, expected one of the two: a given way, or goals"),
+        (None, true, false) => {
+            ("errand", "stands beside `[[station]]`, expected one of the two: goals, or still poses")
+        }
         _ => return,
     };
-    found.push(Contradiction { key: "route".to_owned(), expected: expected.to_owned() });
+    found.push(Contradiction { key: key.to_owned(), expected: expected.to_owned() });
 }
 
 /// The robot's origin keeps its body radius from every wall, wherever the scene puts it.
@@ -70,6 +86,9 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     place("start".to_owned(), [start.x_m, start.y_m], radius_m + start.tolerance_m, &drawn);
     for (index, waypoint) in scene.route.iter().flat_map(|route| &route.waypoints).enumerate() {
         place(format!("route.waypoint[{index}]"), [waypoint.x_m, waypoint.y_m], radius_m, &body);
+    }
+    for (index, errand) in scene.errands.iter().enumerate() {
+        place(format!("errand[{index}]"), [errand.x_m, errand.y_m], radius_m, &body);
     }
     for (index, station) in scene.stations.iter().enumerate() {
         let tolerance_m = station.tolerance_m.unwrap_or(0.0);
@@ -108,6 +127,16 @@ fn things(scene: &Scene, found: &mut Vec<Contradiction>) {
     if scene.localizer.methods.contains(&MethodName::RangeLandmarks) && scene.robot.range_camera.is_none() {
         let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
         found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
+    }
+    let methods = &scene.localizer.methods;
+    if (1..methods.len()).any(|index| methods[..index].contains(&methods[index])) {
+        let expected = "a method twice, expected each at most once".to_owned();
+        found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
+    }
+    let q_items = scene.robot.range_camera.as_ref().map_or(0, |camera| camera.q_items);
+    if q_items > 0 && q_items >= scene.landmarks.len() {
+        let expected = format!("nothing could be told, expected fewer than the {} landmarks", scene.landmarks.len());
+        found.push(Contradiction { key: "robot.range_camera.q_items".to_owned(), expected });
     }
     let ranges = scene.robot.range_camera.as_ref().map(|camera| [camera.least_range_m, camera.greatest_range_m]);
     if let Some([least_m, greatest_m]) = ranges
@@ -153,7 +182,7 @@ fn floor_places(scene: &Scene, found: &mut Vec<Contradiction>) {
 fn events(scene: &Scene, found: &mut Vec<Contradiction>) {
     for (index, event) in scene.events.iter().enumerate() {
         let lasts_s = if let Event::Push { lasts_s, .. } = event { *lasts_s } else { 0.0 };
-        if scene.route.is_some() && event.at_s() + lasts_s > scene.duration_s {
+        if scene.stations.is_empty() && event.at_s() + lasts_s > scene.duration_s {
             let expected = format!(
                 "after the end, expected at most {}, as the run lasts {} s",
                 short(scene.duration_s - lasts_s),

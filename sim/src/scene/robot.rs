@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{CeilingCamera, ForwardCamera, Gyro, RangeCamera, Sensor, SensorModel, SensorPreset};
+use super::{
+    CameraTiming, CeilingCamera, ForwardCamera, Gyro, Proximity, RangeCamera, Sensor, SensorModel, SensorPreset,
+};
 
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -60,6 +62,10 @@ pub struct Robot {
     #[serde(deserialize_with = "Fitted::into_option")]
     #[schemars(with = "Fitted<Gyro>")]
     pub gyro: Option<Gyro>,
+    /// Rangefinders that look out for what is in the way of errands: a table of their keys, `true` for the default ones, or `false`.
+    #[serde(deserialize_with = "Fitted::into_option", skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Fitted<Proximity>")]
+    pub proximity: Option<Proximity>,
 }
 
 /// Distribution of drawn errors, always inside the tolerance.
@@ -145,6 +151,17 @@ impl FloorCamera {
     pub fn sensor_model(&self) -> SensorModel {
         self.sensor.model(SensorPreset::GlobalShutter)
     }
+
+    /// When it exposes, stamps and delivers.
+    pub fn timing(&self) -> CameraTiming {
+        CameraTiming {
+            period_s: self.period_s,
+            latency_s: self.latency_s,
+            latency_tolerance_s: self.latency_tolerance_s,
+            stamp_tolerance_s: self.stamp_tolerance_s,
+            longest_s: self.sensor_model().longest_exposure_s,
+        }
+    }
 }
 
 /// A device as a scene states it. TOML has no null, so `false` says that the robot has none.
@@ -191,6 +208,7 @@ impl Default for Robot {
             ceiling_camera: None,
             range_camera: None,
             gyro: None,
+            proximity: None,
         }
     }
 }

@@ -20,6 +20,9 @@ pub struct Sensor {
     /// Longest exposure; auto-exposure shortens it before it saturates.
     #[schemars(range(min = 0.00001, max = 1.0))]
     pub longest_exposure_s: Option<f64>,
+    /// One exposure for all images, at the least gain, in place of auto-exposure.
+    #[schemars(range(min = 0.00001, max = 1.0))]
+    pub exposure_s: Option<f64>,
     /// Electrons per photon: at 555 nm, or for an infrared camera at 850 nm.
     #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0.0))]
     pub quantum_efficiency: Option<f64>,
@@ -86,6 +89,8 @@ pub struct SensorModel {
     pub f_number: f64,
     /// Longest exposure.
     pub longest_exposure_s: f64,
+    /// Whether every exposure is the longest, at the least gain.
+    pub is_fixed: bool,
     /// Electrons per photon.
     pub quantum_efficiency: f64,
     /// Electrons at which a pixel saturates.
@@ -113,7 +118,8 @@ impl Sensor {
         SensorModel {
             pixel_pitch_m: self.pixel_pitch_m.unwrap_or(preset.pixel_pitch_m),
             f_number: self.f_number.unwrap_or(preset.f_number),
-            longest_exposure_s: self.longest_exposure_s.unwrap_or(preset.longest_exposure_s),
+            longest_exposure_s: self.exposure_s.or(self.longest_exposure_s).unwrap_or(preset.longest_exposure_s),
+            is_fixed: self.exposure_s.is_some(),
             quantum_efficiency: self.quantum_efficiency.unwrap_or(preset.quantum_efficiency),
             full_well_electrons: self.full_well_electrons.unwrap_or(preset.full_well_electrons),
             read_noise_electrons: self.read_noise_electrons.unwrap_or(preset.read_noise_electrons),
@@ -138,6 +144,7 @@ impl SensorPreset {
             pixel_pitch_m: 4.8e-6,
             f_number: 2.0,
             longest_exposure_s: 0.01,
+            is_fixed: false,
             quantum_efficiency: 0.55,
             full_well_electrons: 10_000.0,
             read_noise_electrons: 6.0,
@@ -215,6 +222,11 @@ impl BitDepth {
     /// The brightest grey level.
     pub fn greatest_level(self) -> u32 {
         (1 << self.bits()) - 1
+    }
+
+    /// The eight most significant bits of a level.
+    pub fn most_significant(self, level: u16) -> u8 {
+        (level >> (self.bits() - 8)) as u8
     }
 
     /// Grey levels that one level of eight bits stands for.

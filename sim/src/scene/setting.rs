@@ -1,6 +1,6 @@
 //! Keys of a scene set to other values than its file states: what `--set` and `--vary` ask for.
 
-use std::{fmt, fs, path::Path, str::FromStr};
+use std::{fmt, path::Path, str::FromStr};
 
 use serde_json::Value as Json;
 use toml::{Table, Value};
@@ -34,9 +34,8 @@ impl SceneTemplate {
     pub fn load(path: &Path) -> Result<SceneTemplate, SceneError> {
         let file = SceneFile::load(path)?;
         let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
-        let text = fs::read_to_string(path).map_err(unreadable)?;
-        // The scene has been read from the same text, so that this fails only if the file changed meanwhile.
-        let document = text.parse().map_err(|error| unreadable(std::io::Error::other(error)))?;
+        // The scene has been read from the same text, so that this cannot fail.
+        let document = file.text.parse().map_err(|error| unreadable(std::io::Error::other(error)))?;
         Ok(SceneTemplate { file, document })
     }
 
@@ -59,7 +58,7 @@ impl SceneTemplate {
         let listed: Vec<String> = settings.iter().map(Setting::to_string).collect();
         let name = format!("{} with {}", self.file.path.display(), listed.join(", "));
         let text = document.to_string();
-        let scene = Scene::parse(&text, &name)?;
+        let scene = Scene::parse_beside(&text, &name, self.file.path.parent())?;
         Ok(SceneFile { scene, text, settings: settings.to_vec(), ..self.file.clone() })
     }
 

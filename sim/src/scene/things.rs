@@ -24,6 +24,9 @@ pub struct Furniture {
     /// Direction of its length from world x, counter-clockwise. Any angle.
     #[serde(default)]
     pub rotation_deg: f64,
+    /// Whether the occupancy grid shows it; what is not mapped stands in the way of errands unforeseen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mapped: Option<bool>,
     /// Share of the light that it throws back, as a matt surface.
     #[serde(default = "default_furniture_albedo")]
     #[schemars(range(min = 0.0, max = 1.0))]
@@ -66,6 +69,11 @@ pub struct Landmark {
 }
 
 impl Furniture {
+    /// Whether maps show it; so unless stated otherwise.
+    pub fn is_mapped(&self) -> bool {
+        self.mapped.unwrap_or(true)
+    }
+
     /// Distance of a place from the box's footprint; 0 inside.
     pub fn distance_m(&self, place_m: [f64; 2]) -> f64 {
         let (sin, cos) = self.rotation_deg.to_radians().sin_cos();

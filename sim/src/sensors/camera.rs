@@ -97,7 +97,7 @@ pub fn world_from_floor_camera(truth: &Truth, camera: &DrawnFloorCamera) -> Isom
 }
 
 /// Nominal attitude: image right is robot right (−y), image down is robot backward (−x), forward is down (−z).
-fn mount_from_looking_down() -> UnitQuaternion<f64> {
+pub(crate) fn mount_from_looking_down() -> UnitQuaternion<f64> {
     let columns = Matrix3::new(0.0, -1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
 }
@@ -111,7 +111,8 @@ pub struct Exposure {
     pub gain_levels_per_electron: f64,
 }
 
-/// Auto-exposure: each image is exposed by what the one before it measured, so that a switched lamp spoils one or two.
+/// Auto-exposure: each image is exposed by what the one before it measured, so that a switched lamp spoils one or two; or else one
+/// exposure for all.
 #[derive(Clone, Debug)]
 pub struct AutoExposure {
     max_exposure_s: f64,
@@ -122,6 +123,7 @@ pub struct AutoExposure {
     /// In levels of eight bits.
     black_level: f64,
     levels_per_byte_level: f64,
+    is_fixed: bool,
 }
 
 /// Mean grey level aimed at: below the middle of the range, as camera makers do, to leave room for highlights.
@@ -158,8 +160,11 @@ impl AutoExposure {
             next: Exposure { exposure_s: sensor.longest_exposure_s, gain_levels_per_electron: gain_range[0] },
             black_level,
             levels_per_byte_level,
+            is_fixed: sensor.is_fixed,
         };
-        control.aim_at(TARGET_MEAN_LEVEL / electrons_per_s);
+        if !control.is_fixed {
+            control.aim_at(TARGET_MEAN_LEVEL / electrons_per_s);
+        }
         control
     }
 
@@ -169,8 +174,16 @@ impl AutoExposure {
         Exposure { gain_levels_per_electron, ..self.next }
     }
 
+    /// The gain that no image exceeds, in grey levels of the sensor's own depth.
+    pub fn greatest_gain_levels_per_electron(&self) -> f64 {
+        self.gain_range[usize::from(!self.is_fixed)] * self.levels_per_byte_level
+    }
+
     /// Meters the eight most significant bits of an image that was exposed by [`AutoExposure::exposure`].
     pub fn meter(&mut self, image: &GrayImage) {
+        if self.is_fixed {
+            return;
+        }
         let pixels = image.as_raw();
         let mut histogram = [0_usize; 256];
         for &level in pixels {

@@ -158,10 +158,11 @@ pub(crate) fn body_from_forward_camera(camera: &ForwardCamera) -> Isometry3<f64>
     )
 }
 
-/// Nominal pose of the ceiling camera: image right is robot right (−y), image down is robot forward, forward is up.
+/// Nominal pose of the ceiling camera: image right is robot right (−y), image down is robot forward, forward is up; then it leans.
 pub(crate) fn body_from_ceiling_camera(camera: &CeilingCamera) -> Isometry3<f64> {
     let upward = Matrix3::new(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
-    Isometry3::from_parts(Translation3::new(camera.forward_m, camera.left_m, camera.height_m), attitude(upward))
+    let lean = leaning([camera.lean_forward_deg, camera.lean_left_deg].map(f64::to_radians));
+    Isometry3::from_parts(Translation3::new(camera.forward_m, camera.left_m, camera.height_m), lean * attitude(upward))
 }
 
 /// Focal lengths of the forward camera by its angle of view: half the width over the tangent of half the angle.
@@ -169,12 +170,16 @@ pub(crate) fn forward_focal_px(camera: &ForwardCamera) -> f64 {
     f64::from(camera.width_px) / 2.0 / (camera.horizontal_view_deg.to_radians() / 2.0).tan()
 }
 
-/// A small turn about the camera's own axes.
-pub(crate) fn turned(pose: Isometry3<f64>, turn_rad: [f64; 3], shift_m: [f64; 3]) -> Isometry3<f64> {
-    let [x, y, z] = turn_rad;
-    let turn = UnitQuaternion::from_scaled_axis(vector![x, y, z]);
+/// A pose off its nominal one: tipped towards forward and left, then turned about the vertical, and shifted.
+pub(crate) fn misplaced(pose: Isometry3<f64>, tilt_rad: [f64; 2], yaw_rad: f64, shift_m: [f64; 3]) -> Isometry3<f64> {
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
     let shift = Translation3::from(Vector3::from(shift_m));
-    Isometry3::from_parts(shift * pose.translation, pose.rotation * turn)
+    Isometry3::from_parts(shift * pose.translation, yaw * leaning(tilt_rad) * pose.rotation)
+}
+
+/// The turn about a level axis that tips the vertical by these angles towards forward and left.
+fn leaning([forward_rad, left_rad]: [f64; 2]) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_scaled_axis(vector![-left_rad, forward_rad, 0.0])
 }
 
 fn attitude(columns: Matrix3<f64>) -> UnitQuaternion<f64> {

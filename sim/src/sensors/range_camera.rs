@@ -152,15 +152,12 @@ impl Confusion {
         sightings
     }
 
-    /// Another landmark's code that may be used wrongly again; `None` if the one drawn may not.
+    /// Another landmark's code among those that may be used wrongly again; `None` if there is none.
     fn other_than(&mut self, code: u32) -> Option<u32> {
-        let n_others = self.n_landmarks.checked_sub(1).filter(|n| *n > 0)?;
-        let drawn = self.rng.random_range(0..n_others as u32);
-        let other = if drawn < code { drawn } else { drawn + 1 };
-        let spacing = self.camera.wrong_spacing;
-        let was_wrong =
-            self.uses.get(&other).is_some_and(|uses| uses.iter().rev().take(spacing).any(|is_wrong| *is_wrong));
-        (!was_wrong).then_some(other)
+        let was_wrong = |other: &u32| self.uses.get(other).is_some_and(|uses| uses.iter().any(|is_wrong| *is_wrong));
+        let allowed: Vec<u32> =
+            (0..self.n_landmarks as u32).filter(|other| *other != code && !was_wrong(other)).collect();
+        (!allowed.is_empty()).then(|| allowed[self.rng.random_range(0..allowed.len())])
     }
 
     fn note(&mut self, code: u32, is_wrong: bool) {

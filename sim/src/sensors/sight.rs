@@ -48,18 +48,40 @@ impl Obstacles {
         let way = landmark - eye;
         let ray = Ray::new(vector(eye), vector(Point3::from(way)));
         let reach = (1.0 - ON_SURFACE_M / way.norm().max(ON_SURFACE_M)).max(0.0);
-        let person = |person: &Bystander| {
-            let half_m = 0.5 * person.height_m;
-            // parry's cylinders stand along y.
-            let pose = Pose::new(
-                Vector::new(person.place_m[0], person.place_m[1], half_m),
-                Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0),
-            );
-            Cylinder::new(half_m, person.radius_m).cast_ray(&pose, &ray, reach, true).is_some()
-        };
+        let person = |person: &Bystander| person_at(person, &ray, reach).is_some();
         let piece = |(pose, shape): &(Pose, SharedShape)| shape.cast_ray(pose, &ray, reach, true).is_some();
         !self.boxes.iter().any(piece) && !people.iter().any(person)
     }
+
+    /// Distance of the nearest surface from an eye along a level direction, up to `range_m`.
+    pub(super) fn nearest_m(
+        &self,
+        eye: Point3<f64>,
+        direction_rad: f64,
+        range_m: f64,
+        people: &[Bystander],
+    ) -> Option<f64> {
+        let (sin, cos) = direction_rad.sin_cos();
+        let ray = Ray::new(vector(eye), Vector::new(cos, sin, 0.0));
+        let wall_m = |axis: usize, along: f64| {
+            let face_m = if along > 0.0 { self.room_m[axis] } else { 0.0 };
+            if along == 0.0 { f64::INFINITY } else { ((face_m - eye[axis]) / along).max(0.0) }
+        };
+        let boxes = self.boxes.iter().filter_map(|(pose, shape)| shape.cast_ray(pose, &ray, range_m, true));
+        let people = people.iter().filter_map(|person| person_at(person, &ray, range_m));
+        let nearest_m = boxes.chain(people).fold(wall_m(0, cos).min(wall_m(1, sin)), f64::min);
+        (nearest_m <= range_m).then_some(nearest_m)
+    }
+}
+
+fn person_at(person: &Bystander, ray: &Ray, reach: f64) -> Option<f64> {
+    let half_m = 0.5 * person.height_m;
+    // parry's cylinders stand along y.
+    let pose = Pose::new(
+        Vector::new(person.place_m[0], person.place_m[1], half_m),
+        Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0),
+    );
+    Cylinder::new(half_m, person.radius_m).cast_ray(&pose, ray, reach, true)
 }
 
 fn vector(point: Point3<f64>) -> Vector {

@@ -26,7 +26,7 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 
 /// All columns, from left to right. Errors are those of the worst third of a run; widths are full widths, the wider of
 /// x and y, averaged over the run and just after a fix.
-pub(super) const COLUMNS: [Column; 18] = [
+pub(super) const COLUMNS: [Column; 22] = [
     text("scene", |line| line.scene.clone()),
     text("run", |line| line.run.clone()),
     number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
@@ -42,6 +42,10 @@ pub(super) const COLUMNS: [Column; 18] = [
     number("at fix", "mm", |line| fixed(line, wider(&line.figures, "width.at_fix"))),
     number("at fix", "°", |line| fixed(line, show(line, "width.at_fix.heading_rad.mean", DEGREES, 2))),
     number("available", "%", |line| share(line.figures.get("availability"))),
+    number("goals reached", "%", |line| share(goals_reached(&line.figures).as_ref())),
+    number("arrival", "mm", |line| show(line, "metrics.arrival_error_mean_m", 1e3, 1)),
+    number("off path p95", "mm", |line| show(line, "metrics.path_deviation_p95_m", 1e3, 1)),
+    number("collisions", "", |line| show(line, "metrics.collisions", 1.0, 0)),
     number("speed", "× real", |line| show(line, "timing.real_time_factor", 1.0, 1)),
     number("solved in", "µs", |line| show(line, "timing.solve_us", 1.0, 1)),
     text("verdict", |line| line.verdict.clone()),
@@ -54,6 +58,11 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 fn show(line: &Line, figure: &str, scale: f64, digits: usize) -> String {
     line.figures.get(figure).map(|value| format!("{:.digits$}", value * scale)).unwrap_or_default()
+}
+
+fn goals_reached(figures: &Figures) -> Option<f64> {
+    let (reached, errands) = (figures.get("metrics.goals_reached")?, figures.get("metrics.errands")?);
+    (*errands > 0.0).then(|| reached / errands)
 }
 
 /// The cell of a run that had a fix; without one its widths are 0, which no box is.

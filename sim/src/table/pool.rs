@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::figures::Figures;
 
-/// Figures over all `runs`: counts add up, root mean squares pool as squares, greatest values stay the greatest, and
+/// Counts of things that happen on errands.
+const ERRAND_COUNTS: [&str; 6] = ["errands", "goals_reached", "goals_missed", "arrivals_off", "replans", "collisions"];
+
+/// Figures over all `runs`: counts add up, root mean squares pool as squares, greatest and least values stay so, and
 /// everything else is averaged over the runs that measured it.
 pub(crate) fn pool(runs: &[&Figures]) -> Figures {
     let mut by_name: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
@@ -35,13 +38,18 @@ fn combine(name: &str, values: &[f64]) -> f64 {
     // A baseline's figures pool as ours do.
     let name = name.strip_prefix("baselines.").and_then(|name| name.split_once('.')).map_or(name, |(_, figure)| figure);
     let last = name.rsplit('.').next().unwrap_or(name);
-    let is_count = name.starts_with("containment.") || name.starts_with("methods.") || name == "violations";
+    let is_count = name.starts_with("containment.")
+        || name.starts_with("methods.")
+        || name == "violations"
+        || name.strip_prefix("metrics.").is_some_and(|metric| ERRAND_COUNTS.contains(&metric));
     if is_count || name == "duration_s" || last == "wall_s" {
         sum
     } else if name.contains(".rmse") {
         (values.iter().map(|value| value * value).sum::<f64>() / n).sqrt()
-    } else if last == "max" {
+    } else if last == "max" || last.ends_with("_greatest_m") {
         values.iter().fold(f64::NEG_INFINITY, |greatest, value| greatest.max(*value))
+    } else if last.ends_with("_least_m") {
+        values.iter().fold(f64::INFINITY, |least, value| least.min(*value))
     } else {
         sum / n
     }

@@ -1,6 +1,12 @@
 //! People who walk to and fro and stand still while the robot is in their way.
 
-use crate::scene::{Person, Scene};
+use crate::{
+    building::UprightBody,
+    scene::{Person, Scene},
+};
+
+/// Way of two steps.
+const STRIDE_M: f64 = 1.4;
 
 /// A person stands while the robot's edge is nearer than this to where the next second of walking leads.
 const KEEPS_AWAY_M: f64 = 0.4;
@@ -14,6 +20,22 @@ pub struct Bystander {
     pub radius_m: f64,
     /// Its height.
     pub height_m: f64,
+    /// Direction of the face from world x.
+    pub heading_rad: f64,
+    /// Way walked since the start.
+    pub walked_m: f64,
+}
+
+impl From<Bystander> for UprightBody {
+    fn from(person: Bystander) -> UprightBody {
+        UprightBody {
+            middle_m: person.place_m,
+            heading_rad: person.heading_rad,
+            height_m: person.height_m,
+            radius_m: person.radius_m,
+            stride: (person.walked_m / STRIDE_M).fract(),
+        }
+    }
 }
 
 /// One walker.
@@ -34,8 +56,14 @@ impl Walker {
     }
 
     fn new(person: &Person, robot_radius_m: f64) -> Option<Walker> {
-        let body =
-            Bystander { place_m: *person.waypoints_m.first()?, radius_m: person.radius_m, height_m: person.height_m };
+        let start = UprightBody::at_start(person)?;
+        let body = Bystander {
+            place_m: start.middle_m,
+            radius_m: start.radius_m,
+            height_m: start.height_m,
+            heading_rad: start.heading_rad,
+            walked_m: 0.0,
+        };
         Some(Walker {
             waypoints_m: person.waypoints_m.clone(),
             speed_m_per_s: person.speed_m_per_s,
@@ -67,6 +95,8 @@ impl Walker {
         let leaves = (robot_m[0] - x_m) * along[0] + (robot_m[1] - y_m) * along[1] < 0.0;
         if gap_m > KEEPS_AWAY_M || leaves {
             self.body.place_m = [x_m + along[0] * step_m, y_m + along[1] * step_m];
+            self.body.heading_rad = along[1].atan2(along[0]);
+            self.body.walked_m += step_m;
         }
     }
 

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 
 use crate::{Interval, IntervalBox, contractor::q_intersection, reading::LandmarkId};
 
-/// How far back something can be unlearnt: a doubt reaches no further.
-const UNLEARN_S: f64 = 5.0;
+/// Former places of a landmark at most. Beyond, every second one goes: less can then be kept when something is unlearnt.
+const MOST_FORMER: usize = 256;
 
 /// Where landmarks are.
 #[derive(Clone, Debug)]
@@ -19,8 +19,8 @@ pub(super) struct Atlas {
 struct Entry {
     /// Box of world x and y; none before enough has been seen.
     place: Option<[Interval; 2]>,
-    /// Stamped places of the uses of its code since the last full window.
-    waiting: Vec<(f64, [Interval; 2])>,
+    /// Places of the uses of its code since the last full window; no use between them is left out.
+    waiting: Vec<[Interval; 2]>,
     /// What `place` was before a stamp changed it.
     before: VecDeque<(f64, Option<[Interval; 2]>)>,
 }
@@ -43,7 +43,8 @@ impl Atlas {
 
     /// Takes note of a place at which a landmark was seen.
     ///
-    /// Of a whole window of uses at most one is wrong, so the landmark is where all but one of them say.
+    /// Of a whole window of uses at most one is wrong, so the landmark is where all but one of them say. A use that says nothing
+    /// counts all the same: `seen_at` is then unbounded.
     pub(super) fn learn(&mut self, stamp_s: f64, landmark: LandmarkId, seen_at: [Interval; 2]) {
         let window = self.window;
         let entry = self.entries.entry(landmark).or_default();
@@ -51,11 +52,16 @@ impl Atlas {
             entry.narrow(stamp_s, seen_at);
             return;
         }
-        entry.waiting.push((stamp_s, seen_at));
+        entry.waiting.push(seen_at);
         if entry.waiting.len() >= window {
-            let uses: Vec<IntervalBox<2>> = entry.waiting.drain(..).map(|(_, place)| IntervalBox::new(place)).collect();
+            let uses: Vec<IntervalBox<2>> = entry.waiting.drain(..).map(IntervalBox::new).collect();
             entry.narrow(stamp_s, q_intersection(&uses, 1).components());
         }
+    }
+
+    /// Uses of codes went by that nobody learnt from: what waits is no longer consecutive.
+    pub(super) fn interrupt(&mut self) {
+        self.entries.values_mut().for_each(|entry| entry.waiting.clear());
     }
 
     /// A landmark that is known lies also in `place`.
@@ -68,7 +74,7 @@ impl Atlas {
     /// Takes back all that was learnt from stamps later than `since_s`.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         for entry in self.entries.values_mut() {
-            entry.waiting.retain(|(stamp_s, _)| *stamp_s <= since_s);
+            entry.waiting.clear();
             if let Some(first) = entry.before.iter().position(|(stamp_s, _)| *stamp_s > since_s) {
                 entry.place = entry.before[first].1;
                 entry.before.truncate(first);
@@ -80,7 +86,7 @@ impl Atlas {
     pub(super) fn settle(&mut self) {
         for entry in self.entries.values_mut() {
             entry.before.clear();
-            entry.waiting.iter_mut().for_each(|(stamp_s, _)| *stamp_s = f64::NEG_INFINITY);
+            entry.waiting.clear();
         }
     }
 }
@@ -92,12 +98,16 @@ impl Entry {
             None => seen_at,
         };
         // Nothing in common: an assumption failed, and the pose will tell. A place is never forgotten for it.
-        if narrower.iter().any(|axis| axis.is_empty()) || self.place == Some(narrower) {
+        if narrower.iter().any(|axis| axis.is_empty() || !axis.is_bounded()) || self.place == Some(narrower) {
             return;
         }
         self.before.push_back((stamp_s, self.place));
-        while self.before.front().is_some_and(|(before_s, _)| *before_s < stamp_s - UNLEARN_S) {
-            self.before.pop_front();
+        if self.before.len() > MOST_FORMER {
+            let mut idx = 0;
+            self.before.retain(|_| {
+                idx += 1;
+                idx % 2 == 1
+            });
         }
         self.place = Some(narrower);
     }

@@ -63,8 +63,16 @@ fn wrong_codes(record: &RunRecord, q_items: usize, wrong_spacing: usize) -> Vec<
         (Monitor::new("range_landmarks.q_items"), Monitor::new("range_landmarks.wrong_spacing"));
     // Right uses of each code since its last wrong one.
     let mut right_since: BTreeMap<LandmarkId, usize> = BTreeMap::new();
+    let mut drive_began_s = 0.0;
     for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
         let span_s = [reading.truth.time_s, reading.arrived_s];
+        // Put elsewhere, a robot starts with sensors that remember nothing.
+        let began_s = record.restarts.iter().filter_map(|index| record.truths.get(*index)).map(|truth| truth.time_s);
+        let latest_s = began_s.take_while(|began_s| *began_s <= reading.truth.time_s).fold(0.0, f64::max);
+        if latest_s > drive_began_s {
+            drive_began_s = latest_s;
+            right_since.clear();
+        }
         let n_wrong = reading.codes.iter().filter(|(_, is_own)| !is_own).count();
         items.watch(span_s, q_items as f64, n_wrong as f64);
         for (code, is_own) in &reading.codes {

@@ -32,12 +32,29 @@ fn disc_corner(@builtin(vertex_index) index: u32, disc: Disc) -> Spot {
     return Spot(clip_of(in_camera(world)), from_centre, world, vec3(disc.radius_m, disc.retroreflection, disc.matt));
 }
 
+// Share of a square pixel on one side of a straight edge that its middle is `inside` of; `slope` is what `inside` gains per pixel along u and v.
+// A ramp one pixel wide, whatever the edge's direction, would shift the centroid of a disc of six pixels by up to 0.03 pixels.
+fn covered(inside: f32, slope: vec2<f32>) -> f32 {
+    let steep = max(max(slope.x, slope.y), 1e-7);
+    let gentle = max(min(slope.x, slope.y), 1e-4 * steep);
+    let reach = 0.5 * (steep + gentle);
+    if (abs(inside) <= 0.5 * (steep - gentle)) {
+        return 0.5 + inside / steep;
+    }
+    let left = max(reach - abs(inside), 0.0);
+    let corner = left * left / (2.0 * steep * gentle);
+    return select(corner, 1.0 - corner, inside > 0.0);
+}
+
 // Blended as luminance + (1 − share)·what was there.
 @fragment
 fn disc_luminance(spot: Spot) -> @location(0) vec4<f32> {
-    let from_edge = spot.disc.x - length(spot.from_centre_m);
-    let slope = vec2(dpdx(from_edge), dpdy(from_edge));
-    let share = clamp(from_edge / max(length(slope), 1e-7) + 0.5, 0.0, 1.0);
+    let distance = length(spot.from_centre_m);
+    let from_edge = spot.disc.x - distance;
+    // The place changes evenly from pixel to pixel, the distance does not: its own differences would be wrong for a disc of few pixels.
+    let outward = spot.from_centre_m / max(distance, 1e-9);
+    let slope = vec2(dot(outward, dpdx(spot.from_centre_m)), dot(outward, dpdy(spot.from_centre_m)));
+    let share = covered(from_edge, abs(slope));
     var luminance = spot.disc.z * view.lamp_factor;
     if (spot.disc.y > 0.0) {
         // Luminance of a retro-reflector: R_A·E⊥ (CIE 54), for light and eye in one place.

@@ -17,7 +17,6 @@ const SURFACE_SHADER: &str = concat!(
     include_str!("world.wgsl"),
     include_str!("texture.wgsl"),
     include_str!("mirror.wgsl"),
-    include_str!("shadow.wgsl"),
     include_str!("surface.wgsl")
 );
 const THING_SHADER: &str = concat!(
@@ -53,19 +52,17 @@ pub(super) struct Use {
     rolling: bool,
     ring: bool,
     infrared: bool,
-    peopled: bool,
     bent: bool,
     defocused: bool,
     vignetting: bool,
 }
 
 impl Use {
-    pub(super) fn of(lens: &Lens, peopled: bool) -> Use {
+    pub(super) fn of(lens: &Lens) -> Use {
         Use {
             rolling: lens.row_time_s > 0.0,
             ring: lens.ring_candela > 0.0,
             infrared: lens.band == Band::Infrared,
-            peopled,
             bent: lens.bends(),
             defocused: lens.defocus_px > 0.0,
             vignetting: lens.vignetting,
@@ -84,7 +81,7 @@ impl Use {
 
     /// What matters from the plate on.
     fn after_plate(&self) -> Use {
-        Use { rolling: false, ring: false, infrared: false, peopled: false, ..*self }
+        Use { rolling: false, ring: false, infrared: false, ..*self }
     }
 }
 
@@ -187,11 +184,7 @@ impl Pipelines {
         match drawn {
             Drawn::Surface(kind) => {
                 let mut constants = used(&["ROLLING", "RING"]);
-                constants.extend([
-                    ("TEXTURE", f64::from(kind.texture as u32)),
-                    ("GLOSS", flag(kind.gloss)),
-                    ("PEOPLED", flag(how.peopled)),
-                ]);
+                constants.extend([("TEXTURE", f64::from(kind.texture as u32)), ("GLOSS", flag(kind.gloss))]);
                 let layout =
                     vertices(12, wgpu::VertexStepMode::Vertex, &[VertexFormat::Uint32, VertexFormat::Float32x2]);
                 let stage = Stage { entry_points: ["surface_node", "surface_luminance"], cull: true, ..PLATE };

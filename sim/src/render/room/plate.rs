@@ -1,4 +1,4 @@
-//! Device memory of one view of a room: the plate, its view values, the lens's map, the bodies.
+//! Device memory of one view of a room: the plate, its view values, the lens's map.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -9,18 +9,12 @@ use super::{
     world::{RoomWorld, buffer},
 };
 use crate::{
-    building::{BodyVertex, UprightBody, body_mesh},
     render::{RenderError, device::Graphics, target::LUMINANCE_FORMAT},
-    scene::Band,
     sensors::lens::Lens,
 };
 
 /// Bytes from one sub-frame's values to the next's; every adapter takes offsets of this.
 const VIEW_STRIDE: u64 = 512;
-/// Places along each side of a lamp that a corner of a person sees or does not: a few hundred corners are lit each tick.
-const LAMP_SAMPLES: usize = 2;
-/// People beyond these cast no shadow, as in view.wgsl.
-const MAX_SHADOWS: usize = 16;
 
 /// Where sub-frame `index` has its values.
 pub(super) fn view_offset(index: usize) -> u32 {
@@ -34,7 +28,6 @@ pub(in crate::render) struct RoomSlot {
     pub(super) depth: wgpu::TextureView,
     pub(super) view_bindings: wgpu::BindGroup,
     pub(super) lens_bindings: wgpu::BindGroup,
-    pub(super) bodies: wgpu::Buffer,
     views: wgpu::Buffer,
     sheet: wgpu::Buffer,
     plate_size_px: [u32; 2],
@@ -66,9 +59,7 @@ pub(super) struct ViewOnDevice {
     first_bulb: u32,
     lamp_count: u32,
     mirrored_count: u32,
-    body_count: u32,
-    padding: u32,
-    bodies: [[f32; 4]; MAX_SHADOWS],
+    padding: [u32; 2],
 }
 
 /// `Sheet` of lens.wgsl.
@@ -83,31 +74,9 @@ struct SheetOnDevice {
     padding: f32,
 }
 
-/// `Corner` of body.wgsl.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct CornerOnDevice {
-    world: [f32; 3],
-    normal: [f32; 3],
-    lit: f32,
-    albedo: f32,
-}
-
 impl ViewOnDevice {
     /// The values of a sub-frame; `turned_up` is a factor on all lamps of the world.
-    pub(super) fn new(
-        lens: &Lens,
-        slot: &RoomSlot,
-        frame: &SubFrame,
-        world: &RoomWorld,
-        bodies: &[UprightBody],
-        turned_up: f64,
-    ) -> Self {
-        let mut shadows = [[0.0; 4]; MAX_SHADOWS];
-        for (shadow, body) in shadows.iter_mut().zip(bodies) {
-            let [x, y] = body.middle_m;
-            *shadow = [x, y, body.height_m, body.radius_m].map(|value| value as f32);
-        }
+    pub(super) fn new(lens: &Lens, slot: &RoomSlot, frame: &SubFrame, world: &RoomWorld, turned_up: f64) -> Self {
         let (camera_from_world, turn, drift) = super::twist_rows(frame);
         let [k1, k2, p1, p2, k3] = lens.distortion.map(|coefficient| coefficient as f32);
         let (eye, axis) =
@@ -137,9 +106,7 @@ impl ViewOnDevice {
             first_bulb: world.first_bulb,
             lamp_count: world.lamp_count,
             mirrored_count: world.mirrored_count,
-            body_count: bodies.len().min(MAX_SHADOWS) as u32,
-            padding: 0,
-            bodies: shadows,
+            padding: [0; 2],
         }
     }
 }
@@ -186,14 +153,12 @@ impl RoomSlot {
                 wgpu::BindGroupEntry { binding: 2, resource: places.as_entire_binding() },
             ],
         });
-        let bodies = empty("bodies", 32, wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST);
         Ok(RoomSlot {
             lens: lens.clone(),
             plate,
             depth,
             view_bindings,
             lens_bindings,
-            bodies,
             views,
             sheet,
             plate_size_px: map.size_px,
@@ -215,45 +180,6 @@ impl RoomSlot {
             };
             graphics.queue.write_buffer(&self.sheet, 0, bytemuck::bytes_of(&sheet));
         }
-    }
-
-    /// Lights the bodies corner by corner; answers with the number of corners.
-    pub(super) fn fill_bodies(
-        &mut self,
-        graphics: &Graphics,
-        world: &RoomWorld,
-        bodies: &[UprightBody],
-        band: Band,
-    ) -> u32 {
-        let band = usize::from(band == Band::Infrared);
-        let lit = |vertex: &BodyVertex| {
-            let room = world.building.room_at(vertex.at);
-            let light = world.lighting.at(vertex.at, vertex.normal, room, LAMP_SAMPLES).by_band[band];
-            let albedo = vertex.albedo[band];
-            CornerOnDevice {
-                world: [vertex.at.x as f32, vertex.at.y as f32, vertex.at.z as f32],
-                normal: [vertex.normal.x as f32, vertex.normal.y as f32, vertex.normal.z as f32],
-                lit: (albedo * light / world.lighting.dimming.max(1e-30)) as f32,
-                albedo: albedo as f32,
-            }
-        };
-        let mut corners: Vec<CornerOnDevice> = Vec::new();
-        for body in bodies {
-            let mesh = body_mesh(body);
-            let once: Vec<CornerOnDevice> = mesh.corners.iter().map(lit).collect();
-            corners.extend(mesh.triangles.iter().flatten().map(|corner| once[*corner]));
-        }
-        let bytes: &[u8] = bytemuck::cast_slice(&corners);
-        if bytes.len() as u64 > self.bodies.size() {
-            self.bodies = graphics.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("bodies"),
-                size: (bytes.len() as u64).next_power_of_two(),
-                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-        }
-        graphics.queue.write_buffer(&self.bodies, 0, bytes);
-        corners.len() as u32
     }
 }
 

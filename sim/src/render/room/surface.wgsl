@@ -1,7 +1,6 @@
 // Faces of the building: mapped light on a texture, the ring's light, and what mirrors.
 
 override GLOSS: bool = false;
-override PEOPLED: bool = false;
 
 struct Node {
     @location(0) surface: u32,
@@ -21,6 +20,8 @@ struct Face {
     @location(3) @interpolate(flat) material: vec4<f32>,
     @location(4) @interpolate(flat) normal: vec3<f32>,
     @location(5) @interpolate(flat) size: vec2<f32>,
+    // First and last node: some drivers interpolate a little beyond the edge all the same.
+    @location(6) @interpolate(flat) nodes: vec4<f32>,
 }
 
 @vertex
@@ -35,6 +36,7 @@ fn surface_node(node: Node) -> Face {
         vec4(surface.corner.w, surface.along.w, surface.up.w, surface.size.z),
         normalize(cross(surface.along.xyz, surface.up.xyz)),
         surface.size.xy,
+        vec4(surface.nodes.xy, surface.nodes.xy + surface.nodes.zw),
     );
 }
 
@@ -68,6 +70,9 @@ fn texture_at(face: Face) -> f32 {
         // Of what is below the water, tiles and concrete have a texture.
         return select(concrete(place, pixel_m, 0u), tiles(place, extent, pixel_m), seed == 2u);
     }
+    if (TEXTURE == 8u) {
+        return chessboard(place, extent, face.size, seed);
+    }
     return 1.0;
 }
 
@@ -77,10 +82,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     if (TEXTURE != 0u) {
         albedo *= texture_at(face);
     }
-    var lux = mapped_lux(face.node);
-    if (PEOPLED) {
-        lux *= left_by_people(face.world, face.normal, lux);
-    }
+    let lux = mapped_lux(clamp(face.node, face.nodes.xy, face.nodes.zw));
     let matt = lux * view.luminance_per_lux;
     var lit = matt;
     if (!RING && !GLOSS) {

@@ -1,6 +1,6 @@
 // What is on surfaces: a factor on their albedo with mean near 1, faded out where it is finer than the pixel.
 
-override TEXTURE: u32 = 0u; // 0 plain, 1 plaster, 2 tiles, 3 concrete, 4 wood, 5 carpet, 6 picture, 7 wet
+override TEXTURE: u32 = 0u; // 0 plain, 1 plaster, 2 tiles, 3 concrete, 4 wood, 5 carpet, 6 picture, 7 wet, 8 chessboard
 
 // Chris Wellons' "lowbias32", one round, as in the floor's pattern.
 fn lattice_value(h: u32) -> f32 {
@@ -119,4 +119,33 @@ fn puddle(place: vec2<f32>, size: vec2<f32>) -> f32 {
     let from_middle = length((place / size - 0.5) * 2.0);
     let ragged = 0.82 + 0.16 * noise(place / 0.35, 21u) + 0.05 * noise(place / 0.09, 22u);
     return smoothstep(0.02, -0.02, from_middle - ragged);
+}
+
+// Integral from 0 of the indicator of [0, end].
+fn within_integral(x: f32, end: f32) -> f32 {
+    return clamp(x, 0.0, end);
+}
+
+// Integral from 0 of 1 on even and −1 on odd unit cells of [0, end], 0 outside.
+fn alternating_integral(x: f32, end: f32) -> f32 {
+    let at = clamp(x, 0.0, end);
+    return 1.0 - abs(at - 2.0 * floor(0.5 * at) - 1.0);
+}
+
+// Squares of albedo 0.05 and 0.85, black at the corner where the face begins, averaged over the pixel's extent along both sides;
+// `seed` is 256 times the columns plus the rows.
+fn chessboard(place: vec2<f32>, extent: vec2<f32>, size: vec2<f32>, seed: u32) -> f32 {
+    let count = vec2(f32(seed / 256u), f32(seed % 256u));
+    let square_m = size.y / (count.y + 2.0);
+    // In squares from the first one's corner, the margin even on both sides.
+    let at = (place - 0.5 * size) / square_m + 0.5 * count;
+    let half = max(0.5 * extent / square_m, vec2(1e-4));
+    let low = at - half;
+    let high = at + half;
+    let within_x = (within_integral(high.x, count.x) - within_integral(low.x, count.x)) / (2.0 * half.x);
+    let within_y = (within_integral(high.y, count.y) - within_integral(low.y, count.y)) / (2.0 * half.y);
+    let sign_x = (alternating_integral(high.x, count.x) - alternating_integral(low.x, count.x)) / (2.0 * half.x);
+    let sign_y = (alternating_integral(high.y, count.y) - alternating_integral(low.y, count.y)) / (2.0 * half.y);
+    // As factors on the mean of both albedos, which is the face's.
+    return 1.0 + (0.4 / 0.45) * (1.0 - within_x * within_y - sign_x * sign_y);
 }

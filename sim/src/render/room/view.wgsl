@@ -34,10 +34,8 @@ struct View {
     lamp_count: u32,
     // Surfaces that are looked for in a puddle.
     mirrored_count: u32,
-    body_count: u32,
-    padding: u32,
-    // Of people: middle on the floor, height, and half of the width.
-    bodies: array<vec4<f32>, 16>,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 override ROLLING: bool = false;

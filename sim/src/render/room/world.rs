@@ -6,6 +6,7 @@ use bytemuck::Pod;
 
 use super::{
     faces::{self, Cells},
+    people::People,
     pipelines::{Kind, Pipelines},
 };
 use crate::{
@@ -21,7 +22,10 @@ use crate::{
 pub(in crate::render) struct RoomWorld {
     pub(super) building: Building,
     pub(super) lighting: Lighting,
-    map: LightMap,
+    pub(super) map: LightMap,
+    /// Visible and infrared, with the shadows of people.
+    pub(super) light_maps: [wgpu::Texture; 2],
+    pub(super) people: People,
     pub(super) nodes: wgpu::Buffer,
     pub(super) indices: wgpu::Buffer,
     pub(super) ranges: Vec<(Kind, Range<u32>)>,
@@ -41,7 +45,15 @@ impl RoomWorld {
         let (lighting, map) = bake(scene, &building);
         let Cells { nodes, indices, ranges } = faces::cells(&building);
         let discs = [0, 1].map(|band| faces::discs(&building, &lighting, band));
-        let bindings = [0, 1].map(|band| bind(graphics, pipelines, &building, &lighting, &map, band));
+        let light_maps = [0, 1].map(|band| {
+            let texture = light_texture(graphics, &map);
+            write_light(graphics, &texture, &map.nodes, band);
+            texture
+        });
+        let bindings = [0, 1].map(|band| {
+            let light = light_maps[band].create_view(&wgpu::TextureViewDescriptor::default());
+            bind(graphics, pipelines, &building, &lighting, (&map, &light), band)
+        });
         RoomWorld {
             nodes: buffer(graphics, "nodes", wgpu::BufferUsages::VERTEX, &nodes),
             indices: buffer(graphics, "indices", wgpu::BufferUsages::INDEX, &indices),
@@ -52,9 +64,11 @@ impl RoomWorld {
             disc_count: discs[0].len() as u32,
             bindings,
             discs: discs.map(|discs| buffer(graphics, "discs", wgpu::BufferUsages::VERTEX, &discs)),
+            people: People::none(graphics),
             building,
             lighting,
             map,
+            light_maps,
         }
     }
 
@@ -86,7 +100,7 @@ fn bind(
     pipelines: &Pipelines,
     building: &Building,
     lighting: &Lighting,
-    map: &LightMap,
+    (map, light): (&LightMap, &wgpu::TextureView),
     band: usize,
 ) -> wgpu::BindGroup {
     let storage = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::STORAGE, bytes);
@@ -95,7 +109,6 @@ fn bind(
     let (grid, albedo) = faces::grid(building);
     let grid = storage("grid", bytemuck::bytes_of(&grid));
     let albedo = storage("tiles", bytemuck::cast_slice(&albedo));
-    let light = light_texture(graphics, map, band);
     graphics.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("room world"),
         layout: &pipelines.world_layout,
@@ -104,16 +117,16 @@ fn bind(
             wgpu::BindGroupEntry { binding: 1, resource: lamps.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 2, resource: grid.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 3, resource: albedo.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::TextureView(&light) },
+            wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::TextureView(light) },
         ],
     })
 }
 
-/// One band of the light map.
-fn light_texture(graphics: &Graphics, map: &LightMap, band: usize) -> wgpu::TextureView {
+/// Room for one band of the light map.
+fn light_texture(graphics: &Graphics, map: &LightMap) -> wgpu::Texture {
     let [width, height] = map.size.map(|count| count as u32);
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-    let texture = graphics.device.create_texture(&wgpu::TextureDescriptor {
+    graphics.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("light map"),
         size,
         mip_level_count: 1,
@@ -122,15 +135,18 @@ fn light_texture(graphics: &Graphics, map: &LightMap, band: usize) -> wgpu::Text
         format: wgpu::TextureFormat::R32Float,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
-    });
-    let nodes: Vec<f32> = map.nodes.iter().map(|bands| bands[band]).collect();
+    })
+}
+
+/// Writes one band of all nodes.
+pub(super) fn write_light(graphics: &Graphics, texture: &wgpu::Texture, nodes: &[[f32; 2]], band: usize) {
+    let nodes: Vec<f32> = nodes.iter().map(|bands| bands[band]).collect();
     graphics.queue.write_texture(
         texture.as_image_copy(),
         bytemuck::cast_slice(&nodes),
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: None },
-        size,
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * texture.width()), rows_per_image: None },
+        texture.size(),
     );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// A buffer that holds `content`, or a few bytes where there is none.

@@ -31,6 +31,18 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             let expected = "expected another place than `from_m`, as a picture has a width".to_owned();
             found.push(Contradiction { key: format!("building.picture[{index}].to_m"), expected });
         }
+        if let Some([columns, rows]) = picture.chessboard {
+            let width_m = (picture.to_m[0] - picture.from_m[0]).hypot(picture.to_m[1] - picture.from_m[1]);
+            let least_m = picture.height_m / f64::from(rows + 2) * f64::from(columns + 2);
+            if width_m < least_m - 1e-9 {
+                let expected = format!(
+                    "expected a picture at least {least_m:.4} m wide, as its {} squares and margins across are as wide as {} are high",
+                    columns + 2,
+                    rows + 2
+                );
+                found.push(Contradiction { key: format!("building.picture[{index}].chessboard"), expected });
+            }
+        }
     }
     if scene.light.illuminance_at_camera_lux.is_some() && scene.robot.forward_camera.is_none() {
         let expected = "stands without `[robot.forward_camera]`, at whose lens it is measured".to_owned();

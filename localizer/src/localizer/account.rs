@@ -1,0 +1,52 @@
+//! What became of a reading of a camera.
+
+use crate::{Constraint, Interval, PoseUnion, method::Claim, reading::LandmarkId};
+
+/// What became of a camera's reading.
+#[derive(Clone, Debug)]
+pub struct Account {
+    /// The method that read it.
+    pub method: &'static str,
+    /// What the method claimed; empty when the cue was absent.
+    pub claims: Vec<Claim>,
+    /// At most this many of the claims may be false.
+    pub q_items: usize,
+    /// Segments looked at and rejected, `[u0, v0, u1, v1]` in pixels.
+    pub rejected_px: Vec<[f64; 4]>,
+    /// Whether a constraint was hung.
+    pub constrained: bool,
+    /// Whether it left nothing of the union.
+    pub emptied: bool,
+    /// Union at the stamp, just after.
+    pub posterior: PoseUnion,
+    /// Landmarks as the method knows them now: code, and box of world x and y.
+    pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
+}
+
+impl Account {
+    pub(super) fn absent(method: &'static str, union: PoseUnion) -> Self {
+        Account {
+            method,
+            claims: Vec::new(),
+            q_items: 0,
+            rejected_px: Vec::new(),
+            constrained: false,
+            emptied: false,
+            posterior: union,
+            landmarks: Vec::new(),
+        }
+    }
+
+    pub(super) fn of(constraint: &Constraint) -> Self {
+        Account {
+            method: constraint.method,
+            claims: constraint.claims.clone(),
+            q_items: constraint.q_items,
+            rejected_px: constraint.rejected_px.clone(),
+            constrained: true,
+            emptied: false,
+            posterior: PoseUnion::default(),
+            landmarks: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! `ceiling_markers`: dot-matrix markers on the ceiling, seen by a camera that looks up.
+//!
+//! After Zhou et al., *A high precision visual localization sensor and its working methodology for an indoor mobile robot* (2016). Where
+//! the paper solves for six degrees of freedom from three dots of one marker, here every dot of every marker bounds the planar pose:
+//! the body's and the mount's tilt, the lens, the mount and the ceiling's height are known within declared intervals, and that is worth far more
+//! than what 35 pixels tell of them (erratum I5). [`paper`] has the paper's own way.
+
+mod dual;
+mod group;
+pub mod paper;
+mod pose_contractor;
+mod ray;
+#[cfg(test)]
+#[allow(clippy::expect_used)]
+mod trial;
+
+use crate::{
+    Interval, Map, PoseUnion, Reading, RobotModel,
+    map::{MarkerMap, PlacedMarker},
+    markers::{DOT_RADIUS_M, GridPlace, dot_in_marker_m},
+    method::{Assumption, Claim, Constraint, Method, Twist},
+    reading::Camera,
+    robot::CeilingCameraModel,
+    vision::ceiling::{self, CeilingMarkers as Seen, CeilingView, PictureMotion, SeenMarker},
+};
+
+use group::SeenDot;
+use pose_contractor::Markers;
+use ray::Optics;
+
+/// The declared bounds a ceiling-marker constraint stands on.
+pub const RELIES_ON: [Assumption; 16] = [
+    "markers.placement",
+    "markers.rotation",
+    "markers.print",
+    "markers.height",
+    "ceiling_camera.focal",
+    "ceiling_camera.centre",
+    "ceiling_camera.distortion",
+    "ceiling_camera.height",
+    "ceiling_camera.position",
+    "ceiling_camera.yaw",
+    "ceiling_camera.tilt",
+    "ceiling_camera.stamp",
+    "body.tilt",
+    "body.heave",
+    "reach.speed",
+    "reach.turn_rate",
+];
+
+/// Markers beyond this number, farthest from the middle of the picture, are left out: the choices of wrong ones multiply.
+const MOST_MARKERS: usize = 8;
+
+/// The method; see the module.
+#[derive(Clone, Debug)]
+pub struct CeilingMarkers {
+    map: MarkerMap,
+    is_word: Vec<bool>,
+    robot: RobotModel,
+    camera: CeilingCameraModel,
+    optics: Optics,
+    view: CeilingView,
+}
+
+impl CeilingMarkers {
+    /// The method for this robot on this map; `None` if there is no ceiling camera or no marker above it.
+    pub fn new(map: &Map, robot: &RobotModel) -> Option<Self> {
+        let (camera, map) = (robot.ceiling_camera.clone()?, map.markers.clone()?);
+        let height_m = map.markers.iter().fold(Interval::EMPTY, |hull, marker| hull.hull(marker.height_m));
+        let distance_m = (height_m - camera.height_m).inflate(robot.body.heave_m);
+        if distance_m.is_empty() || distance_m.lo() <= 0.0 {
+            return None;
+        }
+        let lean_rad = camera.lean_rad[0].hypot(camera.lean_rad[1]) + camera.tilt_rad + robot.body.tilt_rad;
+        let focal_px = 0.5 * (camera.focal_px[0].mid() + camera.focal_px[1].mid());
+        let view =
+            CeilingView::new(focal_px, [distance_m.lo(), distance_m.hi()], lean_rad.tan(), camera.electrons_per_grey);
+        Some(CeilingMarkers {
+            is_word: map.coding.table(),
+            optics: Optics::new(&camera, &robot.body),
+            robot: robot.clone(),
+            map,
+            camera,
+            view,
+        })
+    }
+
+    /// What markers found in an image of `stamp_s` say of the pose; `None` when none of them is on the map.
+    pub fn constraint(&self, stamp_s: f64, found: Seen) -> Option<Constraint> {
+        let Seen { markers, mut rejected_px } = found;
+        let (mut dots, mut claims) = (Vec::new(), Vec::new());
+        for seen in self.unambiguous(&markers, &mut rejected_px) {
+            let Some(placed) = self.map.markers.iter().find(|placed| placed.id == seen.id) else { continue };
+            let sights: Option<Vec<SeenDot>> = seen
+                .dots
+                .iter()
+                .map(|(place, dot)| {
+                    let pixel = [dot.centre_px[0], dot.centre_px[1], dot.bound_px];
+                    let sight = self.optics.sight(pixel, placed.height_m)?;
+                    Some(SeenDot { sight, in_world_m: self.dot_in_world_m(placed, *place) })
+                })
+                .collect();
+            dots.extend(sights);
+            let claimed =
+                |(place, dot): &(GridPlace, ceiling::Dot)| (*place, [dot.centre_px[0], dot.centre_px[1], dot.bound_px]);
+            claims.push(Claim::Marker { marker: seen.id, dots_px: seen.dots.iter().map(claimed).collect() });
+        }
+        let reach = &self.robot.reach;
+        let stamp_s_error = self.camera.stamp_error_s;
+        let stamp = [reach.speed_m_per_s * stamp_s_error, reach.turn_rate_rad_per_s * stamp_s_error];
+        let on_pose = Markers::new(&dots, self.map.placement_m, self.camera.q_items, self.yaw_error(), stamp)?;
+        Some(Constraint {
+            method: self.name(),
+            stamp_s,
+            on_pose: Box::new(on_pose),
+            relies_on: RELIES_ON.to_vec(),
+            claims,
+            q_items: self.camera.q_items,
+            decides: true,
+            rejected_px,
+        })
+    }
+
+    /// Markers by their distance from the middle, without those whose identity is seen twice.
+    fn unambiguous<'a>(&self, markers: &'a [SeenMarker], rejected_px: &mut Vec<[f64; 4]>) -> Vec<&'a SeenMarker> {
+        let middle = self.camera.centre_px.map(Interval::mid);
+        let distance = |marker: &SeenMarker| {
+            let [u, v] = marker.centre_px();
+            (u - middle[0]).hypot(v - middle[1])
+        };
+        let mut kept: Vec<&SeenMarker> = Vec::new();
+        for marker in markers {
+            if markers.iter().filter(|other| other.id == marker.id).count() == 1 {
+                kept.push(marker);
+            } else {
+                let [u, v] = marker.centre_px();
+                rejected_px.push([u, v, u, v]);
+            }
+        }
+        kept.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        kept.truncate(MOST_MARKERS);
+        kept
+    }
+
+    /// World x and y of a dot, but for the placement of its marker.
+    fn dot_in_world_m(&self, placed: &PlacedMarker, place: GridPlace) -> [Interval; 2] {
+        let [x, y] = dot_in_marker_m(place).map(Interval::point);
+        let rotation = Interval::point(placed.rotation_rad);
+        let (cos, sin) = (rotation.cos(), rotation.sin());
+        let turned = [x * cos - y * sin, x * sin + y * cos];
+        // The chord of a rotation is shorter than its arc.
+        let slack_m = (x.hypot(y) * self.map.rotation_tolerance_rad + self.map.print_m).hi();
+        [0, 1].map(|axis| (turned[axis] + placed.centre_m[axis]).inflate(slack_m))
+    }
+
+    /// Apparent heading minus heading.
+    ///
+    /// Two tilts, or a tilt of a leaning axis, also turn: by half their product, and by the sine of the lean times the tilt.
+    fn yaw_error(&self) -> Interval {
+        let yaw = self.camera.yaw_rad - Interval::point(self.camera.yaw_rad.mid());
+        let lean = self.camera.lean_rad[0].hypot(self.camera.lean_rad[1]);
+        let both = self.camera.tilt_rad + self.robot.body.tilt_rad;
+        yaw.inflate(both * both + 1.01 * self.camera.tilt_rad * lean.sin())
+    }
+
+    /// Motion of the picture over an exposure: the ceiling passes against the motion (v, ω × m) of the camera, and turns against ω.
+    fn motion(&self, twist: &Twist, exposure_s: f64) -> PictureMotion {
+        let [forward_m, left_m] = self.camera.position_m.map(Interval::mid);
+        let speed = [twist.forward_m_per_s - twist.turn_rad_per_s * left_m, twist.turn_rad_per_s * forward_m];
+        let (sin, cos) = self.camera.yaw_rad.mid().sin_cos();
+        // Along the image's own forward (up) and left (right).
+        let (ahead, aside) = (speed[0] * cos + speed[1] * sin, speed[1] * cos - speed[0] * sin);
+        let pixels_per_m = 0.5 * (self.view.dot_radius_px[0] + self.view.dot_radius_px[1]) / DOT_RADIUS_M;
+        PictureMotion {
+            shift_px: [-aside * exposure_s * pixels_per_m, ahead * exposure_s * pixels_per_m],
+            turn_rad: twist.turn_rad_per_s * exposure_s,
+            about_px: self.camera.centre_px.map(Interval::mid),
+        }
+    }
+}
+
+impl Method for CeilingMarkers {
+    fn name(&self) -> &'static str {
+        "ceiling_markers"
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Camera { camera: Camera::Ceiling, .. })
+    }
+
+    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
+        let Reading::Camera { measured_s, camera: Camera::Ceiling, exposure_s, image, .. } = reading else {
+            return None;
+        };
+        let found = ceiling::detect(image, &self.view, &self.is_word, &self.motion(twist, *exposure_s));
+        self.constraint(*measured_s, found)
+    }
+}

@@ -1,0 +1,93 @@
+//! The paper's own way, as a baseline: nearest marker, three direction dots, P3P, offset of the mount.
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use crate::{
+    Interval, Pose, RobotModel,
+    map::{MarkerMap, PlacedMarker},
+    markers::{DIRECTION_DOTS, DOT_RADIUS_M, GridPlace, MarkerId, dot_in_marker_m},
+    robot::CeilingCameraModel,
+    vision::{
+        ceiling::paper::{self, PaperMarker},
+        p3p::{self, CameraPose},
+    },
+};
+
+/// Of the solutions, those that lean by at most so much more than the most upright one are told apart by all dots.
+const AS_UPRIGHT_RAD: f64 = 0.03;
+
+/// A pose without bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperFix {
+    /// Of the robot origin, heading in (−π, π].
+    pub pose: Pose,
+    /// World position of the camera.
+    pub camera_m: [f64; 3],
+    /// The marker read.
+    pub marker: MarkerId,
+    /// P(S), Eq. (3).
+    pub confidence: f64,
+}
+
+/// Reads the marker nearest to the middle of the picture and solves Eqs. (10) to (15), then Eq. (17); `None` without a marker of the map.
+pub fn locate(image: &image::GrayImage, map: &MarkerMap, robot: &RobotModel) -> Option<PaperFix> {
+    let camera = robot.ceiling_camera.as_ref()?;
+    let heights = map.markers.iter().map(|placed| placed.height_m.mid() - camera.height_m.mid());
+    let distance_m = heights.fold(f64::INFINITY, f64::min);
+    let seen = paper::detect(image, camera.focal_px[0].mid() * DOT_RADIUS_M / distance_m)?;
+    let placed = map.markers.iter().find(|placed| placed.id == seen.id)?;
+    let [o, x, y] = DIRECTION_DOTS.map(|place| in_world_m(placed, place));
+    let solutions = p3p::solve(&seen.direction_dots_px.map(|pixel| ray(camera, pixel)), &[x, o, y]);
+    let body_from_camera = body_from_camera(camera);
+    let world_from_body = |pose: &CameraPose| pose.rotation.transpose() * body_from_camera.transpose();
+    let lean_rad = |pose: &CameraPose| world_from_body(pose)[(2, 2)].clamp(-1.0, 1.0).acos();
+    let most_upright = solutions.iter().map(lean_rad).fold(f64::INFINITY, f64::min);
+    let solution = solutions
+        .iter()
+        .filter(|pose| lean_rad(pose) <= most_upright + AS_UPRIGHT_RAD)
+        .min_by(|a, b| misfit(a, &seen, placed, camera).total_cmp(&misfit(b, &seen, placed, camera)))?;
+    let centre_m = -(solution.rotation.transpose() * solution.translation_m);
+    let forward = world_from_body(solution) * Vector3::x();
+    let heading_rad = forward.y.atan2(forward.x);
+    // Eq. (17), with the direction of the offset and not its length alone (erratum I8).
+    let [ahead, aside] = camera.position_m.map(Interval::mid);
+    let (sin, cos) = heading_rad.sin_cos();
+    let pose = Pose {
+        x_m: centre_m.x - (cos * ahead - sin * aside),
+        y_m: centre_m.y - (sin * ahead + cos * aside),
+        heading_rad,
+    };
+    Some(PaperFix { pose, camera_m: centre_m.into(), marker: seen.id, confidence: seen.confidence })
+}
+
+/// Sum of squared distances, in focal lengths, between all dots and where a solution puts them.
+fn misfit(pose: &CameraPose, seen: &PaperMarker, placed: &PlacedMarker, camera: &CeilingCameraModel) -> f64 {
+    let squares = seen.dots_px.iter().map(|(place, pixel)| {
+        let point = pose.rotation * in_world_m(placed, *place) + pose.translation_m;
+        (point / point.z - ray(camera, *pixel)).norm_squared()
+    });
+    squares.sum()
+}
+
+/// Eq. (12).
+fn ray(camera: &CeilingCameraModel, pixel: [f64; 2]) -> Vector3<f64> {
+    let [x, y] = [0, 1].map(|axis| (pixel[axis] - camera.centre_px[axis].mid()) / camera.focal_px[axis].mid());
+    Vector3::new(x, y, 1.0)
+}
+
+fn in_world_m(placed: &PlacedMarker, place: GridPlace) -> Vector3<f64> {
+    let [x, y] = dot_in_marker_m(place);
+    let (sin, cos) = placed.rotation_rad.sin_cos();
+    let [centre_x, centre_y] = placed.centre_m;
+    Vector3::new(centre_x + cos * x - sin * y, centre_y + sin * x + cos * y, placed.height_m.mid())
+}
+
+/// Nominal posture of the camera.
+fn body_from_camera(camera: &CeilingCameraModel) -> Matrix3<f64> {
+    let [forward, left] = camera.lean_rad;
+    let lean = Rotation3::new(Vector3::new(-left, forward, 0.0));
+    let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), camera.yaw_rad.mid());
+    // Columns: image right is left, image down is backward, the optical axis is up.
+    let upright = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    yaw.matrix() * lean.matrix() * upright
+}

@@ -1,0 +1,121 @@
+//! All markers of one image as a contractor on the pose.
+
+use crate::{Contractor, Interval, IntervalBox, Outcome};
+
+use super::group::{Group, SeenDot};
+
+/// At least all but `q_items` of the markers are what the map says.
+///
+/// Sound: some choice of all but q markers is right, so the pose is in one of the boxes that the choices leave; each is kept.
+/// Each choice is contracted by every marker alone (its dots share height and placement) and by all together (their distances tell the
+/// heading), and then slice by slice of heading, so that heading and position stay together.
+pub(super) struct Markers {
+    choices: Vec<Vec<Group>>,
+    /// Error of the apparent heading: yaw of the mount.
+    yaw_error: Interval,
+    /// How far the pose at the stamp may be from the pose of the exposure: metres, radians.
+    stamp: [f64; 2],
+}
+
+/// Slices of heading: within one, heading and position no longer know of each other.
+const SLICES: usize = 24;
+
+impl Markers {
+    /// `dots` are the dots of each marker, with `placement_m` apart; `None` when `q_items` leaves no marker.
+    pub(super) fn new(
+        dots: &[Vec<SeenDot>],
+        placement_m: f64,
+        q_items: usize,
+        yaw_error: Interval,
+        stamp: [f64; 2],
+    ) -> Option<Markers> {
+        let n_right = dots.len().checked_sub(q_items).filter(|n_right| *n_right > 0)?;
+        let choices = subsets(dots.len(), n_right).into_iter().map(|members| {
+            let mut groups: Vec<Group> =
+                members.iter().map(|marker| Group::new(&dots[*marker], true, placement_m)).collect();
+            if members.len() > 1 {
+                let placed =
+                    |dot: &SeenDot| SeenDot { in_world_m: dot.in_world_m.map(|x| x.inflate(placement_m)), ..*dot };
+                let all: Vec<SeenDot> = members.iter().flat_map(|marker| dots[*marker].iter().map(placed)).collect();
+                groups.push(Group::new(&all, false, placement_m));
+            }
+            groups
+        });
+        Some(Markers { choices: choices.collect(), yaw_error, stamp })
+    }
+
+    /// Boxes of (x, y, apparent heading) at the exposure that a choice of markers leaves.
+    fn choice(groups: &[Group], pose: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
+        let mut branches = vec![*pose];
+        // The group of all dots has the longest baselines, and is last.
+        for group in groups.iter().rev() {
+            branches = branches.iter().flat_map(|branch| group.branches(branch)).collect();
+        }
+        // What one marker says of the heading, the others have not yet used.
+        for group in groups.iter().rev() {
+            branches = branches.iter().flat_map(|branch| group.branches(branch)).collect();
+        }
+        branches.iter().map(|branch| sliced(groups, branch)).filter(|branch| !branch.is_empty()).collect()
+    }
+}
+
+/// The hull of what the slices of heading leave.
+fn sliced(groups: &[Group], pose: &IntervalBox<3>) -> IntervalBox<3> {
+    let step = pose[2].width() / SLICES as f64;
+    let mut hull = IntervalBox::EMPTY;
+    for slice in 0..SLICES {
+        let lo = pose[2].lo() + slice as f64 * step;
+        let hi = if slice + 1 == SLICES { pose[2].hi() } else { lo + step };
+        // A hair of overlap, so that no heading falls between two slices by rounding.
+        let heading = Interval::new(lo, hi.max(lo)).inflate(1e-12).intersect(pose[2]);
+        let mut part = IntervalBox::new([pose[0], pose[1], heading]);
+        for group in groups {
+            part = group.pass(&part);
+            if part.is_empty() {
+                break;
+            }
+        }
+        hull = hull.hull(&part);
+    }
+    hull
+}
+
+impl Contractor<3> for Markers {
+    fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
+        *domain = self.branches(domain).iter().fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch));
+        if domain.is_empty() { Outcome::Empty("ceiling_markers.dots") } else { Outcome::Feasible }
+    }
+
+    fn branches(&self, domain: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
+        if domain.is_empty() {
+            return Vec::new();
+        }
+        let [shift_m, turn_rad] = self.stamp;
+        let at_exposure = IntervalBox::new([
+            domain[0].inflate(shift_m),
+            domain[1].inflate(shift_m),
+            domain[2].inflate(turn_rad) + self.yaw_error,
+        ]);
+        let mut branches: Vec<IntervalBox<3>> = Vec::new();
+        for found in self.choices.iter().flat_map(|groups| Markers::choice(groups, &at_exposure)) {
+            let at_stamp = IntervalBox::new([
+                found[0].inflate(shift_m),
+                found[1].inflate(shift_m),
+                (found[2] - self.yaw_error).inflate(turn_rad),
+            ]);
+            let kept = at_stamp.intersect(domain);
+            if kept.is_empty() || branches.iter().any(|other| kept.is_subset_of(other)) {
+                continue;
+            }
+            branches.retain(|other| !other.is_subset_of(&kept));
+            branches.push(kept);
+        }
+        branches
+    }
+}
+
+/// All subsets of `size` of the numbers below `n`, each rising.
+fn subsets(n: usize, size: usize) -> Vec<Vec<usize>> {
+    let all = (0u32..1 << n).filter(|bits| bits.count_ones() as usize == size);
+    all.map(|bits| (0..n).filter(|number| bits & (1 << number) != 0).collect()).collect()
+}

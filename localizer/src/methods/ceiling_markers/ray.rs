@@ -1,0 +1,203 @@
+//! From a pixel to a place on the ceiling, with every declared error as a parameter.
+//!
+//! Frame `apparent`: the robot frame made level (its x is the robot's heading seen from above), turned by the unknown error δ of the
+//! camera's yaw; its origin is the robot origin. With T(a) the rotation by a tilt a about a horizontal axis, m the optical centre,
+//! Z the dot's height above the robot origin and (f, l, up) = (−y, x, 1) the ray of the pixel's (x, y) for an upright camera:
+//!
+//! ```text
+//! c = T(body) m      d = T(body) Rz(yaw) T(mount) Lean (−y, x, 1)      dot = c + d·(Z − c_up)/d_up      (its two level components)
+//! ```
+//!
+//! A tilt by the angle α is written as Cayley's vector a = tan(α/2)·axis: T(a) v = v + 2 (a × v + a × (a × v))/(1 + |a|²), free of trigonometry.
+
+use crate::{Interval, robot::BodyModel, robot::CeilingCameraModel};
+
+use super::dual::Dual;
+
+/// Parameters: what is unknown of one dot (its pixel), of the image (optics and posture), and of the marker (its height).
+pub(super) const N_PARAMETERS: usize = 14;
+pub(super) const PIXEL: [usize; 2] = [0, 1];
+pub(super) const CENTRE: [usize; 2] = [2, 3];
+const FOCAL: [usize; 2] = [4, 5];
+pub(super) const MOUNT_TILT: [usize; 2] = [6, 7];
+pub(super) const BODY_TILT: [usize; 2] = [8, 9];
+const POSITION: [usize; 2] = [10, 11];
+const CAMERA_HEIGHT: usize = 12;
+pub(super) const DOT_HEIGHT: usize = 13;
+
+type Number = Dual<N_PARAMETERS>;
+
+/// Everything of the image, with the pixel and the dot's height still open.
+#[derive(Clone, Debug)]
+pub(super) struct Optics {
+    parameters: [Interval; N_PARAMETERS],
+    lean: [[Interval; 3]; 3],
+    yaw: [Interval; 2],
+    distortion: [f64; 4],
+    distortion_px: f64,
+    heave_m: f64,
+}
+
+/// Where the dot of a pixel is in the apparent frame, to first order in the parameters' deviations from their middles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sight {
+    /// At the middles of all parameters.
+    pub(super) middle_m: [Interval; 2],
+    /// Derivatives over the whole box of parameters, for each of the two components.
+    pub(super) slopes: [[Interval; N_PARAMETERS]; 2],
+    /// Deviations of the parameters, each around 0.
+    pub(super) deviations: [Interval; N_PARAMETERS],
+}
+
+impl Optics {
+    pub(super) fn new(camera: &CeilingCameraModel, body: &BodyModel) -> Optics {
+        let mut parameters = [Interval::ZERO; N_PARAMETERS];
+        let yaw_error = camera.yaw_rad - Interval::point(camera.yaw_rad.mid());
+        let (sin, cos) = (yaw_error.sin(), yaw_error.cos());
+        let [forward, left] = camera.position_m;
+        // The optical centre in the frame that is turned by the yaw's error: Rz(−δ) m.
+        let position = [forward * cos + left * sin, left * cos - forward * sin];
+        let tilt = |angle_rad: f64| {
+            let half = (Interval::point(angle_rad) * 0.5).tan().hi();
+            Interval::new(-half, half)
+        };
+        for axis in 0..2 {
+            parameters[CENTRE[axis]] = camera.centre_px[axis];
+            parameters[FOCAL[axis]] = camera.focal_px[axis];
+            parameters[MOUNT_TILT[axis]] = tilt(camera.tilt_rad);
+            parameters[BODY_TILT[axis]] = tilt(body.tilt_rad);
+            parameters[POSITION[axis]] = position[axis];
+        }
+        parameters[CAMERA_HEIGHT] = camera.height_m;
+        let yaw = Interval::point(camera.yaw_rad.mid());
+        Optics {
+            parameters,
+            lean: lean_matrix(camera.lean_rad),
+            yaw: [yaw.cos(), yaw.sin()],
+            distortion: camera.distortion,
+            distortion_px: camera.distortion_px,
+            heave_m: body.heave_m,
+        }
+    }
+
+    /// The sight of a pixel `[u, v, bound]` on a ceiling of this height; `None` if the ray does not go up.
+    pub(super) fn sight(&self, pixel: [f64; 3], height_m: Interval) -> Option<Sight> {
+        let [u, v, bound_px] = self.undistorted(pixel)?;
+        let mut parameters = self.parameters;
+        parameters[PIXEL[0]] = Interval::centred(u, bound_px);
+        parameters[PIXEL[1]] = Interval::centred(v, bound_px);
+        parameters[DOT_HEIGHT] = height_m.inflate(self.heave_m);
+        let middles = parameters.map(|parameter| Interval::point(parameter.mid()));
+        let mut deviations = [Interval::ZERO; N_PARAMETERS];
+        for (deviation, (parameter, middle)) in deviations.iter_mut().zip(parameters.iter().zip(&middles)) {
+            *deviation = *parameter - *middle;
+        }
+        let over_box = self.dot_m(&parameters)?;
+        let at_middle = self.dot_m(&middles)?;
+        Some(Sight {
+            middle_m: at_middle.map(|number| number.value),
+            slopes: over_box.map(|number| number.slopes),
+            deviations,
+        })
+    }
+
+    fn dot_m(&self, parameters: &[Interval; N_PARAMETERS]) -> Option<[Number; 2]> {
+        let number = |index: usize| Number::parameter(index, parameters[index]);
+        let x = (number(PIXEL[0]) - number(CENTRE[0])) / number(FOCAL[0]);
+        let y = (number(PIXEL[1]) - number(CENTRE[1])) / number(FOCAL[1]);
+        let upright = [Number::constant(Interval::ZERO) - y, x, Number::constant(Interval::ONE)];
+        let leaning = self.lean.map(|row| {
+            let products = [0, 1, 2].map(|k| Number::constant(row[k]) * upright[k]);
+            products[0] + products[1] + products[2]
+        });
+        let mounted = tilted(leaning, MOUNT_TILT.map(number));
+        let [cos, sin] = self.yaw.map(Number::constant);
+        let turned = [mounted[0] * cos - mounted[1] * sin, mounted[0] * sin + mounted[1] * cos, mounted[2]];
+        let body = BODY_TILT.map(number);
+        let ray = tilted(turned, body);
+        let centre = tilted([number(POSITION[0]), number(POSITION[1]), number(CAMERA_HEIGHT)], body);
+        if ray[2].value.lo() < 0.05 {
+            return None;
+        }
+        let length = (number(DOT_HEIGHT) - centre[2]) / ray[2];
+        Some([centre[0] + ray[0] * length, centre[1] + ray[1] * length])
+    }
+
+    /// The pixel where a lens without distortion would see the same, with the bound that this leaves; `None` far outside of the lens model.
+    ///
+    /// Brown's D(x) = x + b(x), where b is Lipschitz with constant L on the picture, so that D⁻¹ is with 1/(1 − L).
+    fn undistorted(&self, [u, v, bound_px]: [f64; 3]) -> Option<[f64; 3]> {
+        let [k1, k2, p1, p2] = self.distortion;
+        if self.distortion == [0.0; 4] {
+            return Some([u, v, bound_px + self.distortion_px]);
+        }
+        let (focal, centre) = (FOCAL.map(|k| self.parameters[k]), CENTRE.map(|k| self.parameters[k]));
+        let seen = [(u - centre[0].mid()) / focal[0].mid(), (v - centre[1].mid()) / focal[1].mid()];
+        let bend = |[x, y]: [f64; 2]| {
+            let square = x * x + y * y;
+            let radial = k1 * square + k2 * square * square;
+            [
+                x * radial + 2.0 * p1 * x * y + p2 * (square + 2.0 * x * x),
+                y * radial + p1 * (square + 2.0 * y * y) + 2.0 * p2 * x * y,
+            ]
+        };
+        let mut point = seen;
+        for _ in 0..30 {
+            let bent = bend(point);
+            point = [seen[0] - bent[0], seen[1] - bent[1]];
+        }
+        let (bent, reach) = (bend(point), 1.1 * point[0].hypot(point[1]) + 0.02);
+        let residual = (point[0] + bent[0] - seen[0]).hypot(point[1] + bent[1] - seen[1]);
+        let square = reach * reach;
+        let lipschitz =
+            3.0 * k1.abs() * square + 5.0 * k2.abs() * square * square + 6.0 * (p1.abs() + p2.abs()) * reach;
+        if lipschitz > 0.8 {
+            return None;
+        }
+        let factor = lipschitz / (1.0 - lipschitz);
+        let largest_focal = focal[0].hi().max(focal[1].hi());
+        let optics_px = centre[0].radius() + centre[1].radius() + reach * (focal[0].radius() + focal[1].radius());
+        let error_px = bound_px + self.distortion_px + 2.0 * residual * largest_focal;
+        let focal_ratio = largest_focal / focal[0].lo().min(focal[1].lo());
+        let extra_px = focal_ratio * factor * (std::f64::consts::SQRT_2 * error_px + optics_px);
+        let ideal = [0, 1].map(|axis| focal[axis].mid() * point[axis] + centre[axis].mid());
+        Some([ideal[0], ideal[1], error_px + extra_px])
+    }
+}
+
+/// T(a) v for a horizontal Cayley vector a.
+fn tilted(v: [Number; 3], [a, b]: [Number; 2]) -> [Number; 3] {
+    // a × v for a = (a, b, 0).
+    let cross = |v: &[Number; 3]| [b * v[2], Number::constant(Interval::ZERO) - a * v[2], a * v[1] - b * v[0]];
+    let once = cross(&v);
+    let twice = cross(&once);
+    let one = Number::constant(Interval::ONE);
+    let factor = Number::constant(Interval::point(2.0)) / (one + square(a) + square(b));
+    [0, 1, 2].map(|k| v[k] + factor * (once[k] + twice[k]))
+}
+
+fn square(a: Number) -> Number {
+    let product = a * a;
+    Number { value: a.value.sqr(), ..product }
+}
+
+/// Rotation that leans the upright axis by these angles towards forward and left: by the vector (−left, forward, 0).
+fn lean_matrix([forward, left]: [f64; 2]) -> [[Interval; 3]; 3] {
+    let vector = [Interval::point(-left), Interval::point(forward), Interval::ZERO];
+    let angle = (vector[0].sqr() + vector[1].sqr()).sqrt();
+    let identity =
+        [0, 1, 2].map(|row| [0, 1, 2].map(|column| if row == column { Interval::ONE } else { Interval::ZERO }));
+    if angle.hi() < 1e-300 {
+        return identity;
+    }
+    // Rodrigues: I + sin α [n] + (1 − cos α) [n]².
+    let [x, y, z] = vector.map(|component| component / angle);
+    let cross = [[Interval::ZERO, -z, y], [z, Interval::ZERO, -x], [-y, x, Interval::ZERO]];
+    let (sin, versine) = (angle.sin(), Interval::ONE - angle.cos());
+    [0, 1, 2].map(|row| {
+        [0, 1, 2].map(|column| {
+            let square = (0..3).fold(Interval::ZERO, |sum, k| sum + cross[row][k] * cross[k][column]);
+            identity[row][column] + sin * cross[row][column] + versine * square
+        })
+    })
+}

@@ -1,0 +1,316 @@
+//! Bright dots with centroids below a tenth of a pixel.
+
+use image::GrayImage;
+
+use super::components::{Component, components};
+use super::{CeilingView, Dot, PictureMotion};
+
+/// Width beyond the radius over which a dot's edge is soft; what little is beyond is beyond on all sides.
+const SOFT_PX: f64 = 1.8;
+/// Width of the ring around that, which tells the background.
+const RING_PX: f64 = 1.8;
+/// Least step of grey level from the surroundings to a dot.
+const LEAST_STEP: f64 = 14.0;
+/// A centroid less sure than this is none.
+const WORST_BOUND_PX: f64 = 0.5;
+
+/// Parts of a centroid's bound, in pixels where nothing else is said.
+const FLOOR_PX: f64 = 0.008;
+const SIGMAS: f64 = 5.5;
+/// Per share of structure in the background, of the dot's level, and pixel of radius.
+const PER_STRUCTURE: f64 = 1.5;
+/// Per share of the dot's area that is clipped at white.
+const PER_CLIPPED: f64 = 0.15;
+/// Per pixel of motion, and per pixel by which motion makes neighbours' soft edges meet.
+const PER_MOTION: f64 = 0.006;
+const PER_OVERLAP: f64 = 0.03;
+
+/// All bright dots of about the expected size.
+pub fn detect(image: &GrayImage, view: &CeilingView, motion: &PictureMotion) -> Vec<Dot> {
+    let width = image.width() as usize;
+    let [least_px, most_px] = view.dot_radius_px;
+    let noise = noise_grey(image);
+    // The window is about as wide as two pitches: a marker's own dots cover less than a quarter of it.
+    let half = (4.0 * 0.5 * (least_px + most_px)).round().max(5.0) as usize;
+    let mut mask = brighter_than_surroundings(image, half, LEAST_STEP.max(5.0 * noise));
+    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
+        .map(|[u, v]| length(motion.at([u * width as f64, v * f64::from(image.height())])));
+    let most_motion = corners.into_iter().fold(0.0, f64::max);
+    let most_area = std::f64::consts::PI * (most_px + 1.2).powi(2) * 1.2 + 2.0 * (most_px + 1.0) * most_motion;
+    let least_area = (0.4 * std::f64::consts::PI * least_px * least_px).max(4.0);
+    let candidates = components(&mut mask, width, most_area as usize);
+    let is_dot = |component: &&Component| {
+        let radius_px = (component.area_px as f64 / std::f64::consts::PI).sqrt().max(1.0);
+        // A disc's standard deviation is half of its radius.
+        let motion = length(motion.at(component.centre_px));
+        let longest = (0.25 * radius_px * radius_px + motion * motion / 12.0).sqrt() / (0.5 * radius_px);
+        component.area_px as f64 >= least_area && component.aspect() <= 1.7 * longest
+    };
+    let measure = |component: &Component| measure(image, component, view, motion.at(component.centre_px));
+    let measured: Vec<Measured> = candidates.iter().filter(is_dot).filter_map(measure).collect();
+    let ring_noise = pooled(measured.iter().map(|one| one.ring)).max(0.3);
+    let bounded = |one: Measured| {
+        let motion = length(motion.at(one.dot.centre_px));
+        one.with_bound(view, motion, ring_noise)
+    };
+    measured.into_iter().map(bounded).filter(|dot| dot.bound_px < WORST_BOUND_PX).collect()
+}
+
+fn length([u, v]: [f64; 2]) -> f64 {
+    u.hypot(v)
+}
+
+/// A dot before its bound is known, with what the bound is made from.
+struct Measured {
+    dot: Dot,
+    /// Sum of squares and count of the background's residuals.
+    ring: [f64; 2],
+    /// Sum of the squared distances from the centroid along an axis, plain and weighted with the grey level.
+    window_moment: f64,
+    grey_moment: f64,
+    clipped_share: f64,
+}
+
+impl Measured {
+    fn with_bound(self, view: &CeilingView, motion: f64, ring_noise: f64) -> Dot {
+        let dot = self.dot;
+        // The background's noise is measured; a dot adds that of its own photons.
+        let variance = ring_noise * ring_noise * self.window_moment + self.grey_moment / view.electrons_per_grey;
+        let noise_px = variance.sqrt() / dot.flux;
+        let own_ring = (self.ring[0] / self.ring[1].max(1.0)).sqrt();
+        let structure = (own_ring - 1.6 * ring_noise).max(0.0) / dot.level;
+        // Between two dots there are two radii.
+        let overlap = (2.0 * SOFT_PX + motion - 2.0 * view.dot_radius_px[0]).clamp(0.0, motion);
+        // The centre of an ellipse is not the image of the circle's centre: off by r²/f times the slope of the ray to the ceiling's normal.
+        let perspective_px = 1.2 * dot.radius_px * dot.radius_px / view.focal_px * view.lean;
+        let bound_px = FLOOR_PX
+            + SIGMAS * noise_px
+            + PER_STRUCTURE * structure * dot.radius_px
+            + PER_CLIPPED * self.clipped_share
+            + PER_MOTION * motion
+            + PER_OVERLAP * overlap
+            + perspective_px;
+        Dot { bound_px, ..dot }
+    }
+}
+
+/// All points within a radius of a segment through the origin: where a moving dot leaves its light.
+struct Track {
+    radius_px: f64,
+    /// Half of the motion: its length and its direction.
+    half_px: f64,
+    direction: [f64; 2],
+}
+
+impl Track {
+    fn new(radius_px: f64, motion_px: [f64; 2]) -> Track {
+        let motion = motion_px[0].hypot(motion_px[1]);
+        let direction = if motion > 0.0 { motion_px.map(|along| along / motion) } else { [1.0, 0.0] };
+        Track { radius_px, half_px: 0.5 * motion, direction }
+    }
+
+    fn wider(&self, by_px: f64) -> Track {
+        Track { radius_px: self.radius_px + by_px, ..*self }
+    }
+
+    /// First and last column and row of pixels that it touches about `centre_px`.
+    fn extent(&self, centre_px: [f64; 2]) -> [[f64; 2]; 2] {
+        let reach = [0, 1].map(|axis| self.radius_px + self.half_px * self.direction[axis].abs());
+        [
+            [0, 1].map(|axis| (centre_px[axis] - reach[axis]).ceil()),
+            [0, 1].map(|axis| (centre_px[axis] + reach[axis]).floor()),
+        ]
+    }
+
+    /// Whether the picture holds all of it.
+    fn is_within(&self, image: &GrayImage, centre_px: [f64; 2]) -> bool {
+        let [low, high] = self.extent(centre_px);
+        let size = [image.width(), image.height()].map(f64::from);
+        (0..2).all(|axis| low[axis] >= 0.0 && high[axis] < size[axis])
+    }
+
+    /// Distance beyond the edge; negative inside.
+    fn outside_px(&self, du: f64, dv: f64) -> f64 {
+        let along = (du * self.direction[0] + dv * self.direction[1]).clamp(-self.half_px, self.half_px);
+        (du - along * self.direction[0]).hypot(dv - along * self.direction[1]) - self.radius_px
+    }
+}
+
+/// Intensity-weighted centroid over a dot's track, above a plane through the ring around it.
+fn measure(image: &GrayImage, component: &Component, view: &CeilingView, motion_px: [f64; 2]) -> Option<Measured> {
+    let motion = motion_px[0].hypot(motion_px[1]);
+    // Area of a track: π r² + 2 r m.
+    let area = component.area_px as f64;
+    let radius_px = ((motion * motion + std::f64::consts::PI * area).sqrt() - motion) / std::f64::consts::PI;
+    let radius_px = radius_px.clamp(view.dot_radius_px[0], view.dot_radius_px[1] + 0.5);
+    let window = Track::new(radius_px + SOFT_PX, motion_px);
+    let mut centre_px = component.centre_px;
+    let mut last = None;
+    for _ in 0..3 {
+        let plane = ring_plane(image, centre_px, &window)?;
+        let found = weigh(image, centre_px, &window, &plane)?;
+        centre_px = found.dot.centre_px;
+        last = Some(found);
+    }
+    last
+}
+
+/// Grey level b + gu·du + gv·dv around a point.
+struct Plane {
+    coefficients: [f64; 3],
+    squares: f64,
+    count: f64,
+}
+
+/// The plane through the ring's grey levels, without those far from its median: neighbours' edges.
+fn ring_plane(image: &GrayImage, centre_px: [f64; 2], window: &Track) -> Option<Plane> {
+    let mut ring: Vec<[f64; 3]> = Vec::with_capacity(64);
+    // The picture's border may cut the ring.
+    for_track(image, centre_px, &window.wider(RING_PX), |du, dv, grey| {
+        if window.outside_px(du, dv) > 0.5 {
+            ring.push([du, dv, grey]);
+        }
+    });
+    if ring.len() < 12 {
+        return None;
+    }
+    let mut greys: Vec<f64> = ring.iter().map(|[_, _, grey]| *grey).collect();
+    greys.sort_by(f64::total_cmp);
+    let quantile = |share: f64| greys[(share * (greys.len() - 1) as f64) as usize];
+    let (median, low) = (quantile(0.5), quantile(0.16));
+    let reach = 4.0 + 4.0 * (median - low);
+    ring.retain(|[_, _, grey]| (grey - median).abs() <= reach);
+    let mut normal = nalgebra::Matrix3::zeros();
+    let mut right = nalgebra::Vector3::zeros();
+    for [du, dv, grey] in &ring {
+        let row = nalgebra::Vector3::new(1.0, *du, *dv);
+        normal += row * row.transpose();
+        right += row * *grey;
+    }
+    let solved = normal.try_inverse()? * right;
+    let coefficients = [solved[0], solved[1], solved[2]];
+    let residual = |[du, dv, grey]: &[f64; 3]| grey - coefficients[0] - coefficients[1] * du - coefficients[2] * dv;
+    let squares = ring.iter().map(|pixel| residual(pixel).powi(2)).sum();
+    Some(Plane { coefficients, squares, count: ring.len() as f64 - 3.0 })
+}
+
+/// One step of the centroid about `centre_px`. The window's edge is soft, so that no pixel enters or leaves it at once.
+fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) -> Option<Measured> {
+    let [base, slope_u, slope_v] = plane.coefficients;
+    let (mut flux, mut first, mut clipped) = (0.0, [0.0; 2], 0.0);
+    let (mut window_moment, mut grey_moment, mut peak) = (0.0, 0.0, 0.0f64);
+    let track = window.wider(0.5);
+    if !track.is_within(image, centre_px) {
+        return None;
+    }
+    for_track(image, centre_px, &track, |du, dv, grey| {
+        let share = (0.5 - window.outside_px(du, dv)).min(1.0);
+        let above = share * (grey - base - slope_u * du - slope_v * dv);
+        flux += above;
+        first[0] += above * du;
+        first[1] += above * dv;
+        window_moment += share * 0.5 * (du * du + dv * dv);
+        grey_moment += above.max(0.0) * 0.5 * (du * du + dv * dv);
+        peak = peak.max(above);
+        if grey >= 255.0 {
+            clipped += 1.0;
+        }
+    });
+    if flux <= 0.0 || peak < LEAST_STEP {
+        return None;
+    }
+    let area_px = flux / peak;
+    let dot = Dot {
+        centre_px: [0, 1].map(|axis| centre_px[axis] + first[axis] / flux),
+        bound_px: f64::INFINITY,
+        radius_px: (area_px / std::f64::consts::PI).sqrt(),
+        level: peak,
+        flux,
+    };
+    let clipped_share = clipped / area_px;
+    Some(Measured { dot, ring: [plane.squares, plane.count], window_moment, grey_moment, clipped_share })
+}
+
+/// Visits the pixels of a track, as far as the picture goes, relative to its middle.
+fn for_track(image: &GrayImage, centre_px: [f64; 2], track: &Track, mut visit: impl FnMut(f64, f64, f64)) {
+    let width = image.width() as usize;
+    let size = [image.width(), image.height()].map(f64::from);
+    let [low, high] = track.extent(centre_px);
+    let (low, high) = (low.map(|low| low.max(0.0)), [0, 1].map(|axis| high[axis].min(size[axis] - 1.0)));
+    if (0..2).any(|axis| low[axis] > high[axis]) {
+        return;
+    }
+    let pixels = image.as_raw();
+    for v in low[1] as usize..=high[1] as usize {
+        for u in low[0] as usize..=high[0] as usize {
+            let (du, dv) = (u as f64 - centre_px[0], v as f64 - centre_px[1]);
+            if track.outside_px(du, dv) <= 0.0 {
+                visit(du, dv, f64::from(pixels[v * width + u]));
+            }
+        }
+    }
+}
+
+/// Standard deviation from sums of squares and counts: from the median of the samples, so that a few disturbed ones do not matter.
+fn pooled(samples: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let mut squares: Vec<f64> = samples.filter(|sample| sample[1] > 0.0).map(|sample| sample[0] / sample[1]).collect();
+    squares.sort_by(f64::total_cmp);
+    squares.get(squares.len() / 2).copied().unwrap_or(0.0).sqrt()
+}
+
+/// Standard deviation of the picture's noise, from differences of neighbouring pixels: a median, so that edges do not matter.
+fn noise_grey(image: &GrayImage) -> f64 {
+    let mut histogram = [0usize; 256];
+    let pixels = image.as_raw();
+    let mut count = 0;
+    // Every 37th pair is enough, and in step with no row.
+    for pair in pixels.windows(2).step_by(37) {
+        histogram[usize::from(pair[0].abs_diff(pair[1]))] += 1;
+        count += 1;
+    }
+    let mut below = 0;
+    let median = histogram.iter().position(|number| {
+        below += number;
+        2 * below >= count
+    });
+    // The median of |a − b| of two normal numbers is 0.954 of their standard deviation; half a step for the rounding.
+    (median.unwrap_or(0) as f64 + 0.5) / 0.954
+}
+
+/// Pixels brighter by `step` than the mean over the square of 2·half + 1 pixels around them.
+fn brighter_than_surroundings(image: &GrayImage, half: usize, step: f64) -> Vec<bool> {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let pixels = image.as_raw();
+    // Running sums down the columns, then along the row: two additions a pixel.
+    let mut columns = vec![0u32; width];
+    let add_row = |columns: &mut [u32], row: usize| {
+        columns.iter_mut().zip(&pixels[row * width..]).for_each(|(sum, grey)| *sum += u32::from(*grey));
+    };
+    let drop_row = |columns: &mut [u32], row: usize| {
+        columns.iter_mut().zip(&pixels[row * width..]).for_each(|(sum, grey)| *sum -= u32::from(*grey));
+    };
+    (0..half.min(height)).for_each(|row| add_row(&mut columns, row));
+    let mut mask = vec![false; width * height];
+    for row in 0..height {
+        if row + half < height {
+            add_row(&mut columns, row + half);
+        }
+        if row > half {
+            drop_row(&mut columns, row - half - 1);
+        }
+        let rows = (row + half).min(height - 1) - row.saturating_sub(half) + 1;
+        let mut sum: u32 = columns[..half.min(width)].iter().sum();
+        for column in 0..width {
+            if column + half < width {
+                sum += columns[column + half];
+            }
+            if column > half {
+                sum -= columns[column - half - 1];
+            }
+            let count = rows * ((column + half).min(width - 1) - column.saturating_sub(half) + 1);
+            let grey = f64::from(pixels[row * width + column]);
+            mask[row * width + column] = (grey - step) * count as f64 > f64::from(sum);
+        }
+    }
+    mask
+}

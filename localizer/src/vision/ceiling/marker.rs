@@ -1,0 +1,253 @@
+//! From dots to markers: corner triples, the grid they span, and what stands on it.
+//!
+//! A marker is read only if nothing about it is doubtful: three corners at right angles, every bright thing on its grid, every empty place dark,
+//! equal dots, an identity of the code. Anything else is refused: a marker unread costs little, a wrong one costs the guarantee.
+
+use image::GrayImage;
+
+use super::confidence::confidence;
+use super::{CeilingMarkers, CeilingView, Dot, SeenMarker};
+use crate::markers::{EMPTY_CORNER, GRID, GridPlace, MarkerId};
+
+/// Greatest distance of a dot from its place on the grid that the corners span, in pitches.
+const OFF_GRID: f64 = 0.2;
+/// A bright thing so far beyond the grid's edge, in pitches, still belongs to it.
+const MARGIN: f64 = 0.6;
+/// Greatest relative difference of a dot's flux from the marker's median.
+const FLUX_SPREAD: f64 = 0.3;
+/// Up to this share, a difference of flux from the marker's median may be light that falls off; beyond, it is area that is missing.
+const UNEVEN_FLUX: f64 = 0.04;
+/// Up to this share, a difference from what the other dots foretell is noise: of a radius of 4 pixels it is less than a hundredth of a pixel.
+const FLUX_NOISE: f64 = 0.0015;
+/// An empty place brighter than this share of the dots' level is no empty place.
+const EMPTY_LEVEL: f64 = 0.3;
+/// Greatest distance of a dot from the best affine grid, beyond the bounds and what perspective does.
+const MISFIT_PX: f64 = 0.12;
+
+/// Reads every marker among the dots.
+pub fn read(image: &GrayImage, dots: &[Dot], view: &CeilingView, is_word: &[bool]) -> CeilingMarkers {
+    let mut found = CeilingMarkers::default();
+    let mut taken = vec![false; dots.len()];
+    for corners in corner_triples(dots, view) {
+        let [o, x, y] = corners.map(|index| dots[index].centre_px);
+        match read_grid(image, dots, view, corners) {
+            Some((marker, members)) if is_word.get(usize::from(marker.id.0)) == Some(&true) => {
+                // A dot in two markers is in neither.
+                if members.iter().any(|index| taken[*index]) {
+                    found.markers.retain(|other| !shares_dot(other, &marker));
+                    found.rejected_px.push([x[0], x[1], y[0], y[1]]);
+                } else {
+                    found.markers.push(marker);
+                }
+                members.iter().for_each(|index| taken[*index] = true);
+            }
+            Some(_) => found.rejected_px.push([x[0], x[1], y[0], y[1]]),
+            // Most triples are no corners at all; one whose O lies between bright neighbours of the same size may be.
+            None if is_square(o, x, y) => found.rejected_px.push([x[0], x[1], y[0], y[1]]),
+            None => {}
+        }
+    }
+    found
+}
+
+fn shares_dot(one: &SeenMarker, other: &SeenMarker) -> bool {
+    one.dots.iter().any(|(_, dot)| other.dots.iter().any(|(_, second)| dot.centre_px == second.centre_px))
+}
+
+fn is_square(o: [f64; 2], x: [f64; 2], y: [f64; 2]) -> bool {
+    let (a, b) = (minus(x, o), minus(y, o));
+    (a[0] * b[0] + a[1] * b[1]).abs() < 0.1 * norm(a) * norm(b)
+}
+
+/// Dots O, X, Y whose sides are three pitches long and at right angles, as far as perspective allows.
+///
+/// Which of the two is X follows from the sense of turn: seen from below, X → Y is clockwise, a positive cross product with v down
+/// (where Eq. 4 of the paper is a coin flip, erratum I2).
+fn corner_triples(dots: &[Dot], view: &CeilingView) -> Vec<[usize; 3]> {
+    // A pitch is four radii; three pitches.
+    let side_px = [0, 1].map(|end| 12.0 * view.dot_radius_px[end]);
+    let mut triples = Vec::new();
+    for o in 0..dots.len() {
+        let sides: Vec<(usize, [f64; 2])> = (0..dots.len())
+            .filter(|&index| index != o)
+            .map(|index| (index, minus(dots[index].centre_px, dots[o].centre_px)))
+            .filter(|(_, side)| (side_px[0]..=side_px[1]).contains(&norm(*side)))
+            .collect();
+        for (position, &(a, side_a)) in sides.iter().enumerate() {
+            for &(b, side_b) in &sides[position + 1..] {
+                let (length_a, length_b) = (norm(side_a), norm(side_b));
+                let cosine = (side_a[0] * side_b[0] + side_a[1] * side_b[1]) / (length_a * length_b);
+                let skew = 0.1 + view.lean;
+                if cosine.abs() > skew || (length_a - length_b).abs() > skew * length_a.max(length_b) {
+                    continue;
+                }
+                triples.push(if cross(side_a, side_b) > 0.0 { [o, a, b] } else { [o, b, a] });
+            }
+        }
+    }
+    triples
+}
+
+/// The marker that has these corners, and the dots that make it; `None` if anything about it is doubtful.
+fn read_grid(
+    image: &GrayImage,
+    dots: &[Dot],
+    view: &CeilingView,
+    [o, x, y]: [usize; 3],
+) -> Option<(SeenMarker, Vec<usize>)> {
+    let origin = dots[o].centre_px;
+    let step = [minus(dots[x].centre_px, origin), minus(dots[y].centre_px, origin)].map(|[u, v]| [u / 3.0, v / 3.0]);
+    let determinant = cross(step[0], step[1]);
+    let mut members: Vec<(GridPlace, usize)> = Vec::new();
+    for (index, dot) in dots.iter().enumerate() {
+        let away = minus(dot.centre_px, origin);
+        let place = [cross(away, step[1]) / determinant, cross(step[0], away) / determinant];
+        if place.iter().any(|along| !(-MARGIN..=f64::from(GRID - 1) + MARGIN).contains(along)) {
+            continue;
+        }
+        let nearest = place.map(f64::round);
+        let off = norm(minus(place, nearest));
+        if off > OFF_GRID || nearest.iter().any(|along| !(0.0..=3.0).contains(along)) {
+            return None;
+        }
+        members.push((nearest.map(|along| along as u8), index));
+    }
+    members.sort_unstable();
+    if members.windows(2).any(|pair| pair[0].0 == pair[1].0) || members.iter().any(|(place, _)| *place == EMPTY_CORNER)
+    {
+        return None;
+    }
+    let median_flux = median(members.iter().map(|(_, index)| dots[*index].flux));
+    let median_level = median(members.iter().map(|(_, index)| dots[*index].level));
+    let is_equal = |flux: f64| (flux / median_flux - 1.0).abs() <= FLUX_SPREAD;
+    if !members.iter().all(|(_, index)| is_equal(dots[*index].flux)) {
+        return None;
+    }
+    let seen = |place: GridPlace| members.iter().any(|(member, _)| *member == place);
+    for place in (0..GRID).flat_map(|i| (0..GRID).map(move |j| [i, j])) {
+        let at =
+            [0, 1].map(|axis| origin[axis] + f64::from(place[0]) * step[0][axis] + f64::from(place[1]) * step[1][axis]);
+        // The whole grid is in the picture, so that a dot beyond its edge is not taken for a missing one.
+        let brightness = disc_mean(image, at, 0.6 * view.dot_radius_px[0])?;
+        let surroundings = dots[o].level.min(median_level);
+        if !seen(place) && brightness > background(image, at, step) + EMPTY_LEVEL * surroundings {
+            return None;
+        }
+    }
+    let id = MarkerId::from_dots(members.iter().map(|(place, _)| *place));
+    let placed: Vec<(GridPlace, Dot)> = members.iter().map(|(place, index)| (*place, dots[*index])).collect();
+    if !fits_grid(&placed, view) {
+        return None;
+    }
+    let grown = with_missing_area(&placed);
+    let confidence = confidence(grown.iter().flat_map(|(_, dot)| disc_greys(image, dot.centre_px, dot.radius_px)));
+    Some((SeenMarker { id, dots: grown, confidence }, members.into_iter().map(|(_, index)| index).collect()))
+}
+
+/// The dots with bounds for area that may be missing: a dot that lacks a share s of its area may have its centroid off by as much as
+/// r·s/(1 − s), as no part is farther than r from the centre.
+///
+/// Light falls off evenly over a marker, so that all other dots foretell by a plane what flux a whole dot has: with the residual e of
+/// the plane through all dots and the leverage h, it has e/(1 − h) more than they foretell. One spoilt dot is told in full, and makes
+/// the bounds of the others wider, never narrower.
+fn with_missing_area(dots: &[(GridPlace, Dot)]) -> Vec<(GridPlace, Dot)> {
+    let row = |place: GridPlace| nalgebra::Vector3::new(1.0, f64::from(place[0]), f64::from(place[1]));
+    let (mut normal, mut right) = (nalgebra::Matrix3::zeros(), nalgebra::Vector3::zeros());
+    for (place, dot) in dots {
+        normal += row(*place) * row(*place).transpose();
+        right += row(*place) * dot.flux;
+    }
+    let inverse = normal.try_inverse().unwrap_or_default();
+    let plane = inverse * right;
+    let foretold = |place: GridPlace, flux: f64| {
+        let row = row(place);
+        let leverage = (row.transpose() * inverse * row)[0];
+        // Three dots determine a plane whatever they are: then only their median tells.
+        if leverage > 0.95 { None } else { Some(flux - (flux - row.dot(&plane)) / (1.0 - leverage)) }
+    };
+    let usual = median(dots.iter().map(|(_, dot)| dot.flux));
+    let grown = |(place, dot): &(GridPlace, Dot)| {
+        let whole = foretold(*place, dot.flux).filter(|flux| *flux > 0.0).unwrap_or(usual);
+        // Of a whole row of spoilt dots the plane knows nothing, but the median does.
+        let from_usual = (1.0 - dot.flux / usual).abs();
+        let unusual = if from_usual > UNEVEN_FLUX { from_usual } else { 0.0 };
+        let share = ((1.0 - dot.flux / whole).abs() - FLUX_NOISE).max(unusual).clamp(0.0, 0.9);
+        (*place, Dot { bound_px: dot.bound_px + dot.radius_px * share / (1.0 - share), ..*dot })
+    };
+    dots.iter().map(grown).collect()
+}
+
+/// Whether the dots lie on one affine grid, but for their bounds and the perspective of a leaning camera.
+fn fits_grid(dots: &[(GridPlace, Dot)], view: &CeilingView) -> bool {
+    if dots.len() == 3 {
+        return true;
+    }
+    let mut normal = nalgebra::Matrix3::zeros();
+    let mut right = nalgebra::Matrix3x2::zeros();
+    for (place, dot) in dots {
+        let row = nalgebra::Vector3::new(1.0, f64::from(place[0]), f64::from(place[1]));
+        normal += row * row.transpose();
+        right += row * nalgebra::RowVector2::from(dot.centre_px);
+    }
+    let Some(inverse) = normal.try_inverse() else { return false };
+    let grid = inverse * right;
+    // Half a marker is 6 radii; perspective bends it by the square of that over the focal length.
+    let bend_px = (6.0 * view.dot_radius_px[1]).powi(2) / view.focal_px * (view.lean + 0.02) * 2.0;
+    dots.iter().all(|(place, dot)| {
+        let row = nalgebra::RowVector3::new(1.0, f64::from(place[0]), f64::from(place[1]));
+        let fitted = row * grid;
+        (0..2).all(|axis| (fitted[axis] - dot.centre_px[axis]).abs() <= 2.0 * dot.bound_px + MISFIT_PX + bend_px)
+    })
+}
+
+/// Mean grey level half-way to the four diagonal neighbours: as far from all dots as can be on the grid.
+fn background(image: &GrayImage, at: [f64; 2], step: [[f64; 2]; 2]) -> f64 {
+    let mut greys: Vec<f64> = Vec::with_capacity(4);
+    for (i, j) in [(0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)] {
+        greys.extend(disc_mean(image, [0, 1].map(|axis| at[axis] + i * step[0][axis] + j * step[1][axis]), 1.0));
+    }
+    median(greys.into_iter())
+}
+
+fn disc_greys(image: &GrayImage, centre_px: [f64; 2], radius_px: f64) -> Vec<u8> {
+    let reach = radius_px.ceil() as i64;
+    let (u0, v0) = (centre_px[0].round() as i64, centre_px[1].round() as i64);
+    let mut greys = Vec::new();
+    for v in v0 - reach..=v0 + reach {
+        for u in u0 - reach..=u0 + reach {
+            let inside = (u as f64 - centre_px[0]).hypot(v as f64 - centre_px[1]) <= radius_px.max(0.71);
+            if inside && u >= 0 && v >= 0 && u < i64::from(image.width()) && v < i64::from(image.height()) {
+                greys.push(image.get_pixel(u as u32, v as u32)[0]);
+            }
+        }
+    }
+    greys
+}
+
+/// Mean grey level of a small disc; `None` if its centre is nearer to the picture's edge than its radius.
+fn disc_mean(image: &GrayImage, centre_px: [f64; 2], radius_px: f64) -> Option<f64> {
+    let inside = |at: f64, size: u32| at >= radius_px && at <= f64::from(size) - 1.0 - radius_px;
+    if !inside(centre_px[0], image.width()) || !inside(centre_px[1], image.height()) {
+        return None;
+    }
+    let greys = disc_greys(image, centre_px, radius_px);
+    Some(greys.iter().map(|grey| f64::from(*grey)).sum::<f64>() / greys.len() as f64)
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn norm([u, v]: [f64; 2]) -> f64 {
+    u.hypot(v)
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}

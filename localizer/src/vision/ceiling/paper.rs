@@ -1,0 +1,138 @@
+//! The paper's own chain: the marker nearest to the middle of the picture, read by distances and angles.
+//!
+//! Deviations, where the print cannot work: X and Y are told apart by the sign of a cross product (erratum I2), Q is the weight matrix (I1).
+
+use image::GrayImage;
+use imageproc::distance_transform::Norm;
+use imageproc::morphology::{dilate, erode};
+
+use super::components::{Component, components};
+use super::confidence::{REFLECTIVE_GREY, confidence};
+use crate::markers::{GridPlace, MarkerId};
+
+/// Erosion parts dots that touch; more would remove dots of three pixels' radius.
+const EROSION_PX: u8 = 1;
+/// Long over short axis of what may be a dot; a tube is longer.
+const LARGEST_ASPECT: f64 = 2.0;
+/// Tolerances of Eqs. (7) and (8) about 90° and about 1/3, 2/3, 1.
+const ANGLE_RAD: f64 = 0.2;
+const AMPLITUDE: f64 = 0.1;
+
+/// A marker as the paper reads it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaperMarker {
+    /// Eq. (9).
+    pub id: MarkerId,
+    /// Centroids of the direction dots X, O and Y.
+    pub direction_dots_px: [[f64; 2]; 3],
+    /// Centroids of all dots that are on the grid.
+    pub dots_px: Vec<(GridPlace, [f64; 2])>,
+    /// P(S), Eq. (3).
+    pub confidence: f64,
+}
+
+/// Reads the marker nearest to the middle of the picture; `dot_radius_px` is a dot's expected radius.
+pub fn detect(image: &GrayImage, dot_radius_px: f64) -> Option<PaperMarker> {
+    let width = image.width() as usize;
+    let bright = GrayImage::from_fn(image.width(), image.height(), |u, v| {
+        image::Luma([if image.get_pixel(u, v)[0] >= REFLECTIVE_GREY { 255 } else { 0 }])
+    });
+    let dots = without_clutter(&bright, dot_radius_px);
+    let eroded = erode(&dots, Norm::LInf, EROSION_PX);
+    // Dots of a marker are up to three pitches apart; growing each by half of that joins them.
+    let reach_px = (6.0 * dot_radius_px).ceil().min(255.0) as u8;
+    let dilated = dilate(&eroded, Norm::LInf, reach_px);
+    let middle = [0.5 * (f64::from(image.width()) - 1.0), 0.5 * (f64::from(image.height()) - 1.0)];
+    let mut mask: Vec<bool> = dilated.as_raw().iter().map(|grey| *grey > 0).collect();
+    let regions = components(&mut mask, width, usize::MAX);
+    let distance = |region: &Component| norm(minus(region.centre_px, middle));
+    let chosen = regions.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    // "Image and": the dots whose growth is the chosen region.
+    let mut mask: Vec<bool> = eroded.as_raw().iter().map(|grey| *grey > 0).collect();
+    let all = components(&mut mask, width, usize::MAX);
+    let nearest_region = |dot: &Component| {
+        let away = |region: &&Component| norm(minus(region.centre_px, dot.centre_px));
+        regions.iter().min_by(|a, b| away(a).total_cmp(&away(b))).map(|region| region.centre_px)
+    };
+    let centres: Vec<[f64; 2]> =
+        all.iter().filter(|dot| nearest_region(dot) == Some(chosen.centre_px)).map(|dot| dot.centre_px).collect();
+    let [x, o, y] = direction_dots(&centres)?;
+    let dots_px = places(&centres, o, y, minus(x, o));
+    let id = MarkerId::from_dots(dots_px.iter().map(|(place, _)| *place));
+    let radius_px = dot_radius_px.ceil() as i64;
+    let greys = centres.iter().flat_map(|centre| {
+        let (u0, v0) = (centre[0].round() as i64, centre[1].round() as i64);
+        (v0 - radius_px..=v0 + radius_px)
+            .flat_map(move |v| (u0 - radius_px..=u0 + radius_px).map(move |u| (u, v)))
+            .filter(|&(u, v)| u >= 0 && v >= 0 && u < i64::from(image.width()) && v < i64::from(image.height()))
+            .map(|(u, v)| image.get_pixel(u as u32, v as u32)[0])
+    });
+    Some(PaperMarker { id, direction_dots_px: [x, o, y], dots_px, confidence: confidence(greys) })
+}
+
+/// The binary picture without areas that are too large or too long for a dot.
+fn without_clutter(bright: &GrayImage, dot_radius_px: f64) -> GrayImage {
+    let width = bright.width() as usize;
+    let most_px = std::f64::consts::PI * (1.5 * dot_radius_px + 1.0).powi(2);
+    let mut mask: Vec<bool> = bright.as_raw().iter().map(|grey| *grey > 0).collect();
+    let mut kept = GrayImage::new(bright.width(), bright.height());
+    let dots = components(&mut mask, width, most_px as usize);
+    for dot in dots.iter().filter(|dot| dot.aspect() <= LARGEST_ASPECT) {
+        let reach = (3.0 * dot.axes_px[0]).ceil() as i64 + 1;
+        let (u0, v0) = (dot.centre_px[0].round() as i64, dot.centre_px[1].round() as i64);
+        for v in (v0 - reach).max(0)..=(v0 + reach).min(i64::from(bright.height()) - 1) {
+            for u in (u0 - reach).max(0)..=(u0 + reach).min(i64::from(bright.width()) - 1) {
+                kept.put_pixel(u as u32, v as u32, *bright.get_pixel(u as u32, v as u32));
+            }
+        }
+    }
+    kept
+}
+
+/// A and B are the two dots farthest apart, O is the one farthest from their middle; X → Y turns clockwise in the picture.
+fn direction_dots(dots: &[[f64; 2]]) -> Option<[[f64; 2]; 3]> {
+    let pairs = dots.iter().enumerate().flat_map(|(idx, a)| dots[..idx].iter().map(move |b| (*a, *b)));
+    let (a, b) = pairs.max_by(|(a, b), (c, d)| norm(minus(*a, *b)).total_cmp(&norm(minus(*c, *d))))?;
+    let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    let others = dots.iter().filter(|dot| **dot != a && **dot != b);
+    let o = *others.max_by(|c, d| norm(minus(**c, middle)).total_cmp(&norm(minus(**d, middle))))?;
+    Some(if cross(minus(a, o), minus(b, o)) > 0.0 { [a, o, b] } else { [b, o, a] })
+}
+
+/// Eqs. (6) to (8): from each of O, M, N, Y look at a right angle to OY for dots a third, two thirds and a whole side away.
+fn places(dots: &[[f64; 2]], o: [f64; 2], y: [f64; 2], ox: [f64; 2]) -> Vec<(GridPlace, [f64; 2])> {
+    let oy = minus(y, o);
+    let mut places = Vec::new();
+    for row in 0..4u8 {
+        let share = f64::from(row) / 3.0;
+        let from = [o[0] + share * oy[0], o[1] + share * oy[1]];
+        for dot in dots {
+            let to = minus(*dot, from);
+            let amplitude = norm(to) / norm(oy);
+            if amplitude < AMPLITUDE {
+                places.push(([0, row], *dot));
+                continue;
+            }
+            let cosine = (to[0] * oy[0] + to[1] * oy[1]) / (norm(to) * norm(oy));
+            let thirds = (3.0 * amplitude).round();
+            let is_ahead = to[0] * ox[0] + to[1] * ox[1] > 0.0;
+            let is_square = (cosine.acos() - std::f64::consts::FRAC_PI_2).abs() < ANGLE_RAD;
+            if is_ahead && is_square && (amplitude - thirds / 3.0).abs() < AMPLITUDE && thirds <= 3.0 {
+                places.push(([thirds as u8, row], *dot));
+            }
+        }
+    }
+    places
+}
+
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn norm([u, v]: [f64; 2]) -> f64 {
+    u.hypot(v)
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}

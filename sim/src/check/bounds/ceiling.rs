@@ -1,0 +1,100 @@
+//! The ceiling camera and the markers above it against what was drawn.
+
+use localizer::{Claim, markers::dot_in_marker_m};
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::{
+    check::verdict::Violation,
+    drawn::{DrawnCamera, DrawnMarker},
+    run::RunRecord,
+    scene::{Marker, Scene},
+};
+
+use super::{Monitor, constant, deliveries};
+
+/// Violations of the bounds of mount, lens, clock and markers.
+pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+    let (Some(camera), Some(drawn)) = (&scene.robot.ceiling_camera, &record.drawn.ceiling_camera) else {
+        return Vec::new();
+    };
+    let (calibration, nominal) = (&camera.calibration, DrawnCamera::ceiling(camera));
+    let shift_m = drawn.body_from_camera.translation.vector - nominal.body_from_camera.translation.vector;
+    let (tilt_rad, yaw_rad) =
+        tilt_and_yaw(drawn.body_from_camera.rotation * nominal.body_from_camera.rotation.inverse());
+    let angle_rad = calibration.angle_tolerance_deg.to_radians();
+    let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+    let focal_share = [0, 1].map(|axis| drawn.focal_px[axis] / nominal.focal_px[axis]);
+    let position_m = calibration.position_tolerance_m;
+    let mut found: Vec<Violation> = [
+        constant(record, "ceiling_camera.position", position_m, shift_m.x.abs().max(shift_m.y.abs())),
+        constant(record, "ceiling_camera.height", position_m, shift_m.z.abs()),
+        constant(record, "ceiling_camera.yaw", angle_rad, yaw_rad.abs()),
+        constant(record, "ceiling_camera.tilt", angle_rad, tilt_rad),
+        constant(record, "ceiling_camera.focal", calibration.focal_tolerance, apart(focal_share, [1.0; 2])),
+        constant(
+            record,
+            "ceiling_camera.centre",
+            calibration.principal_point_tolerance_px,
+            apart(drawn.principal_point_px, nominal.principal_point_px),
+        ),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let names = ["ceiling_camera.stamp", "ceiling_camera.latency"];
+    found.extend(markers(scene, record));
+    found.extend(deliveries(record, "ceiling_markers", names, &camera.timing()));
+    found
+}
+
+/// Markers that are claimed in an image: where they were pasted, how they were turned, printed and hung.
+fn markers(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+    let Some(markers) = &scene.markers else { return Vec::new() };
+    let names = ["markers.placement", "markers.rotation", "markers.print", "markers.height"];
+    let mut monitors = names.map(Monitor::new);
+    let declared = [
+        markers.placement_tolerance_m,
+        markers.rotation_tolerance_deg.to_radians(),
+        markers.print_tolerance_m,
+        markers.height_tolerance_m,
+    ];
+    for image in record.images.iter().filter(|image| image.method == "ceiling_markers") {
+        let span_s = [image.truth.time_s, image.arrived_s];
+        for claim in &image.claims {
+            let Claim::Marker { marker: id, .. } = claim else { continue };
+            let pasted = record.drawn.markers.iter().filter(|drawn| drawn.id == *id);
+            let stated = pasted.filter_map(|drawn| Some((markers.all().get(drawn.index)?, drawn)));
+            for (marker, drawn) in stated.filter(|(marker, _)| marker.on_map) {
+                let errors = errors_of(marker, drawn, markers.height_m(marker, scene));
+                for ((monitor, declared), error) in monitors.iter_mut().zip(declared).zip(errors) {
+                    monitor.watch(span_s, declared, error);
+                }
+            }
+        }
+    }
+    monitors.into_iter().flat_map(Monitor::finish).collect()
+}
+
+/// Distance, angle, farthest dot and height by which a marker is off.
+fn errors_of(marker: &Marker, drawn: &DrawnMarker, nominal_height_m: f64) -> [f64; 4] {
+    let [x_m, y_m] = drawn.centre_m;
+    let turned = drawn.rotation_rad - marker.rotation_deg.to_radians();
+    let (sin, cos) = drawn.rotation_rad.sin_cos();
+    let off_m = drawn.dots.iter().map(|dot| {
+        let [along_m, across_m] = dot_in_marker_m(dot.place);
+        let [dot_x_m, dot_y_m] = [x_m + cos * along_m - sin * across_m, y_m + sin * along_m + cos * across_m];
+        (dot.centre_in_world.x - dot_x_m).hypot(dot.centre_in_world.y - dot_y_m)
+    });
+    [
+        (x_m - marker.x_m).hypot(y_m - marker.y_m),
+        turned.sin().atan2(turned.cos()).abs(),
+        off_m.fold(0.0, f64::max),
+        (drawn.height_m - nominal_height_m).abs(),
+    ]
+}
+
+/// The two parts of a small turn: by how much it tips the vertical, and by how much it turns about it.
+fn tilt_and_yaw(turn: UnitQuaternion<f64>) -> (f64, f64) {
+    let yaw_rad = 2.0 * turn.k.atan2(turn.w);
+    ((turn * Vector3::z()).xy().norm().asin(), yaw_rad)
+}

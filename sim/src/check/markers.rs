@@ -1,0 +1,170 @@
+//! Markers on the ceiling: where a true camera would show them, and which of them were read.
+
+use std::collections::BTreeMap;
+
+use localizer::{
+    Claim,
+    markers::{GridPlace, MarkerId, dot_in_marker_m},
+};
+use nalgebra::Point3;
+
+use crate::{
+    drawn::{Drawn, DrawnMarker, markers::DOT_RADIUS_M},
+    run::{ImageRecord, PaperAnswer, RunRecord},
+    scene::Scene,
+    sensors::lens::{Lens, world_from_camera},
+    truth::Truth,
+};
+
+/// Place in the grid, and u, v and their bound.
+type SeenDot = (GridPlace, [f64; 3]);
+
+/// Dots lie farther apart than twice this in any picture in which they can be told apart.
+const SAME_DOT_PX: f64 = 4.0;
+
+/// The true ceiling camera at an instant.
+pub(super) struct Sight {
+    lens: Lens,
+    camera_from_world: nalgebra::Isometry3<f64>,
+}
+
+impl Sight {
+    /// `None` without a ceiling camera.
+    pub(super) fn new(scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<Sight> {
+        let (camera, mount) = (scene.robot.ceiling_camera.as_ref()?, drawn.ceiling_camera.as_ref()?);
+        let camera_from_world = world_from_camera(truth, mount).inverse();
+        Some(Sight { lens: Lens::ceiling(camera, mount), camera_from_world })
+    }
+
+    /// Where a point is seen; `None` behind the camera.
+    fn pixel(&self, in_world: &Point3<f64>) -> Option<[f64; 2]> {
+        let at = self.camera_from_world * in_world;
+        (at.z > 0.0).then(|| self.lens.pixel([at.x / at.z, at.y / at.z]))
+    }
+
+    /// Whether the dots are a marker's, each to within what `within_px` makes of its bound, along u and along v.
+    fn agrees(&self, marker: &DrawnMarker, dots_px: &[SeenDot], within_px: impl Fn(f64) -> f64) -> bool {
+        dots_px.iter().all(|(place, [u, v, bound_px])| {
+            let dot = marker.dots.iter().find(|dot| dot.place == *place);
+            let true_px = dot.and_then(|dot| self.pixel(&dot.centre_in_world));
+            let within_px = within_px(*bound_px);
+            true_px.is_some_and(|[true_u, true_v]| (true_u - u).abs() <= within_px && (true_v - v).abs() <= within_px)
+        })
+    }
+
+    /// Whether the middle of any dot of a marker is in the picture.
+    fn shows_some(&self, marker: &DrawnMarker) -> bool {
+        let is_within = |[u, v]: [f64; 2]| {
+            u >= 0.0 && v >= 0.0 && u < f64::from(self.lens.size_px[0]) && v < f64::from(self.lens.size_px[1])
+        };
+        marker.dots.iter().any(|dot| self.pixel(&dot.centre_in_world).is_some_and(is_within))
+    }
+
+    /// Whether a marker's whole grid, empty places too, is in the picture with the dots' rims and three pixels about them for soft edges.
+    fn shows(&self, marker: &DrawnMarker) -> bool {
+        let (sin, cos) = marker.rotation_rad.sin_cos();
+        let [x_m, y_m] = marker.centre_m;
+        [[0, 0], [3, 0], [0, 3], [3, 3]].into_iter().map(dot_in_marker_m).all(|[along_m, across_m]| {
+            let corner = Point3::new(
+                x_m + cos * along_m - sin * across_m,
+                y_m + sin * along_m + cos * across_m,
+                marker.height_m,
+            );
+            let depth_m = (self.camera_from_world * corner).z;
+            let margin_px = self.lens.focal_px[0].max(self.lens.focal_px[1]) * DOT_RADIUS_M / depth_m.max(0.01) + 3.0;
+            let is_within = |at_px: [f64; 2]| {
+                (0..2).all(|axis| {
+                    let last_px = f64::from(self.lens.size_px[axis]) - 1.0;
+                    (margin_px..=last_px - margin_px).contains(&at_px[axis])
+                })
+            };
+            self.pixel(&corner).is_some_and(is_within)
+        })
+    }
+}
+
+/// Whether a marker of the map with that identity has each of the dots within its bound of where the picture is said to show it.
+pub(super) fn is_marker(id: MarkerId, dots_px: &[SeenDot], scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
+    let Some(sight) = Sight::new(scene, drawn, truth) else { return false };
+    on_map(scene, drawn).any(|marker| marker.id == id && sight.agrees(marker, dots_px, |bound_px| bound_px))
+}
+
+/// How many markers were wholly in view, read, and taken for something else; none without a marker.
+///
+/// `markers_misread` counts claims of an identity that no marker there has; a claim whose identity is right and a dot of which is out of its
+/// bound is false, but not misread.
+pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
+    if record.drawn.markers.is_empty() {
+        return BTreeMap::new();
+    }
+    let mut counts = Counts::default();
+    let images = record.images.iter().filter(|image| image.method == "ceiling_markers");
+    // The paper's pipeline answered picture for picture.
+    for (image, paper) in images.zip(&record.marker_baselines.answers) {
+        if let Some(sight) = Sight::new(scene, &record.drawn, &image.truth) {
+            counts.add(scene, record, image, paper, &sight);
+        }
+    }
+    let share = |part: usize, whole: usize| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
+    BTreeMap::from([
+        ("marker_images".to_owned(), counts.images as f64),
+        ("marker_images_read_share".to_owned(), share(counts.images_read, counts.images_with_marker)),
+        ("markers_in_view".to_owned(), counts.in_view as f64),
+        ("markers_read_share".to_owned(), share(counts.read, counts.in_view)),
+        ("markers_misread".to_owned(), counts.misread as f64),
+        ("nearest_marker_read_share".to_owned(), share(counts.paper_read, counts.images_with_marker)),
+        ("nearest_marker_misread".to_owned(), counts.paper_misread as f64),
+    ])
+}
+
+#[derive(Default)]
+struct Counts {
+    images: usize,
+    images_with_marker: usize,
+    images_read: usize,
+    in_view: usize,
+    read: usize,
+    misread: usize,
+    paper_read: usize,
+    paper_misread: usize,
+}
+
+impl Counts {
+    fn add(&mut self, scene: &Scene, record: &RunRecord, image: &ImageRecord, paper: &PaperAnswer, sight: &Sight) {
+        let claimed: Vec<MarkerId> = claims(image).map(|(id, _)| id).collect();
+        let shown: Vec<&DrawnMarker> = on_map(scene, &record.drawn).filter(|marker| sight.shows(marker)).collect();
+        let read = shown.iter().filter(|marker| claimed.contains(&marker.id)).count();
+        self.images += 1;
+        self.images_with_marker += usize::from(!shown.is_empty());
+        self.images_read += usize::from(read > 0);
+        self.in_view += shown.len();
+        self.read += read;
+        let is_there = |(id, dots_px): &(MarkerId, &[SeenDot])| {
+            let is_it = |marker: &DrawnMarker| marker.id == *id && sight.agrees(marker, dots_px, |_| SAME_DOT_PX);
+            record.drawn.markers.iter().any(is_it)
+        };
+        self.misread += claims(image).filter(|claim| !is_there(claim)).count();
+        // The paper's pipeline names one marker; it may be one that is partly out of view.
+        let nearby =
+            |id: MarkerId| on_map(scene, &record.drawn).any(|marker| marker.id == id && sight.shows_some(marker));
+        if let Some((id, _)) = paper.fix {
+            self.paper_misread += usize::from(!nearby(id));
+            self.paper_read += usize::from(nearby(id) && !shown.is_empty());
+        }
+    }
+}
+
+fn claims(image: &ImageRecord) -> impl Iterator<Item = (MarkerId, &[SeenDot])> {
+    image.claims.iter().filter_map(|claim| match claim {
+        Claim::Marker { marker, dots_px } => Some((*marker, dots_px.as_slice())),
+        Claim::FloorJoint { .. } | Claim::WallLine { .. } | Claim::Landmark { .. } => None,
+    })
+}
+
+/// Markers on the ceiling that the localizer knows of.
+fn on_map<'a>(scene: &'a Scene, drawn: &'a Drawn) -> impl Iterator<Item = &'a DrawnMarker> {
+    let known = |marker: &&DrawnMarker| {
+        scene.markers.as_ref().and_then(|markers| markers.all().get(marker.index)).is_some_and(|marker| marker.on_map)
+    };
+    drawn.markers.iter().filter(known)
+}

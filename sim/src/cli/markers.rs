@@ -1,0 +1,58 @@
+//! `wherein markers`: what to print and where to paste it.
+
+use std::{fs, io, path::Path};
+
+use super::{CommandError, MarkersArguments, print};
+use crate::{
+    coverage::{Coverage, coverage},
+    marker_sheet::marker_sheet,
+    scene::SceneFile,
+};
+
+/// Prints the markers of a scene and what they cover, and writes their sheet and their map.
+pub(super) fn markers(arguments: &MarkersArguments) -> Result<(), CommandError> {
+    let file = SceneFile::load(&arguments.scene)?;
+    let no_markers = || CommandError::NoCeilingMarkers(arguments.scene.clone());
+    let markers = file.scene.markers.as_ref().filter(|markers| !markers.all().is_empty()).ok_or_else(no_markers)?;
+    let folder = arguments.out.join(&file.name);
+    let [sheet, map] = ["markers.pdf", "markers.toml"].map(|name| folder.join(name));
+    if let Some(path) = [&sheet, &map].into_iter().find(|path| path.exists()) {
+        return Err(CommandError::Exists(path.clone()));
+    }
+    let mut table = format!("{:>5} {:>8} {:>8} {:>8} {:>8}\n", "id", "x m", "y m", "turn °", "height m");
+    for marker in markers.all().iter().filter(|marker| marker.on_map) {
+        let height_m = markers.height_m(marker, &file.scene);
+        table += &format!(
+            "{:>5} {:>8.3} {:>8.3} {:>8.1} {height_m:>8.3}\n",
+            marker.id, marker.x_m, marker.y_m, marker.rotation_deg
+        );
+    }
+    print(&table)?;
+    print(&verdict(&file))?;
+    fs::create_dir_all(&folder).map_err(|error| CommandError::Picture(folder.clone(), error))?;
+    write(&sheet, &marker_sheet(&file.scene, markers))?;
+    write(&map, &markers.keys().map_err(|error| CommandError::Picture(map.clone(), io::Error::other(error)))?)
+}
+
+fn verdict(file: &SceneFile) -> String {
+    let seen_at_once = file.scene.markers.as_ref().map_or(1, |markers| markers.goal().seen_at_once);
+    match coverage(&file.scene) {
+        None => "No ceiling camera whose coverage could be told.\n".to_owned(),
+        Some(Coverage::Covered) => {
+            format!(
+                "Covered: at least {seen_at_once} wholly in the image from every pose in the room while it is empty, within all tolerances.\n"
+            )
+        }
+        Some(Coverage::Uncovered { pose, .. }) => format!(
+            "Not covered: fewer than {seen_at_once} surely in the image at x {:.3} m, y {:.3} m, heading {:.1}°.\n",
+            pose.x_m,
+            pose.y_m,
+            pose.heading_rad.to_degrees()
+        ),
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CommandError> {
+    fs::write(path, text).map_err(|error| CommandError::Picture(path.to_owned(), error))?;
+    print(&format!("{}\n", path.display()))
+}

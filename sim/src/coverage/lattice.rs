@@ -1,0 +1,242 @@
+//! Lattices of markers, and the smallest of them that covers a ceiling.
+
+use std::f64::consts::TAU;
+
+use localizer::Pose;
+
+use super::{Field, Place, search};
+
+/// What has to be covered.
+#[derive(Clone, Debug)]
+pub struct Ceiling {
+    /// World x and y between which the robot's origin stays.
+    pub reach_m: [[f64; 2]; 2],
+    /// World x and y between which middles of markers may be.
+    pub markers_m: [[f64; 2]; 2],
+    /// Height of the markers.
+    pub height_m: f64,
+    /// Markers in view at once.
+    pub seen_at_once: usize,
+}
+
+/// How every other row of a lattice differs from the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Between {
+    /// Not at all.
+    Same,
+    /// Shifted by half a spacing.
+    Shifted,
+    /// One less, between those of the first row.
+    Fewer,
+    /// One more, on both sides of each of the first row.
+    More,
+}
+
+/// Rows of markers over a rectangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lattice {
+    between: Between,
+    /// Whether rows run along world y.
+    along_y: bool,
+    n_rows: usize,
+    /// Markers of the first row.
+    first: usize,
+    /// From the ends of the longest row and from the outermost rows to the edge of the rectangle, in spacings.
+    inset: [f64; 2],
+}
+
+/// On the edge of what has to be covered, up to half a spacing and a little more inside of it.
+const INSETS: [f64; 6] = [0.0, 0.15, 0.28, 0.36, 0.44, 0.52];
+/// Rows that are farther apart than this times the spacing within them are not tried; an image is some 4 by 3.
+const MOST_STRETCHED: f64 = 2.5;
+/// A proof needs something to spare; with a centimetre it takes a fraction of a second.
+const TO_SPARE_M: f64 = 0.01;
+/// So many poses that refuted a lattice are tried first on the next.
+const REMEMBERED: usize = 64;
+/// Greatest number of rows, and of markers in a row: 4096 in all, one for each identity there is.
+const MOST: usize = 64;
+
+/// The smallest of the lattices tried that is proven to cover a ceiling; `None` if none of up to 64 × 64 markers is.
+///
+/// Rows along x and along y are tried, as squares, as hexagons, and stretched; for each number of rows the fewest markers in a row are sought by
+/// halving on some poses, and what they let pass is proven.
+pub fn smallest(field: &Field, ceiling: &Ceiling) -> Option<Vec<Place>> {
+    let (narrowed, mut rim) = (field.narrowed(TO_SPARE_M), rim(&ceiling.reach_m));
+    let mut best: Option<Vec<Place>> = None;
+    for n_rows in 1..=MOST {
+        for (along_y, between) in [false, true].into_iter().flat_map(|along_y| {
+            [Between::Same, Between::Shifted, Between::Fewer, Between::More].map(|between| (along_y, between))
+        }) {
+            let fewer_than = best.as_ref().map_or(usize::MAX, Vec::len);
+            let of = |first| Lattice { between, along_y, n_rows, first, inset: [0.0; 2] };
+            let Some(most) =
+                (1..=MOST).rev().find(|first| of(*first).count() < fewer_than && !of(*first).is_narrow(ceiling))
+            else {
+                continue;
+            };
+            let mut passes = |first: usize| of(first).passing(&narrowed, ceiling, &mut rim);
+            let mut found = passes(most);
+            let (mut failing, mut passing) = (0, most);
+            while found.is_some() && passing - failing > 1 {
+                let middle = (failing + passing) / 2;
+                match passes(middle) {
+                    Some(places) => (found, passing) = (Some(places), middle),
+                    None => failing = middle,
+                }
+            }
+            let is_proven =
+                |places: &Vec<Place>| search(field, places, &ceiling.reach_m, ceiling.seen_at_once, 0).is_none();
+            // What is proven at once or with one marker more a row; a bound that is still not met is not worth the search.
+            let next = |places: &Vec<Place>| is_proven(places).then(|| places.clone());
+            let proven = found.and_then(|places| next(&places).or_else(|| next(&passes(passing + 1)?)));
+            if let Some(places) = proven.filter(|places| places.len() < fewer_than) {
+                best = Some(places);
+            }
+        }
+    }
+    best
+}
+
+impl Lattice {
+    /// Markers of every row between.
+    fn second(&self) -> usize {
+        match self.between {
+            Between::Same | Between::Shifted => self.first,
+            Between::Fewer => self.first - 1,
+            Between::More => self.first + 1,
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.first * self.n_rows.div_ceil(2) + self.second() * (self.n_rows / 2)
+    }
+
+    /// Its places with the first insets that let the camera see enough from some poses between four markers and along the rim.
+    fn passing(self, field: &Field, ceiling: &Ceiling, rim: &mut [Pose]) -> Option<Vec<Place>> {
+        let insets = INSETS.iter().flat_map(|along| INSETS.iter().map(move |across| [*along, *across]));
+        insets.map(|inset| Lattice { inset, ..self }).filter(|lattice| lattice.covers_inside(field, ceiling)).find_map(
+            |lattice| {
+                let places = lattice.places(ceiling);
+                let refuting = rim.iter().position(|pose| !sees_enough(field, &places, pose, ceiling.seen_at_once));
+                if let Some(at) = refuting {
+                    // What refutes one comes first for the next.
+                    let to = at.min(REMEMBERED);
+                    rim.swap(to, at);
+                    rim[..=to].rotate_right(1);
+                }
+                refuting.is_none().then_some(places)
+            },
+        )
+    }
+
+    /// Whether it does far from all walls, from some poses.
+    fn covers_inside(&self, field: &Field, ceiling: &Ceiling) -> bool {
+        const N: i32 = 6;
+        const REACH: i32 = 3;
+        let axes = self.axes();
+        let ([_, along_m], [_, across_m]) = self.spacing(ceiling);
+        let shifts = self.shifts();
+        let at = |along: f64, row: f64| {
+            let mut at_m = [0.0; 2];
+            (at_m[axes[0]], at_m[axes[1]]) = (along * along_m, row * across_m);
+            at_m
+        };
+        let mut places = Vec::new();
+        for (row, n) in (-REACH..=REACH).flat_map(|row| (-REACH..=REACH).map(move |n| (row, n))) {
+            let [x_m, y_m] = at(f64::from(n) + shifts[row.rem_euclid(2) as usize], f64::from(row));
+            places.push([x_m, y_m, ceiling.height_m]);
+        }
+        (0..N * N).all(|cell| {
+            let [x_m, y_m] = at(f64::from(cell % N) / f64::from(N), f64::from(cell / N) / f64::from(N));
+            headings()
+                .all(|heading_rad| sees_enough(field, &places, &Pose { x_m, y_m, heading_rad }, ceiling.seen_at_once))
+        })
+    }
+
+    /// Whether its markers are much nearer to each other along a row than across.
+    fn is_narrow(&self, ceiling: &Ceiling) -> bool {
+        let ([_, along_m], [_, across_m]) = self.spacing(ceiling);
+        self.first > 1 && across_m > MOST_STRETCHED * along_m
+    }
+
+    /// World axes along a row and across.
+    fn axes(&self) -> [usize; 2] {
+        if self.along_y { [1, 0] } else { [0, 1] }
+    }
+
+    /// Of the first row and of those between, in spacings.
+    fn shifts(&self) -> [f64; 2] {
+        match self.between {
+            Between::Same => [0.0, 0.0],
+            Between::Shifted | Between::Fewer => [0.0, 0.5],
+            Between::More => [0.5, 0.0],
+        }
+    }
+
+    /// Along a row and across: where the first marker is, and from one to the next.
+    fn spacing(&self, ceiling: &Ceiling) -> ([f64; 2], [f64; 2]) {
+        let [along, across] = self.axes().map(|axis| ceiling.reach_m[axis]);
+        let end = |row: usize| self.shifts()[row] + [self.first, self.second()][row] as f64 - 1.0;
+        let spacings = end(0).max(if self.n_rows > 1 { end(1) } else { 0.0 });
+        (spread_over(along, spacings, self.inset[0]), spread_over(across, self.n_rows as f64 - 1.0, self.inset[1]))
+    }
+
+    fn places(&self, ceiling: &Ceiling) -> Vec<Place> {
+        let (axes, shifts) = (self.axes(), self.shifts());
+        let ([first_m, along_m], [first_row_m, across_m]) = self.spacing(ceiling);
+        let mut places = Vec::new();
+        for row in 0..self.n_rows {
+            let n_markers = if row % 2 == 0 { self.first } else { self.second() };
+            for index in 0..n_markers {
+                let mut place_m = [0.0; 2];
+                place_m[axes[0]] = first_m + (index as f64 + shifts[row % 2]) * along_m;
+                place_m[axes[1]] = first_row_m + row as f64 * across_m;
+                let [x_m, y_m] = [0, 1].map(|axis| {
+                    let [least_m, most_m] = ceiling.markers_m[axis];
+                    // Whole millimetres are what a tape measure shows.
+                    (place_m[axis].clamp(least_m, most_m) * 1e3).round() / 1e3
+                });
+                places.push([x_m, y_m, ceiling.height_m]);
+            }
+        }
+        places
+    }
+}
+
+fn sees_enough(field: &Field, places: &[Place], pose: &Pose, seen_at_once: usize) -> bool {
+    let seen = places.iter().filter(|place| field.surely_sees_from(pose, place));
+    seen.take(seen_at_once).count() == seen_at_once
+}
+
+/// Headings that are tried.
+fn headings() -> impl Iterator<Item = f64> {
+    const N: usize = 12;
+    (0..N).map(|heading| heading as f64 * TAU / N as f64)
+}
+
+/// The first of the places and the distance from one to the next, the outermost `inset` distances from the ends.
+fn spread_over([from_m, to_m]: [f64; 2], spacings: f64, inset: f64) -> [f64; 2] {
+    let all = spacings + 2.0 * inset;
+    if spacings > 0.0 {
+        [from_m + inset * (to_m - from_m) / all, (to_m - from_m) / all]
+    } else {
+        // A single one is in the middle, the next beyond the walls.
+        [0.5 * (from_m + to_m), to_m - from_m]
+    }
+}
+
+/// Poses all along the rim of a rectangle.
+fn rim(reach_m: &[[f64; 2]; 2]) -> Vec<Pose> {
+    const STEP_M: f64 = 0.2;
+    let [x_m, y_m] = *reach_m;
+    let mut places = Vec::new();
+    for (axis, [from_m, to_m]) in reach_m.iter().copied().enumerate() {
+        let n_steps = ((to_m - from_m) / STEP_M).ceil().max(1.0);
+        for step in 0..=n_steps as usize {
+            let at_m = from_m + (to_m - from_m) * step as f64 / n_steps;
+            places.extend(if axis == 0 { y_m.map(|y_m| [at_m, y_m]) } else { x_m.map(|x_m| [x_m, at_m]) });
+        }
+    }
+    let at = |[x_m, y_m]: [f64; 2]| headings().map(move |heading_rad| Pose { x_m, y_m, heading_rad });
+    places.into_iter().flat_map(at).collect()
+}

@@ -1,0 +1,48 @@
+//! Whoever drives: along a route or on errands.
+
+use localizer::Estimate;
+
+use crate::{drawn::Drawn, scene::Scene, sensors::proximity::Fan, world::WheelCommand};
+
+use super::{Driver, ErrandDriver, ErrandLog};
+
+/// The driver that a scene asks for.
+#[derive(Clone, Debug)]
+pub enum Pilot {
+    /// Along the scene's route; without one it stands.
+    Route(Box<Driver>),
+    /// From goal to goal by ways of its own.
+    Errands(Box<ErrandDriver>),
+}
+
+impl Pilot {
+    /// The driver of a scene with the goals that a seed has drawn.
+    pub fn new(scene: &Scene, drawn: &Drawn) -> Pilot {
+        if scene.has_errands() {
+            Pilot::Errands(Box::new(ErrandDriver::new(scene, &drawn.goals_m)))
+        } else {
+            Pilot::Route(Box::new(Driver::new(scene)))
+        }
+    }
+
+    /// The wheel speeds for the next [`PERIOD_S`](super::PERIOD_S). `fan` is what the proximity sensor has just read, if it has.
+    pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> WheelCommand {
+        match self {
+            Pilot::Route(driver) => driver.command(estimate, time_s),
+            Pilot::Errands(driver) => driver.command(estimate, fan, time_s),
+        }
+    }
+
+    /// Whether there is nothing left to drive, so that the run may end before its time. A route's run never does.
+    pub fn is_done(&self, time_s: f64) -> bool {
+        matches!(self, Pilot::Errands(driver) if driver.is_done(time_s))
+    }
+
+    /// What became of the errands until `time_s`; none of a route.
+    pub fn into_log(self, time_s: f64) -> Option<ErrandLog> {
+        match self {
+            Pilot::Route(_) => None,
+            Pilot::Errands(driver) => Some(driver.into_log(time_s)),
+        }
+    }
+}

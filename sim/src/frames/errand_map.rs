@@ -1,0 +1,46 @@
+//! The map of a run's errands: what is mapped, what was planned, what was driven.
+
+use image::RgbImage;
+
+use crate::{run::RunRecord, scene::SceneFile};
+
+use super::{
+    canvas::{Canvas, Panel},
+    map_view::MapView,
+    palette,
+};
+
+const WIDTH_PX: f64 = 1200.0;
+const HEADER_PX: f64 = 44.0;
+
+/// Draws the map.
+pub(super) fn draw(file: &SceneFile, record: &RunRecord) -> RgbImage {
+    let room = &file.scene.room;
+    let height_px = (WIDTH_PX * (room.depth_m / room.width_m).min(1.5)).round() + 40.0;
+    let mut canvas = Canvas::new(WIDTH_PX as u32, (HEADER_PX + height_px) as u32, palette::PAPER);
+    let panel = Panel { left_px: 0.0, top_px: HEADER_PX, width_px: WIDTH_PX, height_px };
+    let view = MapView::room(panel, &file.scene);
+    view.draw_floor(&mut canvas, &file.scene, None);
+    view.draw_things(&mut canvas, &file.scene);
+    view.draw_errands(&mut canvas, &file.scene, record, f64::INFINITY);
+    view.draw_trail(&mut canvas, record, f64::INFINITY);
+    if let Some(truth) = record.truths.last() {
+        view.draw_robot(&mut canvas, &file.scene, truth.pose);
+        view.draw_truth(&mut canvas, truth.pose, 30.0);
+    }
+    view.draw_scale(&mut canvas);
+    let legend = [
+        (palette::WALL, "on the map"),
+        (palette::ROUTE, "planned ways"),
+        (palette::TRAIL, "driven in truth"),
+        (palette::TRUTH, "goals reached"),
+        (palette::MISS, "goals missed"),
+    ];
+    let mut left_px = 14.0;
+    for (colour, text) in legend {
+        canvas.line([left_px, 22.0], [left_px + 24.0, 22.0], 4.0, colour);
+        canvas.text([left_px + 32.0, 12.0], 18.0, palette::INK, text);
+        left_px += 32.0 + Canvas::text_width_px(18.0, text) + 28.0;
+    }
+    canvas.image
+}

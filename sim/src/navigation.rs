@@ -1,0 +1,8 @@
+//! Where a robot can go: occupancy grids, their files, and ways through them. Pure but for [`map_server`]'s files.
+
+mod grid;
+pub mod map_server;
+mod planner;
+
+pub use grid::{Cell, OccupancyGrid};
+pub use planner::{Planner, Reach, length_m};

@@ -1,0 +1,37 @@
+//! How much room the true robot has.
+
+use crate::{scene::Scene, truth::Truth, world::Bystander};
+
+/// Distance of the robot's round body from what it may run into; infinite where there is no such thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// From the room's walls.
+    pub walls_m: f64,
+    /// From furniture.
+    pub furniture_m: f64,
+    /// From people.
+    pub people_m: f64,
+}
+
+impl Clearance {
+    /// The room that a robot has among walls, furniture and people.
+    pub fn of(scene: &Scene, truth: &Truth, people: &[Bystander]) -> Clearance {
+        let (radius_m, place_m) = (scene.robot.body_radius_m, [truth.pose.x_m, truth.pose.y_m]);
+        let room_m = [scene.room.width_m, scene.room.depth_m];
+        let wall_m = |axis: usize| place_m[axis].min(room_m[axis] - place_m[axis]);
+        let furniture = scene.furniture.iter().map(|piece| piece.distance_m(place_m));
+        let people = people
+            .iter()
+            .map(|person| (person.place_m[0] - place_m[0]).hypot(person.place_m[1] - place_m[1]) - person.radius_m);
+        Clearance {
+            walls_m: wall_m(0).min(wall_m(1)) - radius_m,
+            furniture_m: furniture.fold(f64::INFINITY, f64::min) - radius_m,
+            people_m: people.fold(f64::INFINITY, f64::min) - radius_m,
+        }
+    }
+
+    /// Distance of whatever is nearest.
+    pub fn least_m(&self) -> f64 {
+        self.walls_m.min(self.furniture_m).min(self.people_m)
+    }
+}

@@ -1,0 +1,39 @@
+//! Errands on which nobody can go.
+
+use crate::{
+    navigation::Planner,
+    scene::{Scene, parse::Contradiction},
+};
+
+/// Goals to which no way leads, and what the proximity sensor cannot be.
+pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let navigation = scene.navigation();
+    let is_map_missing = navigation.map.is_some() && navigation.surveyed.is_none();
+    // A goal outside the room or in furniture has been told of already, and a map that is not read plans nothing.
+    if !scene.has_errands() || !found.is_empty() || is_map_missing {
+        return;
+    }
+    let planner = Planner::of(scene);
+    let start_m = [scene.start.x_m, scene.start.y_m];
+    let Some(reach) = planner.reach(start_m) else {
+        let expected = format!("the map leaves no free floor here, expected some {}", room_needed(scene));
+        found.push(Contradiction { key: "start.x_m".to_owned(), expected });
+        return;
+    };
+    for (index, errand) in scene.errands.iter().enumerate() {
+        if !reach.contains([errand.x_m, errand.y_m]) {
+            let expected =
+                format!("no way leads from the start to this goal, expected one with {}", room_needed(scene));
+            found.push(Contradiction { key: format!("errand[{index}].x_m"), expected });
+        }
+    }
+    if navigation.random_goals > 0 && reach.n_cells() < 2 {
+        let expected = "there is nowhere to go, expected free floor about the start".to_owned();
+        found.push(Contradiction { key: "navigation.random_goals".to_owned(), expected });
+    }
+}
+
+fn room_needed(scene: &Scene) -> String {
+    let margin_m = scene.navigation().margin_m;
+    format!("{} m to either side, the robot's body and a margin of {margin_m} m", scene.robot.body_radius_m + margin_m)
+}

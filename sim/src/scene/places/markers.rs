@@ -1,0 +1,113 @@
+//! Markers that cannot be, or cannot be told apart.
+
+use localizer::markers::{self, MarkerId};
+
+use crate::scene::{Marker, Markers, Scene, UNDER_CEILING_M, parse::Contradiction};
+
+/// From the middle of a marker to the sides of the square that is its own: half a pitch more than its dots' centres.
+const HALF_WIDTH_M: f64 = 0.08;
+
+/// Everything about markers in which `scene` contradicts itself.
+pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let Some(markers) = &scene.markers else { return };
+    let words = markers::Coding::from(markers.coding).identities();
+    for (index, marker) in markers.markers.iter().enumerate() {
+        let earlier = &markers.markers[..index];
+        let problems = [
+            word_problem(marker, markers, &words),
+            twice(marker, earlier),
+            outside(marker, scene),
+            overlap(marker, earlier),
+            too_high(marker, markers, scene),
+            wrong_dots(marker),
+        ];
+        found.extend(
+            problems
+                .into_iter()
+                .flatten()
+                .map(|(key, expected)| Contradiction { key: format!("markers.marker[{index}].{key}"), expected }),
+        );
+    }
+}
+
+type Problem = Option<(&'static str, String)>;
+
+fn word_problem(marker: &Marker, markers: &Markers, words: &[MarkerId]) -> Problem {
+    let distance = |word: &MarkerId| (word.0 ^ marker.id).count_ones();
+    let least = words.iter().map(distance).min()?;
+    if least == 0 {
+        return None;
+    }
+    const SHOWN: usize = 5;
+    let nearest: Vec<String> =
+        words.iter().filter(|word| distance(word) == least).take(SHOWN).map(|word| word.0.to_string()).collect();
+    let dots = if least == 1 { "1 dot".to_owned() } else { format!("{least} dots") };
+    let coding = markers.coding.as_str();
+    Some(("id", format!("no word of the {coding}, expected one such as {} ({dots} away)", nearest.join(", "))))
+}
+
+fn twice(marker: &Marker, earlier: &[Marker]) -> Problem {
+    let first = earlier.iter().position(|other| other.id == marker.id && other.on_map && marker.on_map)?;
+    Some((
+        "id",
+        format!(
+            "that of markers.marker[{first}] too, expected each once on the map, or `on_map = false` for one of them"
+        ),
+    ))
+}
+
+fn outside(marker: &Marker, scene: &Scene) -> Problem {
+    let (sin, cos) = marker.rotation_deg.to_radians().sin_cos();
+    let reach_m = HALF_WIDTH_M * (sin.abs() + cos.abs());
+    for (key, at_m, extent_m) in [("x_m", marker.x_m, scene.room.width_m), ("y_m", marker.y_m, scene.room.depth_m)] {
+        if !(reach_m..=extent_m - reach_m).contains(&at_m) {
+            let [least_m, most_m] = [reach_m, extent_m - reach_m].map(super::short);
+            return Some((key, format!("reaches out of the room, expected a number from {least_m} to {most_m}")));
+        }
+    }
+    None
+}
+
+fn overlap(marker: &Marker, earlier: &[Marker]) -> Problem {
+    let other = earlier.iter().position(|other| other.pasted && marker.pasted && overlaps(marker, other))?;
+    Some(("x_m", format!("on top of markers.marker[{other}], expected a place of its own, 0.16 m wide and deep")))
+}
+
+/// Whether two squares overlap: no side of either has all of the other beyond it.
+fn overlaps(one: &Marker, other: &Marker) -> bool {
+    let between_m = [other.x_m - one.x_m, other.y_m - one.y_m];
+    let turn_rad = (other.rotation_deg - one.rotation_deg).to_radians();
+    // Half the extent of both along a side's normal.
+    let reach_m = HALF_WIDTH_M * (1.0 + turn_rad.sin().abs() + turn_rad.cos().abs());
+    [one, other].iter().all(|marker| {
+        let (sin, cos) = marker.rotation_deg.to_radians().sin_cos();
+        let along_m = [cos * between_m[0] + sin * between_m[1], cos * between_m[1] - sin * between_m[0]];
+        along_m.iter().all(|distance_m| distance_m.abs() < reach_m - 1e-9)
+    })
+}
+
+fn too_high(marker: &Marker, markers: &Markers, scene: &Scene) -> Problem {
+    let most_m = scene.building.ceiling_height_m - UNDER_CEILING_M - markers.height_tolerance_m;
+    let is_too_high = marker.height_m.is_some_and(|height_m| height_m > most_m + 1e-9);
+    is_too_high.then(|| {
+        let (most_m, tolerance_m) = (super::short(most_m), markers.height_tolerance_m);
+        ("height_m", format!("in the ceiling, expected at most {most_m}, as heights are drawn within {tolerance_m} m"))
+    })
+}
+
+fn wrong_dots(marker: &Marker) -> Problem {
+    let is_place = |place: &[u8; 2]| place.iter().all(|index| *index < 4);
+    if let Some(place) = marker.missing_dots.iter().find(|place| !is_place(place) || !marker.is_printed(**place)) {
+        return Some((
+            "missing_dots",
+            format!("no dot is printed at {place:?}, expected a place of its grid that has one"),
+        ));
+    }
+    if let Some(place) = marker.extra_dots.iter().find(|place| !is_place(place) || marker.is_printed(**place)) {
+        return Some((
+            "extra_dots",
+            format!("{place:?} cannot be one, expected a place of its grid, 0 to 3 both ways, without a dot"),
+        ));
+    }
+    None
+}

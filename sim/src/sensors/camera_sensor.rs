@@ -1,0 +1,132 @@
+//! A camera in time: when it exposes, what moves meanwhile, how it stamps and when it delivers.
+
+use std::collections::VecDeque;
+
+use image::GrayImage;
+use localizer::{Reading, reading::Camera};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{
+    drawn::{Drawn, draw_within},
+    randomness,
+    render::View,
+    scene::{CameraTiming, Distribution, Event, Scene},
+    truth::Truth,
+};
+
+use super::{Observation, camera::AutoExposure, fitted_camera::FittedCamera};
+
+/// A camera that takes an image every period.
+pub struct CameraSensor {
+    camera: FittedCamera,
+    timing: CameraTiming,
+    auto_exposure: AutoExposure,
+    lights: Vec<Switch>,
+    errors: Distribution,
+    clock: ChaCha8Rng,
+    n_images: u32,
+    /// Truth at every physics step that the exposure in progress may need.
+    recent: VecDeque<Truth>,
+}
+
+/// From this time on the lamps give this illuminance.
+#[derive(Clone, Copy, Debug)]
+struct Switch {
+    at_s: f64,
+    illuminance_at_floor_lux: f64,
+}
+
+/// An exposure that has just ended, not drawn yet.
+pub(super) struct Exposed {
+    /// What is to be drawn.
+    pub(super) view: View,
+    middle: Truth,
+    ended_s: f64,
+}
+
+impl CameraSensor {
+    /// The scene's camera of this name under lamps that at first give `at_first_lux` at the floor; `None` if the robot has none.
+    pub(super) fn new(name: Camera, scene: &Scene, seed: u64, drawn: &Drawn, at_first_lux: f64) -> Option<Self> {
+        let camera = FittedCamera::new(name, scene, drawn, seed)?;
+        Some(CameraSensor {
+            timing: scene.robot.camera_timing(name)?,
+            auto_exposure: AutoExposure::new(&camera.sensor),
+            lights: switches(scene, at_first_lux),
+            errors: scene.robot.errors,
+            clock: randomness::stream(seed, &format!("{}_camera.clock", name.as_str())),
+            n_images: 0,
+            recent: VecDeque::new(),
+            camera,
+        })
+    }
+
+    /// Looks at one physics step; answers when an exposure has just ended.
+    pub(super) fn expose(&mut self, truth: &Truth) -> Option<Exposed> {
+        self.recent.push_back(*truth);
+        // The first exposure may begin as soon as the run does.
+        let middle_s = self.timing.longest_s + f64::from(self.n_images) * self.timing.period_s;
+        let exposure = self.auto_exposure.exposure();
+        let lasts_s = exposure.exposure_s + self.camera.readout_s();
+        let (from_s, to_s) = (middle_s - 0.5 * lasts_s, middle_s + 0.5 * lasts_s);
+        while self.recent.len() > 2 && self.recent[1].time_s <= from_s {
+            self.recent.pop_front();
+        }
+        if truth.time_s < to_s {
+            return None;
+        }
+        let truths: Vec<Truth> = instants(from_s, to_s).map(|time_s| self.truth_at(time_s)).collect();
+        let view = self.camera.view(&truths, exposure, self.illuminance_lux(middle_s), self.n_images);
+        Some(Exposed { view, middle: self.truth_at(middle_s), ended_s: to_s })
+    }
+
+    /// Stamps and sends the picture of an exposure.
+    pub(super) fn deliver(&mut self, exposed: &Exposed, image: GrayImage) -> Observation {
+        self.auto_exposure.meter(&image);
+        self.n_images += 1;
+        let (timing, middle_s) = (&self.timing, exposed.middle.time_s);
+        let measured_s = middle_s + draw_within(timing.stamp_tolerance_s, self.errors, &mut self.clock);
+        let late_s = timing.latency_s + draw_within(timing.latency_tolerance_s, self.errors, &mut self.clock);
+        // A delivery cannot come before the exposure has ended.
+        let arrived_s = (middle_s + late_s).max(exposed.ended_s);
+        let (camera, exposure_s) = (self.camera.name, exposed.view.exposure_s);
+        let reading = Reading::Camera { measured_s, arrived_s, camera, exposure_s, image };
+        Observation::new(reading, exposed.middle)
+    }
+
+    /// Truth between physics steps, on the chord of the step.
+    fn truth_at(&self, time_s: f64) -> Truth {
+        let after = self.recent.partition_point(|truth| truth.time_s < time_s).clamp(1, self.recent.len().max(2) - 1);
+        match (self.recent.get(after - 1), self.recent.get(after)) {
+            (Some(before), Some(after)) => before.interpolated(after, time_s),
+            _ => self.recent.back().copied().unwrap_or_default(),
+        }
+    }
+
+    fn illuminance_lux(&self, time_s: f64) -> f64 {
+        self.lights
+            .iter()
+            .rev()
+            .find(|switch| switch.at_s <= time_s)
+            .map_or(0.0, |switch| switch.illuminance_at_floor_lux)
+    }
+}
+
+/// Instants at equal steps through an exposure; the renderer chooses how many sub-frames to make of them.
+fn instants(from_s: f64, to_s: f64) -> impl Iterator<Item = f64> {
+    // The path of a wheeled robot over one exposure bends so little that five poses tell it.
+    const N_POSES: usize = 5;
+    (0..N_POSES).map(move |index| from_s + (to_s - from_s) * index as f64 / (N_POSES - 1) as f64)
+}
+
+/// The lamps over time: as the scene states them, then as its events switch them.
+fn switches(scene: &Scene, at_first_lux: f64) -> Vec<Switch> {
+    let mut switches = vec![Switch { at_s: f64::NEG_INFINITY, illuminance_at_floor_lux: at_first_lux }];
+    switches.extend(scene.events.iter().filter_map(|event| match event {
+        Event::Light { at_s, illuminance_at_floor_lux } => {
+            Some(Switch { at_s: *at_s, illuminance_at_floor_lux: *illuminance_at_floor_lux })
+        }
+        _ => None,
+    }));
+    switches.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+    switches
+}

@@ -1,0 +1,95 @@
+//! A camera as it is truly mounted: where it is while the robot moves, and the view that it takes.
+
+use localizer::reading::Camera;
+use nalgebra::Isometry3;
+use rand::Rng;
+
+use crate::{
+    drawn::{Drawn, DrawnCamera, DrawnFloorCamera},
+    randomness,
+    render::{NoiseKey, View},
+    scene::{Scene, SensorModel},
+    truth::Truth,
+};
+
+use super::{
+    camera::{Exposure, Intrinsics, floor_camera_intrinsics, world_from_floor_camera},
+    lens::{Lens, world_from_camera},
+};
+
+/// One of the robot's cameras, with the mount, the lens and the noise of its own.
+#[derive(Clone, Debug)]
+pub struct FittedCamera {
+    /// Which one.
+    pub name: Camera,
+    /// What turns its light into grey levels.
+    pub sensor: SensorModel,
+    mount: Mount,
+    intrinsics: Intrinsics,
+    lens: Option<Lens>,
+    noise_seed: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Mount {
+    Floor(DrawnFloorCamera),
+    Other(DrawnCamera),
+}
+
+impl FittedCamera {
+    /// The scene's camera of this name, as drawn; `None` if the robot has none.
+    pub fn new(name: Camera, scene: &Scene, drawn: &Drawn, seed: u64) -> Option<FittedCamera> {
+        let robot = &scene.robot;
+        let (sensor, mount, lens) = match name {
+            Camera::Floor => (robot.floor_camera.as_ref()?.sensor_model(), Mount::Floor(drawn.floor_camera?), None),
+            Camera::Forward => {
+                let (camera, mount) = (robot.forward_camera.as_ref()?, drawn.forward_camera?);
+                (camera.sensor_model(), Mount::Other(mount), Some(Lens::forward(camera, &mount)))
+            }
+            Camera::Ceiling => {
+                let (camera, mount) = (robot.ceiling_camera.as_ref()?, drawn.ceiling_camera?);
+                (camera.sensor_model(), Mount::Other(mount), Some(Lens::ceiling(camera, &mount)))
+            }
+        };
+        let intrinsics = match (&lens, mount) {
+            (None, Mount::Floor(mount)) => floor_camera_intrinsics(robot.floor_camera.as_ref()?, &mount),
+            (lens, _) => lens.as_ref()?.intrinsics(),
+        };
+        Some(FittedCamera { name, sensor, mount, intrinsics, lens, noise_seed: noise_seed(seed, name) })
+    }
+
+    /// Where it is when the robot is there.
+    pub fn world_from_camera(&self, truth: &Truth) -> Isometry3<f64> {
+        match &self.mount {
+            Mount::Floor(mount) => world_from_floor_camera(truth, mount),
+            Mount::Other(mount) => world_from_camera(truth, mount),
+        }
+    }
+
+    /// Time from the start of the first row's exposure to that of the last.
+    pub fn readout_s(&self) -> f64 {
+        self.lens.as_ref().map_or(0.0, Lens::readout_s)
+    }
+
+    /// Its picture number `image`, taken while the robot goes through `truths` at equal steps of time.
+    pub fn view(&self, truths: &[Truth], exposure: Exposure, illuminance_at_floor_lux: f64, image: u32) -> View {
+        View {
+            intrinsics: self.intrinsics,
+            sensor: self.sensor,
+            world_from_camera: truths.iter().map(|truth| self.world_from_camera(truth)).collect(),
+            exposure_s: exposure.exposure_s,
+            gain_levels_per_electron: exposure.gain_levels_per_electron,
+            illuminance_at_floor_lux,
+            noise: NoiseKey { seed: self.noise_seed, image },
+            lens: self.lens.clone(),
+        }
+    }
+}
+
+/// The floor camera keeps the run's own seed; each other one has noise of its own.
+fn noise_seed(seed: u64, name: Camera) -> u64 {
+    match name {
+        Camera::Floor => seed,
+        _ => randomness::stream(seed, &format!("{}_camera.noise", name.as_str())).next_u64(),
+    }
+}

@@ -1,0 +1,73 @@
+//! Rangefinders that look out for what is in the way. What they say goes to the driver of errands, never to the localizer.
+
+use nalgebra::Point3;
+use rand_chacha::ChaCha8Rng;
+
+use crate::{
+    drawn::draw_within,
+    randomness::stream,
+    scene::{Distribution, Proximity, Scene},
+    truth::Truth,
+    world::Bystander,
+};
+
+use super::sight::Obstacles;
+
+/// One reading of the fan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fan {
+    /// When it was taken; it arrives at once.
+    pub measured_s: f64,
+    /// Beams from right to left.
+    pub beams: Vec<Beam>,
+}
+
+/// What one beam met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Direction from robot forward, counter-clockwise.
+    pub bearing_rad: f64,
+    /// Distance of the nearest surface from the robot's origin; none within the range.
+    pub distance_m: Option<f64>,
+}
+
+/// The fan on a robot.
+pub struct ProximitySensor {
+    keys: Proximity,
+    errors: Distribution,
+    obstacles: Obstacles,
+    rng: ChaCha8Rng,
+    n_readings: u64,
+}
+
+impl ProximitySensor {
+    /// The fan that a scene states, if any.
+    pub(super) fn new(scene: &Scene, seed: u64) -> Option<Self> {
+        Some(ProximitySensor {
+            keys: scene.robot.proximity.clone()?,
+            errors: scene.robot.errors,
+            obstacles: Obstacles::new(scene),
+            rng: stream(seed, "proximity.noise"),
+            n_readings: 0,
+        })
+    }
+
+    /// A reading when one is due.
+    pub(super) fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
+        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        if truth.time_s + 0.0005 < self.n_readings as f64 * self.keys.period_s {
+            return None;
+        }
+        self.n_readings += 1;
+        let eye = Point3::new(truth.pose.x_m, truth.pose.y_m, self.keys.height_m);
+        let step_rad = self.keys.field_deg.to_radians() / (self.keys.beams - 1) as f64;
+        let beams = (0..self.keys.beams).map(|index| {
+            let bearing_rad = index as f64 * step_rad - 0.5 * self.keys.field_deg.to_radians();
+            let direction_rad = truth.pose.heading_rad + bearing_rad;
+            let nearest_m = self.obstacles.nearest_m(eye, direction_rad, self.keys.range_m, people);
+            let error_m = draw_within(self.keys.tolerance_m, self.errors, &mut self.rng);
+            Beam { bearing_rad, distance_m: nearest_m.map(|nearest_m| nearest_m + error_m) }
+        });
+        Some(Fan { measured_s: truth.time_s, beams: beams.collect() })
+    }
+}

@@ -1,0 +1,356 @@
+//! From dots in an image to the pose, against a pinhole camera of the tests' own under a ceiling of the tests' own.
+
+use localizer::{
+    Interval, Map, PoseBox, PoseUnion, RobotModel,
+    map::{MarkerMap, PlacedMarker},
+    markers::{Coding, GridPlace, MarkerId},
+    methods::ceiling_markers::CeilingMarkers,
+    robot::{BodyModel, CeilingCameraModel, Reach, WheelModel},
+    vision::ceiling::{CeilingMarkers as Seen, Dot, SeenMarker},
+};
+use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// The declared tilt of body and mount each: 0.05°.
+const TILT_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
+const HEAVE_M: f64 = 0.0002;
+const CEILING_M: f64 = 2.8;
+
+/// Within its bound, half of the time at the corner.
+fn corner(rng: &mut ChaCha8Rng) -> f64 {
+    if rng.random::<f64>() < 0.5 { [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-1.0..1.0) }
+}
+
+fn drawn(rng: &mut ChaCha8Rng, interval: Interval) -> f64 {
+    (interval.mid() + corner(rng) * interval.radius()).clamp(interval.lo(), interval.hi())
+}
+
+/// A rotation by at most `size` about some horizontal axis.
+fn tilt(rng: &mut ChaCha8Rng, size: f64) -> UnitQuaternion<f64> {
+    let (angle, size) = (rng.random_range(0.0..std::f64::consts::TAU), size * corner(rng));
+    UnitQuaternion::from_scaled_axis(Vector3::new(angle.cos(), angle.sin(), 0.0) * size)
+}
+
+fn camera() -> CeilingCameraModel {
+    CeilingCameraModel {
+        width_px: 640,
+        height_px: 480,
+        focal_px: [Interval::centred(755.139, 0.4), Interval::centred(753.926, 0.4)],
+        centre_px: [Interval::centred(320.252, 0.4), Interval::centred(239.661, 0.4)],
+        distortion: [0.0; 4],
+        distortion_px: 0.0,
+        height_m: Interval::centred(0.2, 0.001),
+        position_m: [Interval::centred(-0.15, 0.0003), Interval::centred(0.02, 0.0003)],
+        yaw_rad: Interval::centred(0.0, TILT_RAD),
+        lean_rad: [0.0; 2],
+        tilt_rad: TILT_RAD,
+        stamp_error_s: 0.0,
+        latency_s: Interval::point(0.03),
+        electrons_per_grey: 40.0,
+        q_items: 0,
+    }
+}
+
+fn robot(camera: CeilingCameraModel) -> RobotModel {
+    let radius = Interval::point(0.1);
+    RobotModel {
+        wheels: WheelModel {
+            radius_m: [radius, radius],
+            track_m: Interval::point(0.33),
+            ticks_per_turn: 1000.0,
+            slip_ratio: 0.0,
+            slip_floor_m: 0.0,
+            side_slip_ratio: 0.0,
+            side_slip_floor_m: 0.0,
+            slip_window_s: 0.2,
+        },
+        reach: Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 2.0 },
+        body: BodyModel { tilt_rad: TILT_RAD, heave_m: HEAVE_M, clearance_m: 0.0 },
+        floor_camera: None,
+        gyro: None,
+        ceiling_camera: Some(camera),
+        range_camera: None,
+    }
+}
+
+/// A true situation, every error drawn inside its bound.
+struct Situation {
+    pose: [f64; 3],
+    map: MarkerMap,
+    camera: CeilingCameraModel,
+    /// Centre and angle of each marker as pasted, its height, and the places of its dots.
+    pasted: Vec<([f64; 2], f64, f64)>,
+    world_from_camera: Isometry3<f64>,
+    focal_px: [f64; 2],
+    centre_px: [f64; 2],
+}
+
+impl Situation {
+    /// Random markers around a random robot whose camera is that of `camera`.
+    fn new(rng: &mut ChaCha8Rng, camera: CeilingCameraModel, n_markers: usize) -> Situation {
+        let pose = [rng.random_range(-8.0..8.0), rng.random_range(-8.0..8.0), rng.random_range(-20.0..20.0f64)];
+        let words = Coding::Hexads.identities();
+        let lean = Vector3::new(-camera.lean_rad[1], camera.lean_rad[0], 0.0);
+        let marker = |idx: usize, rng: &mut ChaCha8Rng| PlacedMarker {
+            id: words[idx * 7 % words.len()],
+            // About where the leaning camera looks.
+            centre_m: {
+                let (sin, cos) = pose[2].sin_cos();
+                let ahead = [CEILING_M * camera.lean_rad[0].tan(), CEILING_M * camera.lean_rad[1].tan()];
+                let spread = [rng.random_range(-0.7..0.7), rng.random_range(-0.7..0.7)];
+                [
+                    pose[0] + cos * ahead[0] - sin * ahead[1] + spread[0],
+                    pose[1] + sin * ahead[0] + cos * ahead[1] + spread[1],
+                ]
+            },
+            rotation_rad: rng.random_range(-4.0..4.0),
+            height_m: Interval::centred(CEILING_M + rng.random_range(-0.1..0.1), 0.002),
+        };
+        let markers: Vec<PlacedMarker> = (0..n_markers).map(|idx| marker(idx, rng)).collect();
+        let map = MarkerMap {
+            coding: Coding::Hexads,
+            markers,
+            placement_m: 0.0005,
+            rotation_tolerance_rad: 0.0005,
+            print_m: 0.00005,
+        };
+        let pasted = map.markers.iter().map(|placed| {
+            let course: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+            let off = map.placement_m * corner(rng);
+            let centre = [placed.centre_m[0] + off * course.cos(), placed.centre_m[1] + off * course.sin()];
+            let angle = placed.rotation_rad + map.rotation_tolerance_rad * corner(rng);
+            (centre, angle, drawn(rng, placed.height_m))
+        });
+        let pasted = pasted.collect();
+        let stamp_error_s = camera.stamp_error_s * corner(rng);
+        let course: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+        let at_exposure = [
+            pose[0] + 0.7 * stamp_error_s * course.cos(),
+            pose[1] + 0.7 * stamp_error_s * course.sin(),
+            pose[2] + 1.6 * stamp_error_s * corner(rng),
+        ];
+        let upwards = UnitQuaternion::from_rotation_matrix(&Rotation3::from_basis_unchecked(&[
+            Vector3::new(0.0, 1.0, 0.0),
+            Vector3::new(-1.0, 0.0, 0.0),
+            Vector3::new(0.0, 0.0, 1.0),
+        ]));
+        let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), drawn(rng, camera.yaw_rad));
+        let (lean, error) = (UnitQuaternion::from_scaled_axis(lean), tilt(rng, camera.tilt_rad));
+        // The error of the mount before or after its lean: the declared bound is that of the axis.
+        let posture = if rng.random::<bool>() { error * lean } else { lean * error };
+        let place = [drawn(rng, camera.position_m[0]), drawn(rng, camera.position_m[1]), drawn(rng, camera.height_m)];
+        let body_from_camera =
+            Isometry3::from_parts(Translation3::new(place[0], place[1], place[2]), yaw * posture * upwards);
+        let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), at_exposure[2]);
+        let world_from_body = Isometry3::from_parts(
+            Translation3::new(at_exposure[0], at_exposure[1], HEAVE_M * corner(rng)),
+            heading * tilt(rng, TILT_RAD),
+        );
+        let (focal_px, centre_px) = (
+            [0, 1].map(|axis| drawn(rng, camera.focal_px[axis])),
+            [0, 1].map(|axis| drawn(rng, camera.centre_px[axis])),
+        );
+        let world_from_camera = world_from_body * body_from_camera;
+        Situation { pose, map, camera, pasted, world_from_camera, focal_px, centre_px }
+    }
+
+    /// Image of a point by pinhole and Brown's lens.
+    fn project(&self, point: Point3<f64>) -> [f64; 2] {
+        let seen = self.world_from_camera.inverse_transform_point(&point);
+        let (x, y) = (seen.x / seen.z, seen.y / seen.z);
+        let ([k1, k2, p1, p2], r2) = (self.camera.distortion, x * x + y * y);
+        let radial = 1.0 + k1 * r2 + k2 * r2 * r2;
+        let bent = [
+            x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+        ];
+        [0, 1].map(|axis| self.centre_px[axis] + self.focal_px[axis] * bent[axis])
+    }
+
+    /// A dot of the n-th marker as printed and pasted.
+    fn dot(&self, rng: &mut ChaCha8Rng, idx: usize, place: GridPlace) -> Point3<f64> {
+        let (centre, angle, height) = self.pasted[idx];
+        let at = [0, 1].map(|axis| (f64::from(place[axis]) - 1.5) * 0.04);
+        let course: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+        let off = self.map.print_m * corner(rng);
+        Point3::new(
+            centre[0] + angle.cos() * at[0] - angle.sin() * at[1] + off * course.cos(),
+            centre[1] + angle.sin() * at[0] + angle.cos() * at[1] + off * course.sin(),
+            height,
+        )
+    }
+
+    /// What a perfect reader would see of the markers, each dot within `bound_px` of the truth, along both axes and often at a corner.
+    fn seen(&self, rng: &mut ChaCha8Rng, bound_px: f64) -> Seen {
+        let ids: Vec<MarkerId> = self.map.markers.iter().map(|placed| placed.id).collect();
+        let mut markers = Vec::new();
+        for (idx, id) in ids.into_iter().enumerate() {
+            let mut dots = Vec::new();
+            for place in id.dots() {
+                let image = self.project(self.dot(rng, idx, place));
+                let off = self.camera.distortion_px;
+                let centre_px = image.map(|at| at + (bound_px + off) * corner(rng) * 0.999_999);
+                dots.push((place, Dot { centre_px, bound_px, radius_px: 2.9, level: 200.0, flux: 5000.0 }));
+            }
+            markers.push(SeenMarker { id, dots, confidence: 1.0 });
+        }
+        Seen { markers, rejected_px: Vec::new() }
+    }
+
+    fn method(&self) -> CeilingMarkers {
+        let room = Interval::new(-50.0, 50.0);
+        let map = Map { room_m: [room, room], tiles: None, markers: Some(self.map.clone()) };
+        CeilingMarkers::new(&map, &robot(self.camera.clone())).expect("a ceiling camera and markers")
+    }
+
+    /// What is left of a prior.
+    fn located(&self, seen: Seen, prior: &PoseBox) -> PoseUnion {
+        let constraint = self.method().constraint(0.0, seen).expect("markers on the map");
+        PoseUnion { branches: constraint.on_pose.branches(prior) }
+    }
+
+    fn prior(&self, rng: &mut ChaCha8Rng, half_m: f64, half_rad: f64) -> PoseBox {
+        let half = [half_m, half_m, half_rad];
+        PoseBox::new(std::array::from_fn(|axis| {
+            Interval::centred(self.pose[axis] + rng.random_range(-0.9..0.9) * half[axis], half[axis])
+        }))
+    }
+
+    fn holds(&self, union: &PoseUnion) -> bool {
+        union.branches.iter().any(|branch| branch.contains(&self.pose))
+    }
+}
+
+/// Cameras of all kinds: upright, leaning by 10° known to 0.05°, with a lens that bends, with a late stamp, with a turned mount.
+fn any_camera(rng: &mut ChaCha8Rng) -> CeilingCameraModel {
+    let mut camera = camera();
+    if rng.random::<bool>() {
+        let course: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+        let lean = 10f64.to_radians() * rng.random_range(0.0..1.0);
+        camera.lean_rad = [lean * course.cos(), lean * course.sin()];
+    }
+    if rng.random::<bool>() {
+        camera.distortion = [rng.random_range(-0.2..0.1), rng.random_range(-0.05..0.05), 0.001, -0.0008];
+        camera.distortion_px = 0.02;
+    }
+    if rng.random::<bool>() {
+        camera.stamp_error_s = 0.001;
+    }
+    if rng.random::<bool>() {
+        camera.yaw_rad = Interval::centred(rng.random_range(-3.0..3.0), TILT_RAD);
+    }
+    camera
+}
+
+#[test]
+fn no_pose_is_lost_whatever_the_mount_and_the_errors() {
+    let mut rng = ChaCha8Rng::seed_from_u64(51);
+    let rounds = std::env::var("CEILING_POSES").ok().and_then(|text| text.parse().ok()).unwrap_or(2500);
+    for round in 0..rounds {
+        let camera = any_camera(&mut rng);
+        let n_markers = rng.random_range(1..5);
+        let situation = Situation::new(&mut rng, camera, n_markers);
+        let bound_px = [0.0, 0.03, 0.1, 0.4][rng.random_range(0..4)];
+        let seen = situation.seen(&mut rng, bound_px);
+        let (half_m, half_rad) = [(0.02, 0.02), (0.5, 0.3), (20.0, 7.0)][rng.random_range(0..3)];
+        let prior = situation.prior(&mut rng, half_m, half_rad);
+        let union = situation.located(seen, &prior);
+        assert!(situation.holds(&union), "round {round}: {:?} not in {union:?}", situation.pose);
+    }
+}
+
+#[test]
+fn one_marker_overhead_gives_position_to_the_tilts_and_heading_to_a_fraction_of_a_degree() {
+    let mut rng = ChaCha8Rng::seed_from_u64(52);
+    let mut widths = [0.0; 3];
+    for _ in 0..200 {
+        let mut situation = Situation::new(&mut rng, camera(), 1);
+        let pose = situation.pose;
+        situation.map.markers[0].centre_m = [pose[0], pose[1]];
+        situation.pasted[0].0 = [pose[0], pose[1]];
+        let seen = situation.seen(&mut rng, 0.03);
+        let union = situation.located(seen, &situation.prior(&mut rng, 1.0, 1.0));
+        assert!(situation.holds(&union));
+        let hull = union.hull();
+        (0..3).for_each(|axis| widths[axis] += hull.width(axis) / 200.0);
+    }
+    // By hand, half-widths in mm: tilts of 0.05° over 2.8 m and 2.6 m 4.72, placement 0.5; position of the mount 0.3 and centre of the picture 1.38 as
+    // squares turned anyhow, 4/π on average, 2.1; a dot's print and pixel 0.15: 7.5, less what corners of squares give back.
+    println!("widths {:.2} mm {:.2} mm {:.3} deg", 1e3 * widths[0], 1e3 * widths[1], widths[2].to_degrees());
+    assert!(widths[..2].iter().all(|width| (0.0142..0.0162).contains(width)), "{widths:?}");
+    assert!(widths[2].to_degrees() < 0.6, "{widths:?}");
+}
+
+#[test]
+fn a_marker_that_is_not_where_the_map_says_costs_nothing_when_one_may_be_wrong() {
+    let mut rng = ChaCha8Rng::seed_from_u64(53);
+    let mut emptied = 0;
+    for round in 0..100 {
+        let camera = CeilingCameraModel { q_items: 1, ..any_camera(&mut rng) };
+        let mut situation = Situation::new(&mut rng, camera, 3);
+        // A double of marker 0 hangs elsewhere and is the one in view.
+        situation.pasted[0].0[0] += rng.random_range(0.05..0.4) * [-1.0, 1.0][rng.random_range(0..2)];
+        let seen = situation.seen(&mut rng, 0.05);
+        let prior = situation.prior(&mut rng, 2.0, 0.5);
+        assert!(situation.holds(&situation.located(seen.clone(), &prior)), "round {round}");
+        situation.camera.q_items = 0;
+        let union = situation.located(seen, &prior);
+        assert!(!situation.holds(&union), "round {round}");
+        emptied += usize::from(union.branches.is_empty());
+    }
+    // Without q the contradiction is noticed: nothing is left.
+    assert!(emptied >= 95, "{emptied} of 100");
+}
+
+#[test]
+fn one_marker_alone_says_nothing_when_one_may_be_wrong() {
+    let mut rng = ChaCha8Rng::seed_from_u64(54);
+    let situation = Situation::new(&mut rng, CeilingCameraModel { q_items: 1, ..camera() }, 1);
+    let seen = situation.seen(&mut rng, 0.05);
+    assert!(situation.method().constraint(0.0, seen).is_none());
+}
+
+#[test]
+fn a_stranger_is_ignored_and_doubles_are_both_refused() {
+    let mut rng = ChaCha8Rng::seed_from_u64(55);
+    let situation = Situation::new(&mut rng, camera(), 2);
+    let seen = situation.seen(&mut rng, 0.05);
+    let prior = situation.prior(&mut rng, 1.0, 0.5);
+    let alone = Seen { markers: vec![seen.markers[1].clone()], rejected_px: Vec::new() };
+    let expected = situation.located(alone, &prior);
+
+    let mut stranger = seen.clone();
+    stranger.markers[0].id = MarkerId(0xFFF);
+    assert_eq!(situation.located(stranger, &prior), expected);
+
+    let mut doubled = seen.clone();
+    doubled.markers.push(doubled.markers[0].clone());
+    let constraint = situation.method().constraint(0.0, doubled).expect("marker 1 is left");
+    assert_eq!(constraint.on_pose.branches(&prior), expected.branches);
+    assert_eq!((constraint.claims.len(), constraint.rejected_px.len()), (1, 2));
+
+    let strangers =
+        Seen { markers: vec![SeenMarker { id: MarkerId(0xFFF), ..seen.markers[0].clone() }], rejected_px: Vec::new() };
+    assert!(situation.method().constraint(0.0, strangers).is_none());
+}
+
+#[test]
+fn a_prior_of_several_turns_keeps_one_branch_for_each() {
+    let mut rng = ChaCha8Rng::seed_from_u64(56);
+    let situation = Situation::new(&mut rng, camera(), 1);
+    let seen = situation.seen(&mut rng, 0.05);
+    let turn = std::f64::consts::TAU;
+    let prior = PoseBox::new([
+        Interval::new(-50.0, 50.0),
+        Interval::new(-50.0, 50.0),
+        Interval::centred(situation.pose[2], 1.5 * turn - 0.1),
+    ]);
+    let union = situation.located(seen, &prior);
+    assert_eq!(union.branches.len(), 3, "{union:?}");
+    for branch in &union.branches {
+        let turns = ((branch[2].mid() - situation.pose[2]) / turn).round();
+        assert!(branch.contains(&[situation.pose[0], situation.pose[1], situation.pose[2] + turns * turn]));
+        assert!(branch.width(0) < 0.03 && branch.width(2) < 0.03);
+    }
+}

@@ -1,0 +1,171 @@
+//! Whole runs under ceiling markers: soundness, what is judged of a claim, every declared bound, recordings, the same bytes.
+
+use std::fs;
+
+use localizer::{Claim, reading::Camera};
+use sim::{
+    check::{Verdict, check, is_true, violations},
+    frames::FramesPolicy,
+    run::{RunOptions, RunRecord, run},
+    scene::Scene,
+};
+
+use crate::{
+    command::{folder, outcome, wherein},
+    render_studio::renderer,
+};
+
+/// A room under four markers and a tube, with a small picture of as much view as the paper's; `more` ends the text.
+fn text(more: &str) -> String {
+    let head = "duration_s = 3.0\n[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[robot]\nfloor_camera = false\nERRORS\
+        [robot.ceiling_camera]\nwidth_px = 320\nheight_px = 240\nfocal_px = [300.0, 300.0]\n\
+        principal_point_px = [159.5, 119.5]\nforward_m = 0.05\nleft_m = -0.03\nlean_left_deg = 4.0\nperiod_s = 0.25\n\
+        [robot.ceiling_camera.sensor]\nexposure_s = 0.0004\n[localizer]\nmethods = [\"ceiling_markers\"]\n\
+        [start]\nx_m = 1.2\ny_m = 1.3\nheading_deg = 20\n[[lamp]]\nkind = \"tube\"\nx_m = 2.0\ny_m = 2.2\n\
+        [[route.waypoint]]\nx_m = 2.6\ny_m = 1.6\n";
+    let markers: String = [(125, 1.1, 1.0, 20), (183, 1.9, 1.6, 110), (207, 2.7, 1.2, -60), (366, 1.2, 2.0, 200)]
+        .map(|(id, x, y, turn)| format!("[[markers.marker]]\nid = {id}\nx_m = {x}\ny_m = {y}\nrotation_deg = {turn}\n"))
+        .concat();
+    format!("{head}{more}[markers]\nheight_tolerance_m = 0.004\nTOLERANCES{markers}")
+}
+
+fn scene(more: &str) -> Scene {
+    let text = text(more).replace("ERRORS", "").replace("TOLERANCES", "");
+    Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+}
+
+fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
+    let options = RunOptions { keep_images: FramesPolicy::All };
+    let record = run(scene, seed, Some(&mut renderer()), &options, &mut |_| {}).unwrap();
+    let verdict = check(scene, &record);
+    (record, verdict)
+}
+
+#[test]
+fn a_drive_under_markers_keeps_the_truth_and_says_only_what_is_so() {
+    for seed in [3, 4] {
+        let (record, verdict) = judged(&scene(""), seed);
+        assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+        assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+        let counts = &verdict.methods["ceiling_markers"];
+        assert!(counts.constraints > 8 && counts.claims > 12 && counts.false_claims == 0, "{counts:?}");
+        assert!(verdict.metrics["markers_read_share"] > 0.95 && verdict.metrics["markers_misread"] == 0.0);
+        // 2.3 m below the dots, 0.1° of mount and 0.035° of body are ±5.4 mm; the rest is calibration and placement.
+        let at_fix = &verdict.width.at_fix;
+        assert!(at_fix.x_m.mean < 0.05 && at_fix.y_m.mean < 0.05, "{at_fix:?}");
+        assert!(record.images.iter().all(|image| image.method == "ceiling_markers"));
+        assert_eq!(record.marker_baselines.answers.len(), record.images.len());
+    }
+}
+
+#[test]
+fn a_claim_is_true_of_its_own_marker_and_dots_alone() {
+    let scene = scene("");
+    let (record, _) = judged(&scene, 5);
+    let mut n_claims = 0;
+    for image in &record.images {
+        for claim in &image.claims {
+            let Claim::Marker { marker, dots_px } = claim else { panic!("{claim:?}") };
+            let is_so = |claim: &Claim| is_true(claim, &scene, &record.drawn, &image.truth);
+            assert!(is_so(claim));
+            let other = if marker.0 == 125 { 183 } else { 125 };
+            let dots_px = dots_px.clone();
+            assert!(!is_so(&Claim::Marker { marker: localizer::markers::MarkerId(other), dots_px: dots_px.clone() }));
+            for axis in 0..2 {
+                let mut shifted = dots_px.clone();
+                // Twice the bound is beyond it, wherever within it the dot is.
+                shifted[0].1[axis] += 2.0 * shifted[0].1[2] + 1e-6;
+                assert!(!is_so(&Claim::Marker { marker: *marker, dots_px: shifted }));
+            }
+            n_claims += 1;
+        }
+    }
+    assert!(n_claims > 10);
+}
+
+#[test]
+fn every_bound_of_camera_and_markers_is_watched() {
+    let calibration = |position: f64, angle: f64, focal: f64, centre: f64| {
+        format!(
+            "[robot.ceiling_camera.calibration]\nposition_tolerance_m = {position:?}\nangle_tolerance_deg = {angle:?}\n\
+             focal_tolerance = {focal:?}\nprincipal_point_tolerance_px = {centre:?}\n"
+        )
+    };
+    let with = |more: String, tolerances: &str, timing: &str| {
+        let text = text(&more).replace("ERRORS", "errors = \"corner\"\n").replace("TOLERANCES", tolerances);
+        let text = text.replace("period_s = 0.25\n", &format!("period_s = 0.25\n{timing}"));
+        Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+    };
+    let loose = with(
+        calibration(0.004, 0.4, 0.004, 2.0),
+        "placement_tolerance_m = 0.004\nrotation_tolerance_deg = 0.4\nprint_tolerance_m = 0.0006\n",
+        "latency_tolerance_s = 0.004\nstamp_tolerance_s = 0.002\n",
+    );
+    let (record, verdict) = judged(&loose, 6);
+    assert!(verdict.violations.is_empty(), "declared as drawn: {:?}", verdict.violations);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks);
+    let mut tight = with(
+        calibration(0.003, 0.3, 0.003, 1.5),
+        "placement_tolerance_m = 0.003\nrotation_tolerance_deg = 0.3\nprint_tolerance_m = 0.0004\n",
+        "latency_tolerance_s = 0.003\nstamp_tolerance_s = 0.001\n",
+    );
+    tight.markers.as_mut().unwrap().height_tolerance_m = 0.003;
+    let found: Vec<String> = violations(&tight, &record).into_iter().map(|violation| violation.bound).collect();
+    for bound in [
+        "ceiling_camera.position",
+        "ceiling_camera.height",
+        "ceiling_camera.yaw",
+        "ceiling_camera.tilt",
+        "ceiling_camera.focal",
+        "ceiling_camera.centre",
+        "ceiling_camera.stamp",
+        "ceiling_camera.latency",
+        "markers.placement",
+        "markers.rotation",
+        "markers.print",
+        "markers.height",
+    ] {
+        assert!(found.iter().any(|name| name == bound), "{bound} is not among {found:?}");
+    }
+}
+
+#[test]
+fn a_marker_moved_since_the_survey_is_named_as_the_broken_bound() {
+    let path = crate::command::root().join("scenes/broken/misplaced_marker.toml");
+    let scene = sim::scene::SceneFile::load_all(&[path]).unwrap().remove(0).scene;
+    let (_, verdict) = judged(&scene, 2);
+    let containment = &verdict.containment;
+    assert!(verdict.violations.iter().any(|violation| violation.bound == "markers.placement"));
+    assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
+}
+
+#[test]
+fn pictures_of_all_cameras_are_recorded_and_replay_to_the_same_estimates() {
+    let place = folder("ceiling_recording");
+    let more = "[robot.forward_camera]\nwidth_px = 160\nheight_px = 120\nperiod_s = 0.5\n";
+    let text =
+        text(more).replace("ERRORS", "").replace("TOLERANCES", "").replace("duration_s = 3.0", "duration_s = 1.0");
+    fs::write(place.join("scene.toml"), text).unwrap();
+    let (code, _, errors) = outcome(&mut wherein(&place, &["run", "scene.toml", "--record", "--out", "out"]));
+    assert_eq!(code, 0, "{errors}");
+    let (code, said, errors) = outcome(&mut wherein(&place, &["replay", "out/scene/0/recording.mcap"]));
+    assert_eq!(code, 0, "{said}{errors}");
+    let bytes = fs::read(place.join("out/scene/0/recording.mcap")).unwrap();
+    let mut seen = std::collections::BTreeMap::new();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        *seen.entry(message.unwrap().channel.topic.clone()).or_insert(0) += 1;
+    }
+    for camera in [Camera::Forward, Camera::Ceiling] {
+        let images = seen[&format!("/{}_camera/image", camera.as_str())];
+        assert!(images >= 2, "{seen:?}");
+        assert_eq!(images, seen[&format!("/{}_camera/camera_info", camera.as_str())]);
+    }
+}
+
+#[test]
+fn a_ceiling_run_gives_the_same_bytes_twice() {
+    let mut scene = scene("");
+    scene.duration_s = 1.0;
+    let digest = || judged(&scene, 7).0.readings_digest;
+    assert_eq!(digest(), digest());
+}
