@@ -80,6 +80,8 @@ pub struct Constraint {
     pub decides: bool,
     /// What was looked at and rejected, for debug frames: segments in pixels `[u0, v0, u1, v1]`.
     pub rejected_px: Vec<[f64; 4]>,
+    /// Heading that this reading tells without those before it, near the prior's; `None` where it tells no heading of its own.
+    pub alone_heading_rad: Option<Interval>,
 }
 
 /// What a method says it saw. The simulator projects the true object with its own camera model and knows whether it is so.

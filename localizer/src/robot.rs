@@ -15,6 +15,8 @@ pub struct RobotModel {
     pub body: BodyModel,
     /// The camera that looks straight down at the floor, if there is one.
     pub floor_camera: Option<FloorCameraModel>,
+    /// The camera that looks ahead, if there is one.
+    pub forward_camera: Option<ForwardCameraModel>,
     /// The gyroscope about the vertical, if there is one.
     pub gyro: Option<GyroModel>,
     /// The camera that looks up at the ceiling's markers, if there is one.
@@ -185,6 +187,8 @@ pub struct ForwardCameraModel {
     pub principal_point_px: [Interval; 2],
     /// Brown and Conrady's k1, k2, p1, p2, k3, as calibrated.
     pub distortion: [f64; 5],
+    /// Greatest distance between a pixel and where the lens model puts it, `forward_camera.distortion`.
+    pub distortion_px: f64,
     /// Nominal upward tilt of the optical axis.
     pub tilt_up_rad: f64,
     /// Direction of the optical axis from robot forward, counter-clockwise, `forward_camera.yaw`.

@@ -22,6 +22,7 @@ fn camera(distortion: [f64; 5]) -> ForwardCameraModel {
         focal_px: Interval::centred(FOCAL_PX, 0.4),
         principal_point_px: CENTRE_PX.map(|at| Interval::centred(at, 0.5)),
         distortion,
+        distortion_px: 0.0,
         tilt_up_rad: TILT_UP_RAD,
         yaw_rad: Interval::centred(0.0, YAW_ERROR_RAD),
         tilt_error_rad: TILT_ERROR_RAD,
@@ -33,7 +34,7 @@ fn method(directions_rad: &[f64], learns: bool) -> WallDirections {
     let body = BodyModel { tilt_rad: 0.0, heave_m: 0.0, clearance_m: 0.1 };
     let reach = Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 };
     let directions: Vec<Interval> = directions_rad.iter().map(|&direction| Interval::point(direction)).collect();
-    WallDirections::new(camera([0.0; 5]), &body, &reach, &directions, learns)
+    WallDirections::with(camera([0.0; 5]), &body, &reach, &directions, learns)
 }
 
 /// A camera as it truly is: focal length, principal point, and the turn from the robot's frame (x forward, y left, z up).

@@ -12,17 +12,18 @@ mod sight;
 use std::collections::VecDeque;
 
 use crate::{
-    Contractor, Interval, IntervalBox, Outcome, PoseUnion, Reading,
+    Contractor, Interval, IntervalBox, Map, Outcome, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
     reading::Camera,
     robot::{BodyModel, ForwardCameraModel, Reach},
-    vision::forward::{self, EdgeLine, Picture},
+    vision::forward::{self, EdgeLine, Picture, vanishing::Equalisation},
 };
 
 /// The declared bounds that a constraint stands on.
-pub const RELIES_ON: [Assumption; 7] = [
+pub const RELIES_ON: [Assumption; 8] = [
     "forward_camera.focal",
     "forward_camera.principal_point",
+    "forward_camera.distortion",
     "forward_camera.yaw",
     "forward_camera.tilt",
     "forward_camera.stamp",
@@ -35,15 +36,39 @@ pub const IMAGES: usize = 10;
 pub const WRONG_IMAGES: usize = 2;
 /// Fewer edges say nothing: with two, one wrong cannot be told from one right.
 const FEWEST_LINES: usize = 3;
+/// What one image alone tells is asked for within as much about the prior's middle: as well as wheels and gyroscope know it at worst.
+const ALONE_RAD: f64 = 0.1745;
 /// A new direction needs as many edges that agree.
 const FEWEST_TO_LEARN: usize = 5;
 /// A direction is learnt when it is known so well, and no known one is as near.
 const NEW_DIRECTION_RAD: f64 = 0.087;
 
+/// How the method looks at images, and whether it learns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Setup {
+    /// What finds level edges.
+    pub chain: Chain,
+    /// Whether the building may have directions that the map does not tell.
+    pub learns: bool,
+}
+
+/// What finds level edges in an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Chain {
+    /// Ours: [`forward::detect`].
+    #[default]
+    Direct,
+    /// The paper's, up to the segments that agree with its vanishing points.
+    Paper,
+    /// The same with CLAHE.
+    PaperByTiles,
+}
+
 /// The method; see the module.
 #[derive(Clone, Debug)]
 pub struct WallDirections {
     camera: ForwardCameraModel,
+    chain: Chain,
     body_tilt_rad: f64,
     stamp_turn_rad: f64,
     directions: Vec<Direction>,
@@ -68,8 +93,15 @@ struct Seen {
 }
 
 impl WallDirections {
+    /// The method for this robot on this map; `None` without a camera that looks ahead.
+    pub fn new(map: &Map, robot: &RobotModel, setup: Setup) -> Option<Self> {
+        let directions_rad = &map.wall_directions_rad;
+        let walls = Self::with(robot.forward_camera?, &robot.body, &robot.reach, directions_rad, setup.learns);
+        Some(WallDirections { chain: setup.chain, ..walls })
+    }
+
     /// The method for a camera, with the directions that the map tells; `learns` says whether the building may have more.
-    pub fn new(
+    pub fn with(
         camera: ForwardCameraModel,
         body: &BodyModel,
         reach: &Reach,
@@ -79,6 +111,7 @@ impl WallDirections {
         let known = |&direction_rad: &Interval| Direction { direction_rad, since_s: f64::NEG_INFINITY };
         WallDirections {
             camera,
+            chain: Chain::Direct,
             body_tilt_rad: body.tilt_rad,
             stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
             directions: directions_rad.iter().map(known).collect(),
@@ -89,12 +122,14 @@ impl WallDirections {
 
     /// What edges found in an image of `stamp_s` say of the pose; `None` when they are too few.
     pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
-        let mut used = Vec::new();
+        let (mut used, mut useless) = (Vec::new(), Vec::new());
         let mut azimuths_rad = Vec::new();
         for line in lines {
             if let Some(azimuth) = sight::azimuth(line, &self.camera, self.body_tilt_rad) {
                 azimuths_rad.push(azimuth.inflate(self.stamp_turn_rad));
                 used.push(*line);
+            } else {
+                useless.push(*line);
             }
         }
         if azimuths_rad.len() < FEWEST_LINES {
@@ -105,18 +140,17 @@ impl WallDirections {
         if self.seen.len() > IMAGES {
             self.seen.pop_front();
         }
-        let fits = !self.of_image(self.seen.back()?, prior.hull()[2]).is_empty();
-        if !fits && self.learns {
-            // Perhaps a wall that no direction tells of: `learn` decides, once the pose is known as well as it can be.
-            return Some(self.constraint_of(stamp_s, Vec::new(), &used, q_items));
-        }
-        let images = self.seen.iter().map(|seen| seen.azimuths_rad.clone()).collect();
-        Some(self.constraint_of(stamp_s, images, &used, q_items))
-    }
-
-    fn constraint_of(&self, stamp_s: f64, images: Vec<Vec<Interval>>, used: &[EdgeLine], q_items: usize) -> Constraint {
+        let seen = self.seen.back()?;
+        let heading = prior.hull()[2];
+        let fits = !self.of_image(seen, heading).is_empty();
+        let about = Interval::centred(heading.mid(), heading.radius().max(ALONE_RAD));
+        let alone = self.of_image(seen, about).into_iter().fold(Interval::EMPTY, Interval::hull);
+        // Perhaps a wall that no direction tells of: `learn` decides, once the pose is known as well as it can be.
+        let says_nothing = !fits && self.learns;
+        let images =
+            if says_nothing { Vec::new() } else { self.seen.iter().map(|seen| seen.azimuths_rad.clone()).collect() };
         let claim = |line: &EdgeLine| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px };
-        Constraint {
+        Some(Constraint {
             method: self.name(),
             stamp_s,
             on_pose: Box::new(WallHeadings { images, directions_rad: self.directions_rad() }),
@@ -124,8 +158,12 @@ impl WallDirections {
             claims: used.iter().map(claim).collect(),
             q_items,
             decides: false,
-            rejected_px: Vec::new(),
-        }
+            rejected_px: useless
+                .iter()
+                .map(|line| [line.ends_px[0][0], line.ends_px[0][1], line.ends_px[1][0], line.ends_px[1][1]])
+                .collect(),
+            alone_heading_rad: (!alone.is_empty()).then_some(alone),
+        })
     }
 
     /// The building's directions as known now, modulo quarter turns.
@@ -165,7 +203,15 @@ impl Method for WallDirections {
 
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Forward, image, .. } = reading else { return None };
-        self.constraint(*measured_s, &forward::detect(&Picture::from(image)), prior)
+        let picture = Picture::from(image);
+        let by_paper =
+            |equalisation| forward::detect_as_printed(&picture, equalisation, |pixel| sight::ray(pixel, &self.camera));
+        let lines = match self.chain {
+            Chain::Direct => forward::detect(&picture),
+            Chain::Paper => by_paper(Equalisation::Whole),
+            Chain::PaperByTiles => by_paper(Equalisation::ByTiles),
+        };
+        self.constraint(*measured_s, &lines, prior)
     }
 
     fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {

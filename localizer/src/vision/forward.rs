@@ -18,6 +18,9 @@ pub mod vanishing;
 pub use picture::Picture;
 pub use segments::Segment;
 
+use nalgebra::Vector3;
+use vanishing::Equalisation;
+
 /// Rounds of the rolling guidance filter; the paper's reference [41] finds that four suffice.
 pub const ROUNDS: usize = 4;
 /// Spatial standard deviation of the filter in pixels of the picture it is given.
@@ -26,6 +29,8 @@ const GUIDANCE_PX: f32 = 2.5;
 const BORDER_PX: f64 = 14.0;
 /// Edges fray where they meet others: as much is cut off at each end.
 const TRIM_PX: f64 = 4.0;
+/// Bound of an end of the paper's segments, which states none: its filter moves edges by as much.
+const PRINTED_PX: f64 = 1.5;
 /// Shorter edges say nothing of a direction.
 const SHORTEST_PX: f64 = 45.0;
 
@@ -36,6 +41,20 @@ pub struct EdgeLine {
     pub ends_px: [[f64; 2]; 2],
     /// Bound of either end's distance across the edge.
     pub bound_px: f64,
+}
+
+/// Straight edges by the paper's chain: those that its vanishing points stand on. `ray` gives the direction, in the camera's frame, in
+/// which a pixel looks.
+pub fn detect_as_printed(
+    picture: &Picture,
+    equalisation: Equalisation,
+    ray: impl Fn([f64; 2]) -> Vector3<f64>,
+) -> Vec<EdgeLine> {
+    let segments = vanishing::segments_in(picture, equalisation);
+    let agreeing =
+        vanishing::vanishing_points(&segments, &ray).map(|points| vanishing::agreeing(&segments, &points, &ray));
+    let line = |segment: &Segment| EdgeLine { ends_px: segment.ends_px, bound_px: PRINTED_PX };
+    agreeing.iter().flatten().map(line).collect()
 }
 
 /// Straight edges by our chain.

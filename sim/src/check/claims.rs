@@ -74,13 +74,14 @@ fn wall_line(ends_px: [[f64; 2]; 2], bound_px: f64, scene: &Scene, drawn: &Drawn
         .map(|(first, last)| Some(ray(ends_px[0], first)?.cross(&ray(ends_px[1], last)?)))
         .collect();
     let Some(corners) = corners else { return false };
-    let rooms_deg = scene.building.rooms.iter().map(|room| room.heading_deg);
-    std::iter::once(0.0).chain(rooms_deg).flat_map(|heading_deg| [heading_deg, heading_deg + 90.0]).any(|heading_deg| {
-        let (sin, cos) = heading_deg.to_radians().sin_cos();
-        let wall = Vector3::new(cos, sin, 0.0);
-        let sides: Vec<bool> = corners.iter().map(|normal| normal.dot(&wall) > 0.0).collect();
-        sides.iter().any(|side| *side) && !sides.iter().all(|side| *side)
-    })
+    scene.true_wall_directions_deg().into_iter().flat_map(|heading_deg| [heading_deg, heading_deg + 90.0]).any(
+        |heading_deg| {
+            let (sin, cos) = heading_deg.to_radians().sin_cos();
+            let wall = Vector3::new(cos, sin, 0.0);
+            let sides: Vec<bool> = corners.iter().map(|normal| normal.dot(&wall) > 0.0).collect();
+            sides.iter().any(|side| *side) && !sides.iter().all(|side| *side)
+        },
+    )
 }
 
 /// The landmark that is meant lies in the box, as seen from the robot's true pose.

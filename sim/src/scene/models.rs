@@ -4,12 +4,15 @@ use localizer::{
     Interval, Map, Pose, PoseBox, RobotModel,
     map::TileGrid,
     reading::Camera,
-    robot::{BodyModel, CeilingCameraModel, FloorCameraModel, GyroModel, RangeCameraModel, Reach, WheelModel},
+    robot::{
+        BodyModel, CeilingCameraModel, FloorCameraModel, ForwardCameraModel, GyroModel, RangeCameraModel, Reach,
+        WheelModel,
+    },
 };
 
-use crate::sensors::{camera::AutoExposure, range_camera::FIRST_S};
+use crate::sensors::{camera::AutoExposure, lens::forward_focal_px, range_camera::FIRST_S};
 
-use super::{CeilingCamera, FloorCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
+use super::{CeilingCamera, FloorCamera, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
 
 impl Scene {
     /// The building as surveyed.
@@ -19,6 +22,7 @@ impl Scene {
             room_m,
             tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)),
             markers: self.markers.as_ref().map(|markers| markers.map(self)),
+            wall_directions_rad: self.wall_directions_rad(),
         }
     }
 
@@ -49,10 +53,17 @@ impl Scene {
                 clearance_m: robot.body_radius_m - 0.001,
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
+            forward_camera: robot.forward_camera.as_ref().map(forward_camera_model),
             gyro: robot.gyro.as_ref().map(gyro_model),
             ceiling_camera: robot.ceiling_camera.as_ref().map(ceiling_camera_model),
             range_camera: robot.range_camera.as_ref().map(range_camera_model),
         }
+    }
+
+    fn wall_directions_rad(&self) -> Vec<Interval> {
+        let tolerance_rad = self.localizer.wall_directions().tolerance_deg.to_radians();
+        let directions_deg = self.mapped_wall_directions_deg();
+        directions_deg.iter().map(|deg| Interval::centred(deg.to_radians(), tolerance_rad)).collect()
     }
 
     /// The start pose as the scene states it, before its error is drawn.
@@ -128,6 +139,22 @@ fn floor_camera_model(camera: &FloorCamera) -> FloorCameraModel {
         stamp_error_s: camera.stamp_tolerance_s,
         latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s),
         q_items: camera.q_items,
+    }
+}
+
+fn forward_camera_model(camera: &ForwardCamera) -> ForwardCameraModel {
+    let calibration = &camera.calibration;
+    let angle_rad = calibration.angle_tolerance_deg.to_radians();
+    let middle_px = [camera.width_px, camera.height_px].map(|size| (f64::from(size) - 1.0) / 2.0);
+    ForwardCameraModel {
+        focal_px: relative(forward_focal_px(camera), calibration.focal_tolerance),
+        principal_point_px: middle_px.map(|at_px| Interval::centred(at_px, calibration.principal_point_tolerance_px)),
+        distortion: camera.lens.distortion,
+        distortion_px: calibration.distortion_tolerance_px,
+        tilt_up_rad: camera.tilt_up_deg.to_radians(),
+        yaw_rad: Interval::centred(camera.yaw_deg.to_radians(), angle_rad),
+        tilt_error_rad: angle_rad,
+        stamp_error_s: camera.stamp_tolerance_s,
     }
 }
 

@@ -1,5 +1,7 @@
 //! From an edge in the image to the direction, seen from the robot, of the level line that it would be.
 
+use nalgebra::Vector3;
+
 use crate::{Interval, robot::ForwardCameraModel, vision::forward::EdgeLine};
 
 /// Steeper than this, a plane through camera and edge holds the vertical nearly as well: the edge may be a door post.
@@ -19,7 +21,7 @@ pub(super) fn azimuth(line: &EdgeLine, camera: &ForwardCameraModel, body_tilt_ra
     if ends.iter().any(|end| elevation(*end, camera) < DEEPEST) {
         return None;
     }
-    let bound = line.bound_px * largest_stretch(line, camera)?;
+    let bound = (line.bound_px + camera.distortion_px) * largest_stretch(line, camera)?;
     let (du, dv) = (ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]);
     let length = du.hypot(dv);
     let across = [-dv / length, du / length];
@@ -91,6 +93,12 @@ pub(super) fn ideal(pixel: [f64; 2], camera: &ForwardCameraModel) -> Option<[f64
         }
     }
     None
+}
+
+/// Direction in the camera's frame in which a pixel looks, by nominal values; straight ahead where the lens model folds back.
+pub(super) fn ray(pixel: [f64; 2], camera: &ForwardCameraModel) -> Vector3<f64> {
+    let [u, v] = ideal(pixel, camera).unwrap_or_default();
+    Vector3::new(u, v, camera.focal_px.mid())
 }
 
 /// Greatest factor by which taking distortion away lengthens a step across the edge at either end.

@@ -72,6 +72,16 @@ pub fn vanishing_points(segments: &[Segment], ray: impl Fn([f64; 2]) -> Vector3<
     best.filter(|best| best.agreeing >= FEWEST).map(|best| refined(&normals, best))
 }
 
+/// The segments that point to one of the vanishing points, within the threshold.
+pub fn agreeing(
+    segments: &[Segment],
+    points: &VanishingPoints,
+    ray: impl Fn([f64; 2]) -> Vector3<f64>,
+) -> Vec<Segment> {
+    let normal = |of: &Segment| ray(of.ends_px[0]).cross(&ray(of.ends_px[1])).normalize();
+    segments.iter().copied().filter(|segment| nearest(&normal(segment), &points.directions).is_some()).collect()
+}
+
 /// Azimuth of the robot against the room, in [−π/4, π/4]: the angle between the robot's lateral axis and the vanishing point with
 /// the largest lateral part, counter-clockwise, for a camera tilted up.
 ///
