@@ -36,8 +36,8 @@ pub const IMAGES: usize = 10;
 pub const WRONG_IMAGES: usize = 2;
 /// Fewer edges say nothing: with two, one wrong cannot be told from one right.
 const FEWEST_LINES: usize = 3;
-/// What one image alone tells is asked for within as much about the prior's middle: as well as wheels and gyroscope know it at worst.
-const ALONE_RAD: f64 = 0.1745;
+/// An edge that would turn the robot by more beyond what the prior allows is clutter: no claim is made of it.
+const CLUTTER_RAD: f64 = 0.1745;
 /// A new direction needs as many edges that agree.
 const FEWEST_TO_LEARN: usize = 5;
 /// A direction is learnt when it is known so well, and no known one is as near.
@@ -74,6 +74,10 @@ pub struct WallDirections {
     directions: Vec<Direction>,
     learns: bool,
     seen: VecDeque<Seen>,
+    /// Directions from robot forward, in the latest image, of edges that run along no wall known.
+    strange_rad: Vec<Interval>,
+    /// When that was.
+    latest_s: f64,
 }
 
 /// One direction of the building modulo quarter turns, from world x counter-clockwise.
@@ -117,51 +121,60 @@ impl WallDirections {
             directions: directions_rad.iter().map(known).collect(),
             learns,
             seen: VecDeque::new(),
+            strange_rad: Vec::new(),
+            latest_s: f64::NEG_INFINITY,
         }
     }
 
     /// What edges found in an image of `stamp_s` say of the pose; `None` when they are too few.
     pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
-        let (mut used, mut useless) = (Vec::new(), Vec::new());
-        let mut azimuths_rad = Vec::new();
+        let heading = prior.hull()[2];
+        let about = Interval::centred(heading.mid(), heading.radius() + CLUTTER_RAD);
+        let directions_rad = self.directions_rad();
+        let (mut used, mut rejected_px, mut seen) =
+            (Vec::new(), Vec::new(), Seen { stamp_s, azimuths_rad: Vec::new() });
+        self.strange_rad.clear();
+        self.latest_s = stamp_s;
         for line in lines {
-            if let Some(azimuth) = sight::azimuth(line, &self.camera, self.body_tilt_rad) {
-                azimuths_rad.push(azimuth.inflate(self.stamp_turn_rad));
-                used.push(*line);
-            } else {
-                useless.push(*line);
+            let azimuth = sight::azimuth(line, &self.camera, self.body_tilt_rad);
+            match azimuth.map(|azimuth| azimuth.inflate(self.stamp_turn_rad)) {
+                Some(azimuth) if headings::of_line(azimuth, &directions_rad, about).is_empty() => {
+                    self.strange_rad.push(azimuth);
+                    rejected_px.push(segment_px(line));
+                }
+                Some(azimuth) => {
+                    seen.azimuths_rad.push(azimuth);
+                    used.push(*line);
+                }
+                None => rejected_px.push(segment_px(line)),
             }
         }
-        if azimuths_rad.len() < FEWEST_LINES {
+        let is_enough = seen.azimuths_rad.len() >= FEWEST_LINES;
+        if !is_enough && !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
             return None;
         }
-        let q_items = wrong_lines(azimuths_rad.len());
-        self.seen.push_back(Seen { stamp_s, azimuths_rad });
+        let q_items = wrong_lines(seen.azimuths_rad.len());
+        let alone =
+            of_image(&seen.azimuths_rad, &directions_rad, about).into_iter().fold(Interval::EMPTY, Interval::hull);
+        if is_enough {
+            self.seen.push_back(seen);
+        }
         if self.seen.len() > IMAGES {
             self.seen.pop_front();
         }
-        let seen = self.seen.back()?;
-        let heading = prior.hull()[2];
-        let fits = !self.of_image(seen, heading).is_empty();
-        let about = Interval::centred(heading.mid(), heading.radius().max(ALONE_RAD));
-        let alone = self.of_image(seen, about).into_iter().fold(Interval::EMPTY, Interval::hull);
-        // Perhaps a wall that no direction tells of: `learn` decides, once the pose is known as well as it can be.
-        let says_nothing = !fits && self.learns;
-        let images =
-            if says_nothing { Vec::new() } else { self.seen.iter().map(|seen| seen.azimuths_rad.clone()).collect() };
         let claim = |line: &EdgeLine| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px };
         Some(Constraint {
             method: self.name(),
             stamp_s,
-            on_pose: Box::new(WallHeadings { images, directions_rad: self.directions_rad() }),
+            on_pose: Box::new(WallHeadings {
+                images: self.seen.iter().map(|seen| seen.azimuths_rad.clone()).collect(),
+                directions_rad,
+            }),
             relies_on: RELIES_ON.to_vec(),
             claims: used.iter().map(claim).collect(),
             q_items,
             decides: false,
-            rejected_px: useless
-                .iter()
-                .map(|line| [line.ends_px[0][0], line.ends_px[0][1], line.ends_px[1][0], line.ends_px[1][1]])
-                .collect(),
+            rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),
         })
     }
@@ -169,10 +182,6 @@ impl WallDirections {
     /// The building's directions as known now, modulo quarter turns.
     pub fn directions_rad(&self) -> Vec<Interval> {
         self.directions.iter().map(|direction| direction.direction_rad).collect()
-    }
-
-    fn of_image(&self, seen: &Seen, within: Interval) -> Vec<Interval> {
-        of_image(&seen.azimuths_rad, &self.directions_rad(), within)
     }
 }
 
@@ -216,21 +225,14 @@ impl Method for WallDirections {
 
     fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
         let heading = posterior.hull()[2];
-        let Some(seen) = self.seen.back().filter(|seen| self.learns && seen.azimuths_rad.len() >= FEWEST_TO_LEARN)
-        else {
-            return;
-        };
-        if heading.is_empty() || !self.of_image(seen, heading).is_empty() {
+        if !self.learns || self.strange_rad.len() < FEWEST_TO_LEARN || heading.is_empty() {
             return;
         }
         // α = θ + φ up to quarter turns: as wide as the heading and the edges together, never less.
         let quarter = Interval::PI * 0.5;
         let any = Interval::new(-0.1, quarter.hi() + 0.1);
-        let turned: Vec<Vec<Interval>> = seen
-            .azimuths_rad
-            .iter()
-            .map(|&azimuth| headings::of_line(azimuth * -1.0, &[Interval::ZERO], any))
-            .collect();
+        let turned: Vec<Vec<Interval>> =
+            self.strange_rad.iter().map(|&azimuth| headings::of_line(azimuth * -1.0, &[Interval::ZERO], any)).collect();
         let agreed = headings::agreed(&turned, turned.len() - wrong_lines(turned.len()));
         let Some(&azimuth) = agreed.first() else { return };
         let direction_rad = azimuth + heading;
@@ -239,7 +241,7 @@ impl Method for WallDirections {
             !(direction_rad + quarter * quarters).inflate(NEW_DIRECTION_RAD).is_disjoint_from(known)
         };
         if direction_rad.width() <= NEW_DIRECTION_RAD && !self.directions_rad().into_iter().any(near) {
-            self.directions.push(Direction { direction_rad, since_s: seen.stamp_s });
+            self.directions.push(Direction { direction_rad, since_s: self.latest_s });
         }
     }
 
@@ -253,6 +255,11 @@ impl Method for WallDirections {
         self.seen.clear();
         self.directions.iter_mut().for_each(|direction| direction.since_s = f64::NEG_INFINITY);
     }
+}
+
+fn segment_px(line: &EdgeLine) -> [f64; 4] {
+    let [[u0, v0], [u1, v1]] = line.ends_px;
+    [u0, v0, u1, v1]
 }
 
 /// At most this many of an image's edges run along none of the directions: on rendered rooms with people and boxes at odd angles,

@@ -10,7 +10,7 @@ const BAND_PX: f64 = 5.0;
 /// An edge is moved by no more at either end.
 const MOVED_PX: f64 = 3.0;
 /// Offsets are tried in such steps, and the last fraction comes from a parabola.
-const STEP_PX: f64 = 0.25;
+const STEP_PX: f64 = 0.5;
 /// Slices along the edge.
 const SLICES: usize = 16;
 /// Standard deviation of the derivative of a Gaussian that is laid across.

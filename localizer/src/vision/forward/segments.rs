@@ -6,8 +6,8 @@ use super::Picture;
 
 /// Least gradient, per pixel, of a stabilised and filtered picture that is no noise.
 pub const NOISE_FLOOR: f32 = 0.08;
-/// Gradients of a region differ by less, LSD's value: 22.5°.
-const ANGLE_TOLERANCE_RAD: f32 = std::f32::consts::FRAC_PI_8;
+/// Cosine of what gradients of a region differ by at most, LSD's value: 22.5°.
+const ANGLE_TOLERANCE_COS: f32 = 0.923_879_5;
 /// Fewer pixels make no region.
 const FEWEST_PIXELS: usize = 14;
 /// Regions are at least as many times longer than wide.
@@ -95,45 +95,50 @@ pub fn segments(picture: &Picture, least_gradient: f32) -> Vec<Segment> {
 struct Gradients {
     width: usize,
     strength: Vec<f32>,
-    angle_rad: Vec<f32>,
+    /// Along u and v.
+    gradient: Vec<[f32; 2]>,
 }
 
 impl Gradients {
     fn of(picture: &Picture) -> Gradients {
         let (width, height) = (picture.width - 1, picture.height - 1);
-        let (mut strength, mut angle_rad) = (Vec::with_capacity(width * height), Vec::with_capacity(width * height));
+        let mut gradient = Vec::with_capacity(width * height);
         for v in 0..height {
-            for u in 0..width {
-                let (a, b) = (picture.at(u, v), picture.at(u + 1, v));
-                let (c, d) = (picture.at(u, v + 1), picture.at(u + 1, v + 1));
-                let (du, dv) = (0.5 * (b + d - a - c), 0.5 * (c + d - a - b));
-                strength.push(du.hypot(dv));
-                angle_rad.push(dv.atan2(du));
-            }
+            let (top, bottom) = (&picture.values[v * picture.width..], &picture.values[(v + 1) * picture.width..]);
+            gradient.extend((0..width).map(|u| {
+                let (a, b, c, d) = (top[u], top[u + 1], bottom[u], bottom[u + 1]);
+                [0.5 * (b + d - a - c), 0.5 * (c + d - a - b)]
+            }));
         }
-        Gradients { width, strength, angle_rad }
+        let strength = gradient.iter().map(|[du, dv]| (du * du + dv * dv).sqrt()).collect();
+        Gradients { width, strength, gradient }
     }
 
     /// Neighbours of the seed, and theirs, whose gradient points as the region's does.
     fn grow(&self, seed: usize, taken: &mut [bool]) -> Vec<usize> {
         let mut region = vec![seed];
         taken[seed] = true;
-        let (mut sin, mut cos) = self.angle_rad[seed].sin_cos();
+        let unit = |at: usize| self.gradient[at].map(|part| part / self.strength[at]);
+        let [mut cos, mut sin] = unit(seed);
         let height = self.strength.len() / self.width;
         let mut next = 0;
         while let Some(&at) = region.get(next) {
             next += 1;
             let (u, v) = (at % self.width, at / self.width);
-            let mean_rad = sin.atan2(cos);
+            let least = ANGLE_TOLERANCE_COS * (cos * cos + sin * sin).sqrt();
+            let (mean_cos, mean_sin) = (cos, sin);
             for row in v.saturating_sub(1)..=(v + 1).min(height - 1) {
                 for column in u.saturating_sub(1)..=(u + 1).min(self.width - 1) {
                     let other = row * self.width + column;
-                    if taken[other] || apart(self.angle_rad[other], mean_rad) > ANGLE_TOLERANCE_RAD {
+                    if taken[other] {
+                        continue;
+                    }
+                    let [c, s] = unit(other);
+                    if c * mean_cos + s * mean_sin < least {
                         continue;
                     }
                     taken[other] = true;
                     region.push(other);
-                    let (s, c) = self.angle_rad[other].sin_cos();
                     (sin, cos) = (sin + s, cos + c);
                 }
             }
@@ -172,10 +177,4 @@ impl Gradients {
         let at = |on: f64| [mean[0] + on * cos, mean[1] + on * sin];
         Some(Segment { ends_px: [at(least), at(greatest)] })
     }
-}
-
-/// Angle between two directions, 0 to π.
-fn apart(a_rad: f32, b_rad: f32) -> f32 {
-    let turn = (a_rad - b_rad).abs() % std::f32::consts::TAU;
-    turn.min(std::f32::consts::TAU - turn)
 }

@@ -22,8 +22,8 @@ fn noise_law(picture: &Picture) -> [f32; 2] {
     let mut samples: Vec<(f32, f32)> = picture
         .values
         .chunks(width)
-        .step_by(2)
-        .flat_map(|row| row.windows(5).step_by(3))
+        .step_by(4)
+        .flat_map(|row| row.windows(5).step_by(4))
         .map(|of| (0.2 * of.iter().sum::<f32>(), (of[0] - 2.0 * of[2] + of[4]).abs()))
         .collect();
     samples.sort_by(|a, b| a.0.total_cmp(&b.0));
