@@ -3,17 +3,19 @@
 mod account;
 mod doubt;
 mod ring;
+mod slip;
 
 use crate::{
     Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
     method::Assumption,
-    motion::{WheelHistory, WheelIntegral, moved_union},
+    motion::{Agreement, Motion, WheelHistory, WheelIntegral, agree, moved_union},
 };
 
 pub use account::Account;
 use doubt::Doubt;
 use ring::{Ring, Slot};
+use slip::CertifiedSlip;
 
 /// How far back stamps may lie: a reading older than this is refused, and readings are gone over again no further back.
 const REMEMBER_S: f64 = 3.0;
@@ -26,6 +28,9 @@ const WHEELS: [Assumption; 6] =
 const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "room.walls"];
 /// What a gyroscope adds to both.
 const GYRO: [Assumption; 3] = ["gyro.bias", "gyro.scale", "gyro.noise"];
+/// What a flow sensor adds to the wheels.
+const FLOW: [Assumption; 6] =
+    ["flow.position", "flow.yaw", "flow.scale", "flow.back_and_forth", "reach.speed", "reach.turn_rate"];
 
 /// Whether the estimate stands on its declared assumptions alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +66,8 @@ pub struct Localizer {
     current: PoseUnion,
     now_s: f64,
     doubt: Option<Doubt>,
+    /// When wheels and flow sensor had nothing in common.
+    slip: CertifiedSlip,
     /// When methods unlearnt last, and how far back.
     unlearnt: (f64, f64),
     relies_on: Vec<Assumption>,
@@ -80,6 +87,7 @@ impl Localizer {
             current: PoseUnion::default(),
             now_s: 0.0,
             doubt: None,
+            slip: CertifiedSlip::default(),
             unlearnt: (0.0, 0.0),
         };
         localizer.begin_at(start);
@@ -93,6 +101,7 @@ impl Localizer {
         self.integral = None;
         self.now_s = 0.0;
         self.doubt = None;
+        self.slip = CertifiedSlip::default();
         self.unlearnt = (0.0, 0.0);
         self.relies_on = assumptions(&self.robot);
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
@@ -115,7 +124,10 @@ impl Localizer {
                 self.wheels.push_rate(*measured_s, *rate_rad_per_s);
                 Vec::new()
             }
-            Reading::Flow { .. } => Vec::new(),
+            Reading::Flow { measured_s, counts, blind_periods, .. } => {
+                self.wheels.push_flow(*measured_s, *counts, *blind_periods);
+                Vec::new()
+            }
             Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
         }
     }
@@ -162,11 +174,20 @@ impl Localizer {
     fn predict(&mut self) {
         // A slot ahead of the wheels says nothing of now; the next reading will pass it.
         let Some(last) = self.ring.last().filter(|last| last.stamp_s <= self.now_s) else { return };
-        let predicted = match (&self.integral, self.doubt) {
-            (Some(integral), None) => moved_union(&last.union, &integral.motion(&self.robot.wheels)),
-            // Without wheels to trust, or without their history since the slot, reach is all there is.
-            _ => moved_union(&last.union, &self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach)),
+        let rolled = self.integral.as_ref().map(|integral| integral.motion(&self.robot.wheels));
+        let motion = match (rolled, self.doubt) {
+            (Some(rolled), None) => {
+                let flow = self.wheels.flow_motion(last.stamp_s, self.now_s, &self.robot.wheels, &self.robot.reach);
+                if let Agreement::SlipCertified(_) = agree(&rolled, flow.as_ref()) {
+                    self.slip.certify([last.stamp_s, self.now_s]);
+                }
+                self.slip.motion([last.stamp_s, self.now_s], Some(rolled), flow, &self.wheels, &self.robot)
+            }
+            _ => None,
         };
+        // Without wheels to trust, or without their history since the slot, reach is all there is.
+        let motion = motion.unwrap_or_else(|| self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach));
+        let predicted = moved_union(&last.union, &motion);
         self.current = self.inside_room(predicted);
         if self.current.is_empty() {
             // No place in the room fits what the wheels told: they are the first to be doubted.
@@ -196,15 +217,19 @@ impl Localizer {
             if !self.methods[idx].reads(reading) {
                 continue;
             }
+            let (wheels, robot, doubted) = (&self.wheels, &self.robot, self.doubt.is_some());
+            let slip = &self.slip;
+            self.methods[idx]
+                .carry_to(stamp_s, &|from_s, to_s| motion_between(wheels, robot, slip, doubted, [from_s, to_s]));
             let Some(constraint) = self.methods[idx].constrain(reading, &prior, &twist) else {
                 accounts.push(Account::absent(self.methods[idx].name(), prior.clone()));
                 continue;
             };
             let mut account = self.hang(constraint);
             if self.doubt.is_none() {
-                let (wheels, robot) = (&self.wheels, &self.robot);
+                let (wheels, robot, slip) = (&self.wheels, &self.robot, &self.slip);
                 self.methods[idx].learn(&account.posterior, &|from_s, to_s| {
-                    wheels.motion(from_s, to_s, &robot.wheels, &robot.reach)
+                    motion_between(wheels, robot, slip, false, [from_s, to_s])
                 });
             }
             account.landmarks = self.methods[idx].landmarks();
@@ -232,7 +257,7 @@ impl Localizer {
         } else if to_s == from_s {
             return Some(union.clone());
         } else {
-            self.wheels.motion(from_s, to_s, &self.robot.wheels, &self.robot.reach)?
+            motion_between(&self.wheels, &self.robot, &self.slip, false, [from_s, to_s])?
         };
         Some(self.inside_room(moved_union(union, &motion)))
     }
@@ -311,10 +336,30 @@ impl Localizer {
 /// The memory of what moves this robot.
 fn motion_history(robot: &RobotModel) -> WheelHistory {
     let wheels = WheelHistory::new(REMEMBER_S);
-    match robot.gyro {
+    let wheels = match robot.gyro {
         Some(model) => wheels.with_gyro(model),
         None => wheels,
+    };
+    match robot.flow {
+        Some(model) => wheels.with_flow(model),
+        None => wheels,
     }
+}
+
+/// Motion between two stamps of the memory, by reach alone while the wheels are doubted.
+fn motion_between(
+    wheels: &WheelHistory,
+    robot: &RobotModel,
+    slip: &CertifiedSlip,
+    doubted: bool,
+    [from_s, to_s]: [f64; 2],
+) -> Option<Motion> {
+    if doubted {
+        return Some(wheels.reach_motion(from_s, to_s, &robot.reach));
+    }
+    let rolled = wheels.motion(from_s, to_s, &robot.wheels, &robot.reach);
+    let flow = wheels.flow_motion(from_s, to_s, &robot.wheels, &robot.reach);
+    slip.motion([from_s, to_s], rolled, flow, wheels, robot)
 }
 
 /// The bounds that a prediction without doubt stands on.
@@ -322,6 +367,9 @@ fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
     let mut names = WHEELS.to_vec();
     if robot.gyro.is_some() {
         names.extend(GYRO);
+    }
+    if robot.flow.is_some() && robot.gyro.is_some() {
+        names.extend(FLOW);
     }
     names
 }

@@ -15,6 +15,7 @@ use localizer::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
         range_landmarks::{Freedom, RangeLandmarks, Solver},
+        wall_directions::{self, WallDirections},
     },
     motion::PointOdometry,
     reading::Camera,
@@ -26,7 +27,7 @@ use crate::{
     driver::Pilot,
     frames::FramesPolicy,
     render::{RenderError, Renderer},
-    scene::{FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene},
+    scene::{FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene, WallDirectionsChain},
     sensors::{Observation, Sensors, Stage},
     truth::Truth,
     world::World,
@@ -179,6 +180,15 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
         RangeLandmarksSolver::TableIv => Solver::TableIv,
         RangeLandmarksSolver::Sivia => Solver::Sivia { resolution: 0.05 },
     };
+    let setup = scene.localizer.wall_directions();
+    let walls = wall_directions::Setup {
+        chain: match setup.chain {
+            WallDirectionsChain::Direct => wall_directions::Chain::Direct,
+            WallDirectionsChain::Paper => wall_directions::Chain::Paper,
+            WallDirectionsChain::PaperByTiles => wall_directions::Chain::PaperByTiles,
+        },
+        learns: setup.learns,
+    };
     let build = |name: &MethodName| -> Option<Box<dyn Method>> {
         match name {
             MethodName::FloorTiles => {
@@ -189,6 +199,9 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
             }
             MethodName::CeilingMarkers => {
                 CeilingMarkers::new(&map, &robot).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+            MethodName::WallDirections => {
+                WallDirections::new(&map, &robot, walls).map(|method| Box::new(method) as Box<dyn Method>)
             }
         }
     };
@@ -315,6 +328,7 @@ impl<'a> Recorder<'a> {
                 claims: account.claims,
                 q_items: account.q_items,
                 rejected_px: account.rejected_px,
+                alone_heading_rad: account.alone_heading_rad,
                 constrained: account.constrained,
                 emptied: account.emptied,
                 posterior: account.posterior,

@@ -31,6 +31,7 @@ mod schema;
 mod sensor;
 mod setting;
 mod things;
+mod wall_directions;
 
 pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
@@ -52,6 +53,7 @@ pub use schema::schema_text;
 pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use setting::{SceneTemplate, Setting, shown, value_of};
 pub use things::{Furniture, Landmark, Person};
+pub use wall_directions::{WallDirectionsChain, WallDirectionsSetup};
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -194,6 +196,9 @@ pub struct LocalizerSetup {
     pub range_landmarks_freedom: RangeLandmarksFreedom,
     /// How `range_landmarks` solves it.
     pub range_landmarks_solver: RangeLandmarksSolver,
+    /// What `wall_directions` knows and how it looks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_directions: Option<WallDirectionsSetup>,
     /// An estimate counts as available while its hull is narrower than this in x and y.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
@@ -209,9 +214,17 @@ impl Default for LocalizerSetup {
             floor_tiles_chain: FloorTilesChain::Direct,
             range_landmarks_freedom: RangeLandmarksFreedom::Full,
             range_landmarks_solver: RangeLandmarksSolver::OneShot,
+            wall_directions: None,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
         }
+    }
+}
+
+impl LocalizerSetup {
+    /// How `wall_directions` is set up, as by default unless stated.
+    pub fn wall_directions(&self) -> WallDirectionsSetup {
+        self.wall_directions.clone().unwrap_or_default()
     }
 }
 
@@ -225,6 +238,8 @@ pub enum MethodName {
     RangeLandmarks,
     /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
     CeilingMarkers,
+    /// Level edges of walls before a camera that looks ahead: heading up to quarter turns, in the dark (paper 2).
+    WallDirections,
 }
 
 /// What `range_landmarks` solves for; the rest it takes from what is known besides.

@@ -36,6 +36,9 @@ use gyro::GyroSensor;
 use proximity::{Fan, ProximitySensor};
 pub use range_camera::RangeCameraSensor;
 
+/// A camera that is told to exposes for a shorter time when the gyroscope tells of a faster turn: 100 ms of it then blur by 4 pixels.
+const TURNING_RAD_PER_S: f64 = 0.1;
+
 /// All sensors of the robot.
 pub struct Sensors {
     encoder: Encoder,
@@ -45,6 +48,8 @@ pub struct Sensors {
     gyro: Option<GyroSensor>,
     flow: Option<FlowSensor>,
     delivery: Delivery,
+    /// Whether the gyroscope's latest reading tells of a turn that blurs.
+    turns: bool,
     range_camera: Option<RangeCameraSensor>,
     proximity: Option<ProximitySensor>,
     /// Taken but not yet delivered.
@@ -121,6 +126,7 @@ impl Sensors {
             gyro: GyroSensor::new(scene, seed, drawn),
             flow: FlowSensor::new(scene, seed, drawn),
             delivery: Delivery::new(&scene.robot.delivery, seed),
+            turns: false,
             range_camera: RangeCameraSensor::new(scene, seed, drawn),
             proximity: ProximitySensor::new(scene, seed),
             on_the_way: Vec::new(),
@@ -135,7 +141,11 @@ impl Sensors {
         stage: Option<&mut Stage<'_>>,
     ) -> Result<Vec<Observation>, RenderError> {
         // Before the wheels, so that a turn up to the same instant is known when they tell how far they rolled.
-        let mut sent = Vec::from_iter(self.gyro.as_mut().and_then(|gyro| gyro.observe(truth)));
+        let turn = self.gyro.as_mut().and_then(|gyro| gyro.observe(truth));
+        if let Some(Reading::Gyro { rate_rad_per_s, .. }) = turn.as_ref().map(|observation| &observation.reading) {
+            self.turns = rate_rad_per_s.abs() > TURNING_RAD_PER_S;
+        }
+        let mut sent = Vec::from_iter(turn);
         sent.extend(self.flow.as_mut().and_then(|flow| flow.observe(truth)));
         // Half a physics step of slack, so that a period in decimal seconds falls on its step.
         if truth.time_s + 0.0005 >= self.n_encoder_readings as f64 * self.encoder_period_s {
@@ -146,7 +156,7 @@ impl Sensors {
         }
         self.on_the_way.extend(sent.into_iter().flat_map(|observation| self.delivery.send(observation)));
         if let Some(stage) = stage {
-            self.on_the_way.extend(take_pictures(&mut self.cameras, truth, people, stage)?);
+            self.on_the_way.extend(take_pictures(&mut self.cameras, truth, self.turns, people, stage)?);
         }
         self.on_the_way.extend(self.range_camera.as_mut().and_then(|camera| camera.observe(truth, people)));
         let (mut arrived, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.on_the_way)
@@ -167,10 +177,11 @@ impl Sensors {
 fn take_pictures(
     cameras: &mut [CameraSensor],
     truth: &Truth,
+    turns: bool,
     people: &[Bystander],
     stage: &mut Stage<'_>,
 ) -> Result<Vec<Observation>, RenderError> {
-    let due: Vec<_> = cameras.iter_mut().filter_map(|camera| Some((camera.expose(truth)?, camera))).collect();
+    let due: Vec<_> = cameras.iter_mut().filter_map(|camera| Some((camera.expose(truth, turns)?, camera))).collect();
     if due.is_empty() {
         return Ok(Vec::new());
     }

@@ -132,6 +132,7 @@ fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
         method: "floor_tiles",
         claims: vec![Claim::FloorJoint { points_px, share_wrong: 0.2 }],
         q_items: 0,
+        alone_heading_rad: None,
         rejected_px: Vec::new(),
         constrained: true,
         emptied: false,

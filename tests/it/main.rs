@@ -36,6 +36,14 @@ mod range_sensing;
 mod range_runs;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
 mod floor_tiles_geometry;
+/// Level edges to headings, against a camera of the tests' own.
+mod wall_directions_geometry;
+/// Straight edges and features in pictures of known light.
+mod dark_vision;
+/// The flow sensor's enclosure against motion integrated much finer; the gyroscope's bias.
+mod flow_enclosure;
+/// Paper 2's slip decision, direction database and pose graph.
+mod dark_baselines;
 /// Ceiling markers to poses, against a camera and a ceiling of the tests' own.
 mod ceiling_markers_geometry;
 /// Markers on rendered ceilings, whole and damaged, read by the localizer.

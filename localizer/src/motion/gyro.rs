@@ -87,6 +87,31 @@ impl GyroHistory {
         Some(covered.turn(&self.model) + beside)
     }
 
+    /// Mean bias over a span that the readings cover without a gap, when the robot has turned by `turn` in it; `None` otherwise.
+    ///
+    /// Σ r·T = scale·turn + bias·ΣT ± noise·ΣT.
+    pub fn bias(&self, from_s: f64, to_s: f64, turn: Interval) -> Option<Interval> {
+        let period_s = self.model.period_s;
+        let mut covered = Covered::default();
+        for &(end_s, rate) in &self.readings {
+            if end_s > from_s + SAME_S && end_s <= to_s + SAME_S {
+                covered.add(rate, period_s);
+            }
+        }
+        // A span that begins or ends within a period would leave part of that period's turn to guess.
+        if covered.lasted_s <= 0.0 || (covered.lasted_s - (to_s - from_s)).abs() > 0.01 * period_s {
+            return None;
+        }
+        let rounding_rad = 1e-12 * (covered.size_rad + covered.lasted_s);
+        let left = Interval::point(covered.turned_rad) - self.model.scale * turn;
+        Some(left.inflate(self.model.noise_rad_per_s * covered.lasted_s + rounding_rad) / covered.lasted_s)
+    }
+
+    /// Takes over a bias that is known better than declared.
+    pub fn learn_bias(&mut self, bias_rad_per_s: Interval) {
+        self.model.bias_rad_per_s = bias_rad_per_s;
+    }
+
     /// Turn in a span beside the period of a reading: somewhere in the period the rate was the mean that was read, and from there it
     /// changed for as long as from the farther end of the period to the farther end of the span.
     fn beside(&self, (end_s, rate): (f64, f64), [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Interval {

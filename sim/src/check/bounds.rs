@@ -1,6 +1,7 @@
 //! Every declared bound against the true value behind it.
 
 mod ceiling;
+mod forward;
 mod monitor;
 mod motion;
 mod motion_sensors;
@@ -22,6 +23,7 @@ pub fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     found.extend(motion_sensors::violations(scene, record));
     found.extend(range::violations(scene, record));
     found.extend(ceiling::violations(scene, record));
+    found.extend(forward::violations(scene, record));
     if let (Some(camera), Some(_)) = (&scene.robot.floor_camera, &record.drawn.floor_camera) {
         found.extend(floor_camera(camera, record));
         found.extend(tiles(scene, camera, record));

@@ -76,6 +76,9 @@ pub(super) fn draw(
                 if is_true(claim, scene, &record.drawn, &image.truth) { palette::SEEN } else { palette::FALSE };
             match claim {
                 Claim::FloorJoint { points_px, .. } => joint(canvas, points_px, place, colour),
+                Claim::WallLine { ends_px: [[u0, v0], [u1, v1]], .. } => {
+                    canvas.line(place(*u0, *v0), place(*u1, *v1), 2.5, colour);
+                }
                 Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, colour),
                 // Not of an image.
                 Claim::Landmark { .. } => {}

@@ -61,6 +61,8 @@ pub struct ImageRecord {
     pub q_items: usize,
     /// Segments looked at and rejected: `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
+    /// Heading that it told without those before it.
+    pub alone_heading_rad: Option<Interval>,
     /// Whether a constraint was made of it.
     pub constrained: bool,
     /// Whether the constraint emptied the union.

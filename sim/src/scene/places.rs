@@ -140,6 +140,10 @@ fn things(scene: &Scene, found: &mut Vec<Contradiction>) {
         let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
         found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
     }
+    if scene.localizer.methods.contains(&MethodName::WallDirections) && scene.robot.forward_camera.is_none() {
+        let expected = "`wall_directions` among them, expected `robot.forward_camera` for it to read".to_owned();
+        found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
+    }
     let methods = &scene.localizer.methods;
     if (1..methods.len()).any(|index| methods[..index].contains(&methods[index])) {
         let expected = "a method twice, expected each at most once".to_owned();
