@@ -1,5 +1,6 @@
 //! What the papers compare themselves with, and what they print: point methods and the printed contractor, to stand beside our boxes.
 
+mod dead_reckoning;
 mod direction_database;
 mod icp;
 mod least_squares;
@@ -13,6 +14,7 @@ use crate::{
     methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver},
 };
 
+pub use dead_reckoning::DeadReckoning;
 pub use direction_database::DirectionDatabase;
 pub use icp::closest_points;
 pub use least_squares::least_squares;

@@ -74,6 +74,9 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
         Baseline { error: Some(statistics::errors(poses, known)), ..Baseline::default() }
     };
     let mut baselines = BTreeMap::from([("odometry".to_owned(), point(&record.odometry))]);
+    for (name, poses) in &record.motion_baselines.poses {
+        baselines.insert((*name).to_owned(), point(poses));
+    }
     let range = &record.range_baselines;
     for (name, poses) in [("least_squares", &range.svd), ("closest_points", &range.icp)] {
         if !poses.is_empty() {

@@ -3,6 +3,7 @@
 mod clearance;
 mod history;
 mod marker_baselines;
+mod motion_baselines;
 mod motion_sensors;
 mod range_baselines;
 mod witness;
@@ -10,7 +11,7 @@ mod witness;
 use std::time::Instant;
 
 use localizer::{
-    Localizer, Map, Method, Pose, Reading, RobotModel,
+    Estimate, Interval, Localizer, Map, Method, Pose, PoseBox, PoseUnion, Reading, RobotModel, Status,
     methods::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
@@ -36,6 +37,7 @@ use crate::{
 pub use clearance::Clearance;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
+pub use motion_baselines::MotionBaselines;
 pub use motion_sensors::{FlowSight, MotionSensors};
 pub use range_baselines::{Answers, RangeBaselines};
 pub use witness::Witness;
@@ -118,7 +120,8 @@ fn drive(
             break;
         }
         let fan = sensors.look_out(&world.truth(), &world.people());
-        let command = pilot.command(&localizer.estimate_at(world.truth().time_s), fan.as_ref(), time_s);
+        let believed = if scene.is_led() { seen(&world.truth()) } else { localizer.estimate_at(world.truth().time_s) };
+        let command = pilot.command(&believed, fan.as_ref(), time_s);
         for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
             look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
@@ -131,6 +134,12 @@ fn drive(
     }
     record.history.errands = pilot.into_log(world.truth().time_s);
     Ok(())
+}
+
+/// What somebody who leads the robot sees of it.
+fn seen(truth: &Truth) -> Estimate {
+    let pose = PoseUnion::single(PoseBox::from(truth.pose.to_array().map(Interval::point)));
+    Estimate { time_s: truth.time_s, pose, status: Status::Sound, relies_on: Vec::new() }
 }
 
 /// Hands what arrives at one instant to the localizer.
@@ -235,7 +244,10 @@ impl<'a> Recorder<'a> {
         // Odometry alone knows no better start than the middle of the box that the localizer is given.
         let odometry = PointOdometry::new(scene.nominal_start());
         Recorder {
-            history: RunRecord::new(seed, adapter, drawn),
+            history: RunRecord {
+                motion_baselines: MotionBaselines::new(scene, &scene.robot_model()),
+                ..RunRecord::new(seed, adapter, drawn)
+            },
             odometry,
             map: scene.map(),
             robot: scene.robot_model(),
@@ -270,6 +282,7 @@ impl<'a> Recorder<'a> {
     fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
         self.witness.sense(reading);
+        self.history.motion_baselines.sense(reading);
         self.history.motion_sensors.note(observation, self.offset_s);
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
@@ -348,6 +361,7 @@ impl<'a> Recorder<'a> {
         self.history.truths.push(truth);
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
+        self.history.motion_baselines.step();
         self.history.range_baselines.step(self.odometry.pose());
     }
 

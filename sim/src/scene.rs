@@ -132,6 +132,11 @@ impl Scene {
         !self.robot.cameras().is_empty()
     }
 
+    /// Whether the robot is led along its route, whatever it believes.
+    pub fn is_led(&self) -> bool {
+        self.route.as_ref().is_some_and(|route| route.led)
+    }
+
     /// How errands are driven, as by default unless stated.
     pub fn navigation(&self) -> Navigation {
         self.navigation.clone().unwrap_or_default()

@@ -67,6 +67,8 @@ mod world_motion;
 mod world_floor;
 /// Carpets, ramps, stuck wheels, lifts, snapshots and Borenstein's square against closed forms.
 mod carpet_physics;
+/// Whole runs by wheels, gyroscope and flow sensor, and what goes wrong on them.
+mod carpet_runs;
 /// Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
 mod motion_sensors;
 /// Routes driven by estimates, and the default bounds on such a drive.

@@ -4,7 +4,7 @@ use localizer::{Claim, Estimate, Interval, Pose, PoseUnion, Reading, reading::La
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth};
 
-use super::{Clearance, MarkerBaselines, MotionSensors, RangeBaselines};
+use super::{Clearance, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
 
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
@@ -35,6 +35,8 @@ pub struct RunRecord {
     pub range_baselines: RangeBaselines,
     /// What paper 5's pipeline made of the pictures of the ceiling.
     pub marker_baselines: MarkerBaselines,
+    /// Where dead reckoning by paper 2 has it.
+    pub motion_baselines: MotionBaselines,
     /// What was truly behind the readings of gyroscope and flow sensor.
     pub motion_sensors: MotionSensors,
     /// Wall-clock time spent, by stage.
@@ -126,6 +128,7 @@ impl RunRecord {
             clearances: Vec::new(),
             range_baselines: RangeBaselines::default(),
             marker_baselines: MarkerBaselines::default(),
+            motion_baselines: MotionBaselines::default(),
             motion_sensors: MotionSensors::default(),
             timing: Timing::default(),
             readings_digest: String::new(),

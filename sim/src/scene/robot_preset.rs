@@ -23,7 +23,7 @@ fn vacuum() -> Robot {
         body_radius_m: 0.17,
         wheel_radius_m: 0.035,
         track_m: 0.23,
-        caster_stiffness: 0.1,
+        caster_stiffness: 0.3,
         max_speed_m_per_s: 0.3,
         max_turn_rate_rad_per_s: 1.5,
         // A motor of 12 counts a turn behind a gear of 1:60.
