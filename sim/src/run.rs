@@ -1,6 +1,7 @@
 //! The closed loop: the one screen where everything meets.
 
 mod clearance;
+mod forward_baselines;
 mod history;
 mod marker_baselines;
 mod motion_baselines;
@@ -35,6 +36,7 @@ use crate::{
 };
 
 pub use clearance::Clearance;
+pub use forward_baselines::ForwardBaselines;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use motion_baselines::MotionBaselines;
@@ -168,7 +170,11 @@ fn look(
 
 /// The localizer that the scene asks for, told what the scene tells it.
 pub(crate) fn localizer(scene: &Scene) -> Localizer {
-    Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
+    let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    match scene.localizer.gyro_bias_wander_deg_per_s2 {
+        Some(wander_deg_per_s2) => localizer.learning_gyro_bias(wander_deg_per_s2.to_radians()),
+        None => localizer,
+    }
 }
 
 /// The methods that the scene asks for; a new method is one line here.
@@ -197,6 +203,7 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
             WallDirectionsChain::PaperByTiles => wall_directions::Chain::PaperByTiles,
         },
         learns: setup.learns,
+        decides: scene.localizer.methods == [MethodName::WallDirections],
     };
     let build = |name: &MethodName| -> Option<Box<dyn Method>> {
         match name {
@@ -318,6 +325,9 @@ impl<'a> Recorder<'a> {
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, false) = (&reading, accounts.is_empty()) {
             self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
+        }
+        if let (Reading::Camera { camera: Camera::Forward, image, .. }, false) = (&reading, accounts.is_empty()) {
+            self.history.forward_baselines.observe(image, &self.map, &self.robot, truth.pose.heading_rad);
         }
         for account in accounts {
             if matches!(reading, Reading::Range { .. }) {

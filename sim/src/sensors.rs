@@ -11,7 +11,7 @@ pub mod gyro_bias;
 pub mod lens;
 pub mod proximity;
 pub mod range_camera;
-mod sight;
+pub(crate) mod sight;
 
 use localizer::{
     Reading,

@@ -40,6 +40,7 @@ mod floor_tiles_geometry;
 mod wall_directions_geometry;
 /// Straight edges and features in pictures of known light.
 mod dark_vision;
+mod dark_runs;
 /// The flow sensor's enclosure against motion integrated much finer; the gyroscope's bias.
 mod flow_enclosure;
 /// Paper 2's slip decision, direction database and pose graph.

@@ -4,7 +4,7 @@ use localizer::{Claim, Estimate, Interval, Pose, PoseUnion, Reading, reading::La
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth};
 
-use super::{Clearance, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
+use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
 
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
@@ -39,6 +39,8 @@ pub struct RunRecord {
     pub motion_baselines: MotionBaselines,
     /// What was truly behind the readings of gyroscope and flow sensor.
     pub motion_sensors: MotionSensors,
+    /// What paper 2's chain and features made of the pictures ahead.
+    pub forward_baselines: ForwardBaselines,
     /// Wall-clock time spent, by stage.
     pub timing: Timing,
     /// SHA-256 over all readings, in order of arrival.
@@ -130,6 +132,7 @@ impl RunRecord {
             marker_baselines: MarkerBaselines::default(),
             motion_baselines: MotionBaselines::default(),
             motion_sensors: MotionSensors::default(),
+            forward_baselines: ForwardBaselines::default(),
             timing: Timing::default(),
             readings_digest: String::new(),
         }

@@ -24,7 +24,8 @@ fn gyro(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
         constant(
             record,
             "gyro.wander",
-            gyro.bias_wander_deg_per_s2.to_radians(),
+            // What the localizer is told, where it is told of it.
+            scene.localizer.gyro_bias_wander_deg_per_s2.unwrap_or(gyro.bias_wander_deg_per_s2).to_radians(),
             truth.greatest_gyro_wander_rad_per_s2 * ROUNDING,
         ),
     ]
