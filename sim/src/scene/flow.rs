@@ -76,7 +76,7 @@ impl Default for Flow {
             left_m: 0.0,
             position_tolerance_m: 0.0005,
             yaw_tolerance_deg: 0.1,
-            calibration_tolerance: 0.002,
+            calibration_tolerance: 0.001,
             scale_tolerance: 0.003,
             back_and_forth_m: 0.0001,
             greatest_speed_m_per_s: 1.0,
