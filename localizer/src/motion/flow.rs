@@ -49,12 +49,12 @@ impl FlowIntegral {
         let back_and_forth_counts = model.back_and_forth_counts * (step_s / model.period_s - 1e-6).ceil().max(1.0);
         let middle = (self.turn_rad + turn_rad) * 0.5;
         let (cos, sin) = (middle.cos(), middle.sin());
-        for axis in 0..2 {
-            self.cos_counts[axis] += cos * counts[axis];
-            self.sin_counts[axis] += sin * counts[axis];
+        for (axis, counts) in counts.into_iter().enumerate() {
+            self.cos_counts[axis] += cos * counts;
+            self.sin_counts[axis] += sin * counts;
             // Within a step the heading is as far from its middle as the step turns; the way may be longer than the counts by
             // what the sensor goes forth and back within a period.
-            self.remainder_counts += step_turn_rad * (counts[axis].abs() + back_and_forth_counts);
+            self.remainder_counts += step_turn_rad * (counts.abs() + back_and_forth_counts);
         }
         self.turning_rad += step_turn_rad;
         self.turn_rad = turn_rad;

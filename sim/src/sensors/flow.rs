@@ -112,10 +112,10 @@ impl FlowSensor {
             || speed_m_per_s > self.flow.greatest_speed_m_per_s
             || self.blind.iter().any(|event| event.is_on(before.time_s));
         period.greatest_scale_error = period.greatest_scale_error.max((scale - 1.0).abs());
-        for axis in 0..2 {
-            period.counts[axis] += travel_m[axis] * scale.max(0.0) * self.flow.counts_per_m;
-            period.travel_m[axis] += travel_m[axis];
-            period.path_m[axis] += travel_m[axis].abs();
+        for (axis, travel_m) in travel_m.into_iter().enumerate() {
+            period.counts[axis] += travel_m * scale.max(0.0) * self.flow.counts_per_m;
+            period.travel_m[axis] += travel_m;
+            period.path_m[axis] += travel_m.abs();
         }
     }
 
