@@ -7,7 +7,7 @@ DEMO_SCENE = scenes/papers/floor_vision_odometry.toml
 # Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench bench-render photon-transfer readers golden experiments falsify driver build
+.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden experiments falsify driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -17,6 +17,7 @@ help:
 	@echo "make bench-render  render a room, and a like one with MuJoCo where Python has it"
 	@echo "make photon-transfer  analyse the sensor by the package emva1288 where Python has it; PYTHON=…"
 	@echo "make readers       let programs of others read what runs leave, where Python has them; PYTHON=…"
+	@echo "make allan         analyse the gyroscope by the package allantools where Python has it; PYTHON=…"
 	@echo "make golden        take the pictures anew against which tests compare; look at them"
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine: 45 minutes"
@@ -50,10 +51,14 @@ readers: driver
 	cargo build -p wherein-sim --features parquet
 	$(PYTHON) scripts/outside_readers $(WHEREIN) target/readers
 
+allan:
+	cargo run -p wherein-tests --example allan target/allan
+	$(PYTHON) scripts/allan target/allan
+
 golden: driver
 	WHEREIN_GOLDEN=1 cargo test -p wherein-tests --test it golden_images
 
-experiments: driver build
+experiments: driver build allan
 	scripts/experiments $(ISSUE)
 
 falsify:

@@ -1,8 +1,12 @@
 //! What the papers compare themselves with, and what they print: point methods and the printed contractor, to stand beside our boxes.
 
+mod dead_reckoning;
+mod direction_database;
 mod icp;
 mod least_squares;
+pub mod pose_graph;
 mod printed_table_iv;
+mod slip_decision;
 
 use crate::{
     Contractor, PoseBox,
@@ -10,9 +14,12 @@ use crate::{
     methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver},
 };
 
+pub use dead_reckoning::DeadReckoning;
+pub use direction_database::DirectionDatabase;
 pub use icp::closest_points;
 pub use least_squares::least_squares;
 pub use printed_table_iv::printed_table_iv;
+pub use slip_decision::SlipDecision;
 
 /// The solvers of the planar pose that a run tabulates, by name.
 pub const SOLVERS: [(&str, Solver); 4] = [

@@ -1,22 +1,28 @@
 //! The ring of stamped pose unions: predict, hang, contract, account.
 
 mod account;
+mod bias;
 mod doubt;
 mod ring;
+mod slip;
 
 use crate::{
     Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
     method::Assumption,
-    motion::{WheelHistory, WheelIntegral, moved_union},
+    motion::{Agreement, Motion, WheelHistory, WheelIntegral, agree, greatest_change_rad_per_s2, moved_union},
 };
 
 pub use account::Account;
+use bias::BiasLearner;
 use doubt::Doubt;
 use ring::{Ring, Slot};
+use slip::CertifiedSlip;
 
 /// How far back stamps may lie: a reading older than this is refused, and readings are gone over again no further back.
 const REMEMBER_S: f64 = 3.0;
+/// Times closer than this are the same instant: periods are decimal, stamps binary.
+const SAME_S: f64 = 1e-9;
 /// The bounds that a prediction by wheels stands on.
 const WHEELS: [Assumption; 6] =
     ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
@@ -24,6 +30,11 @@ const WHEELS: [Assumption; 6] =
 const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "room.walls"];
 /// What a gyroscope adds to both.
 const GYRO: [Assumption; 3] = ["gyro.bias", "gyro.scale", "gyro.noise"];
+/// What a bias that is learnt adds to that.
+const GYRO_WANDER: Assumption = "gyro.wander";
+/// What a flow sensor adds to the wheels.
+const FLOW: [Assumption; 6] =
+    ["flow.position", "flow.yaw", "flow.scale", "flow.back_and_forth", "reach.speed", "reach.turn_rate"];
 
 /// Whether the estimate stands on its declared assumptions alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,9 +70,13 @@ pub struct Localizer {
     current: PoseUnion,
     now_s: f64,
     doubt: Option<Doubt>,
+    /// When wheels and flow sensor had nothing in common.
+    slip: CertifiedSlip,
     /// When methods unlearnt last, and how far back.
     unlearnt: (f64, f64),
     relies_on: Vec<Assumption>,
+    /// How fast the gyroscope's bias may change where it is learnt, and what is known of it.
+    bias: Option<(f64, BiasLearner)>,
 }
 
 impl Localizer {
@@ -78,21 +93,41 @@ impl Localizer {
             current: PoseUnion::default(),
             now_s: 0.0,
             doubt: None,
+            slip: CertifiedSlip::default(),
             unlearnt: (0.0, 0.0),
+            bias: None,
         };
         localizer.begin_at(start);
         localizer
     }
 
+    /// The same, learning the gyroscope's bias, which changes by at most `wander_rad_per_s2` times the time that passes.
+    pub fn learning_gyro_bias(mut self, wander_rad_per_s2: f64) -> Self {
+        self.bias = self.robot.gyro.map(|model| (wander_rad_per_s2, BiasLearner::new(model, wander_rad_per_s2)));
+        self.relies_on.extend(self.bias.is_some().then_some(GYRO_WANDER));
+        self
+    }
+
+    /// The gyroscope's bias as known now: as declared unless it is learnt; `None` without a gyroscope.
+    pub fn gyro_bias_rad_per_s(&self) -> Option<Interval> {
+        let declared = self.robot.gyro?.bias_rad_per_s;
+        Some(self.bias.as_ref().map_or(declared, |(_, learner)| learner.at(self.now_s)))
+    }
+
     /// The robot was put within `start` and the clock set back to 0: nothing carries over but what the methods have learnt.
     pub fn restart(&mut self, start: PoseBox) {
         self.wheels = motion_history(&self.robot);
+        if let (Some((wander, learner)), Some(model)) = (&mut self.bias, self.robot.gyro) {
+            *learner = BiasLearner::new(model, *wander);
+        }
         self.ring = Ring::new(REMEMBER_S);
         self.integral = None;
         self.now_s = 0.0;
         self.doubt = None;
+        self.slip = CertifiedSlip::default();
         self.unlearnt = (0.0, 0.0);
         self.relies_on = assumptions(&self.robot);
+        self.relies_on.extend(self.bias.is_some().then_some(GYRO_WANDER));
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
         self.begin_at(start);
     }
@@ -111,6 +146,13 @@ impl Localizer {
             }
             Reading::Gyro { measured_s, rate_rad_per_s, .. } => {
                 self.wheels.push_rate(*measured_s, *rate_rad_per_s);
+                if let Some((_, learner)) = &mut self.bias {
+                    learner.read(*measured_s, *rate_rad_per_s);
+                }
+                Vec::new()
+            }
+            Reading::Flow { measured_s, counts, blind_periods, .. } => {
+                self.wheels.push_flow(*measured_s, *counts, *blind_periods);
                 Vec::new()
             }
             Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
@@ -121,6 +163,22 @@ impl Localizer {
     pub fn estimate(&self) -> Estimate {
         let status = if self.doubt.is_some() { Status::Recovering } else { Status::Sound };
         Estimate { time_s: self.now_s, pose: self.current.clone(), status, relies_on: self.relies_on.clone() }
+    }
+
+    /// The answer at an instant: where the latest wheel reading is older, as when readings come late, reach bounds the rest.
+    pub fn estimate_at(&self, time_s: f64) -> Estimate {
+        let mut estimate = self.estimate();
+        if time_s <= self.now_s + SAME_S {
+            return estimate;
+        }
+        // Whole microseconds: the same instant counted from another zero has other last digits.
+        let span_s = ((time_s - self.now_s) * 1e6).ceil() * 1e-6;
+        let motion = self.wheels.reach_motion(self.now_s, self.now_s + span_s, &self.robot.reach);
+        estimate.pose = self.inside_room(moved_union(&estimate.pose, &motion));
+        estimate.time_s = time_s;
+        let reach = REACH.into_iter().filter(|assumption| !self.relies_on.contains(assumption));
+        estimate.relies_on.extend(reach);
+        estimate
     }
 
     /// Predicts up to a wheel reading.
@@ -143,11 +201,20 @@ impl Localizer {
     fn predict(&mut self) {
         // A slot ahead of the wheels says nothing of now; the next reading will pass it.
         let Some(last) = self.ring.last().filter(|last| last.stamp_s <= self.now_s) else { return };
-        let predicted = match (&self.integral, self.doubt) {
-            (Some(integral), None) => moved_union(&last.union, &integral.motion(&self.robot.wheels)),
-            // Without wheels to trust, or without their history since the slot, reach is all there is.
-            _ => moved_union(&last.union, &self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach)),
+        let rolled = self.integral.as_ref().map(|integral| integral.motion(&self.robot.wheels));
+        let motion = match (rolled, self.doubt) {
+            (Some(rolled), None) => {
+                let flow = self.wheels.flow_motion(last.stamp_s, self.now_s, &self.robot.wheels, &self.robot.reach);
+                if let Agreement::SlipCertified(_) = agree(&rolled, flow.as_ref()) {
+                    self.slip.certify([last.stamp_s, self.now_s]);
+                }
+                self.slip.motion([last.stamp_s, self.now_s], Some(rolled), flow, &self.wheels, &self.robot)
+            }
+            _ => None,
         };
+        // Without wheels to trust, or without their history since the slot, reach is all there is.
+        let motion = motion.unwrap_or_else(|| self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach));
+        let predicted = moved_union(&last.union, &motion);
         self.current = self.inside_room(predicted);
         if self.current.is_empty() {
             // No place in the room fits what the wheels told: they are the first to be doubted.
@@ -177,21 +244,37 @@ impl Localizer {
             if !self.methods[idx].reads(reading) {
                 continue;
             }
+            let (wheels, robot, doubted) = (&self.wheels, &self.robot, self.doubt.is_some());
+            let slip = &self.slip;
+            self.methods[idx]
+                .carry_to(stamp_s, &|from_s, to_s| motion_between(wheels, robot, slip, doubted, [from_s, to_s]));
             let Some(constraint) = self.methods[idx].constrain(reading, &prior, &twist) else {
                 accounts.push(Account::absent(self.methods[idx].name(), prior.clone()));
                 continue;
             };
             let mut account = self.hang(constraint);
             if self.doubt.is_none() {
-                let (wheels, robot) = (&self.wheels, &self.robot);
+                let (wheels, robot, slip) = (&self.wheels, &self.robot, &self.slip);
                 self.methods[idx].learn(&account.posterior, &|from_s, to_s| {
-                    wheels.motion(from_s, to_s, &robot.wheels, &robot.reach)
+                    motion_between(wheels, robot, slip, false, [from_s, to_s])
                 });
             }
             account.landmarks = self.methods[idx].landmarks();
+            self.learn_bias(stamp_s, account.posterior.hull()[2]);
             accounts.push(account);
         }
         accounts
+    }
+
+    /// Learns the gyroscope's bias from a heading just fixed, unless an assumption is doubted.
+    fn learn_bias(&mut self, stamp_s: f64, heading: Interval) {
+        let change_rad_per_s2 = greatest_change_rad_per_s2(&self.robot.wheels, &self.robot.reach);
+        let Some((wander_rad_per_s2, learner)) = &mut self.bias else { return };
+        if self.doubt.is_none() && !heading.is_empty() {
+            learner.learn(stamp_s, heading, change_rad_per_s2);
+            // The memory of motion goes back so far.
+            self.wheels.learn_bias(learner.at(self.now_s).inflate(*wander_rad_per_s2 * REMEMBER_S));
+        }
     }
 
     /// What is known of the pose at a past stamp; `None` when it lies outside of the memory or after the last wheel reading.
@@ -213,7 +296,7 @@ impl Localizer {
         } else if to_s == from_s {
             return Some(union.clone());
         } else {
-            self.wheels.motion(from_s, to_s, &self.robot.wheels, &self.robot.reach)?
+            motion_between(&self.wheels, &self.robot, &self.slip, false, [from_s, to_s])?
         };
         Some(self.inside_room(moved_union(union, &motion)))
     }
@@ -292,10 +375,30 @@ impl Localizer {
 /// The memory of what moves this robot.
 fn motion_history(robot: &RobotModel) -> WheelHistory {
     let wheels = WheelHistory::new(REMEMBER_S);
-    match robot.gyro {
+    let wheels = match robot.gyro {
         Some(model) => wheels.with_gyro(model),
         None => wheels,
+    };
+    match robot.flow {
+        Some(model) => wheels.with_flow(model),
+        None => wheels,
     }
+}
+
+/// Motion between two stamps of the memory, by reach alone while the wheels are doubted.
+fn motion_between(
+    wheels: &WheelHistory,
+    robot: &RobotModel,
+    slip: &CertifiedSlip,
+    doubted: bool,
+    [from_s, to_s]: [f64; 2],
+) -> Option<Motion> {
+    if doubted {
+        return Some(wheels.reach_motion(from_s, to_s, &robot.reach));
+    }
+    let rolled = wheels.motion(from_s, to_s, &robot.wheels, &robot.reach);
+    let flow = wheels.flow_motion(from_s, to_s, &robot.wheels, &robot.reach);
+    slip.motion([from_s, to_s], rolled, flow, wheels, robot)
 }
 
 /// The bounds that a prediction without doubt stands on.
@@ -303,6 +406,9 @@ fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
     let mut names = WHEELS.to_vec();
     if robot.gyro.is_some() {
         names.extend(GYRO);
+    }
+    if robot.flow.is_some() && robot.gyro.is_some() {
+        names.extend(FLOW);
     }
     names
 }

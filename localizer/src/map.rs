@@ -16,6 +16,8 @@ pub struct Map {
     pub tiles: Option<TileGrid>,
     /// Markers on the ceiling, if there are any.
     pub markers: Option<MarkerMap>,
+    /// Directions of walls from world x, modulo quarter turns, `wall_directions.direction`.
+    pub wall_directions_rad: Vec<Interval>,
 }
 
 /// Dot-matrix markers as pasted on the ceiling.

@@ -23,6 +23,10 @@ pub trait Method: Send {
     /// `prior` encloses the pose at the stamp as far as known before; `twist` is the body motion at the stamp.
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint>;
 
+    /// Told before [`constrain`](Self::constrain): the stamp to come, and how the robot moved between two recent stamps, by reach alone
+    /// while the wheels are doubted.
+    fn carry_to(&mut self, _stamp_s: f64, _motion: MotionBetween) {}
+
     /// Learns what lasts, such as where landmarks are, from the reading last constrained: the pose at its stamp is in `posterior`,
     /// and `motion` tells how the robot moved between two recent stamps.
     ///
@@ -76,6 +80,8 @@ pub struct Constraint {
     pub decides: bool,
     /// What was looked at and rejected, for debug frames: segments in pixels `[u0, v0, u1, v1]`.
     pub rejected_px: Vec<[f64; 4]>,
+    /// Heading that this reading tells without those before it, near the prior's; `None` where it tells no heading of its own.
+    pub alone_heading_rad: Option<Interval>,
 }
 
 /// What a method says it saw. The simulator projects the true object with its own camera model and knows whether it is so.
@@ -87,6 +93,13 @@ pub enum Claim {
         points_px: Vec<[f64; 3]>,
         /// Share of the points that may be farther away.
         share_wrong: f64,
+    },
+    /// A level line along one of the building's directions runs, in the image, within the bound of both ends.
+    WallLine {
+        /// First and last point, `[u, v]`.
+        ends_px: [[f64; 2]; 2],
+        /// Greatest distance of the true line from either end, across the line.
+        bound_px: f64,
     },
     /// At the stamp, this landmark lies in this box of the robot frame.
     Landmark {

@@ -3,3 +3,4 @@
 pub mod ceiling_markers;
 pub mod floor_tiles;
 pub mod range_landmarks;
+pub mod wall_directions;

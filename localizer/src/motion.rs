@@ -3,7 +3,10 @@
 //! The true arc of a differential drive, per-wheel bounds with a floor, side slip, and reach. Ticks telescope: over any span
 //! the quantisation counts once, because a wheel's count is a difference of two latched totals.
 
+mod flow;
+mod flow_history;
 mod gyro;
+mod gyro_bias;
 mod integral;
 mod odometry;
 
@@ -12,10 +15,13 @@ use std::collections::VecDeque;
 use crate::{
     Interval, IntervalBox, PoseBox, PoseUnion,
     method::Twist,
-    robot::{GyroModel, Reach, WheelModel},
+    robot::{FlowModel, GyroModel, Reach, WheelModel},
 };
 
-pub use gyro::GyroHistory;
+pub use flow::{Agreement, FlowIntegral, agree};
+pub use flow_history::FlowHistory;
+pub use gyro::{GyroHistory, greatest_change_rad_per_s2};
+pub use gyro_bias::GyroBias;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
 
@@ -33,18 +39,19 @@ pub struct WheelSample {
     pub ticks_error: f64,
 }
 
-/// Recent encoder readings, and those of the gyroscope if there is one.
+/// Recent encoder readings, and those of the gyroscope and of the flow sensor if there are such.
 #[derive(Clone, Debug)]
 pub struct WheelHistory {
     samples: VecDeque<WheelSample>,
     gyro: Option<GyroHistory>,
+    flow: Option<FlowHistory>,
     keep_s: f64,
 }
 
 impl WheelHistory {
     /// A history that forgets what is older than `keep_s`.
     pub fn new(keep_s: f64) -> Self {
-        WheelHistory { samples: VecDeque::new(), gyro: None, keep_s }
+        WheelHistory { samples: VecDeque::new(), gyro: None, flow: None, keep_s }
     }
 
     /// The same with a gyroscope, whose turn is intersected with that of the wheels.
@@ -52,10 +59,35 @@ impl WheelHistory {
         WheelHistory { gyro: Some(GyroHistory::new(model, self.keep_s)), ..self }
     }
 
+    /// The same with a flow sensor, which sees its own way beside the wheels and needs a gyroscope to know the turn.
+    pub fn with_flow(self, model: FlowModel) -> Self {
+        WheelHistory { flow: Some(FlowHistory::new(model, self.keep_s)), ..self }
+    }
+
+    /// Adds a reading of the flow sensor.
+    pub fn push_flow(&mut self, time_s: f64, counts: [i64; 2], blind_periods: u64) {
+        if let Some(flow) = &mut self.flow {
+            flow.push(time_s, counts, blind_periods);
+        }
+    }
+
+    /// Motion as flow sensor and gyroscope tell it, whatever the wheels do; `None` without them, and where the flow sensor saw nothing.
+    pub fn flow_motion(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Motion> {
+        let turn = |from_s: f64, to_s: f64| self.gyro_turn(from_s, to_s, wheels, reach);
+        self.flow.as_ref()?.motion([from_s, to_s], &turn, wheels, reach)
+    }
+
     /// Adds a reading of the gyroscope.
     pub fn push_rate(&mut self, time_s: f64, rate_rad_per_s: f64) {
         if let Some(gyro) = &mut self.gyro {
             gyro.push(time_s, rate_rad_per_s);
+        }
+    }
+
+    /// Takes over a bias of the gyroscope that is known better than declared.
+    pub fn learn_bias(&mut self, bias_rad_per_s: Interval) {
+        if let Some(gyro) = &mut self.gyro {
+            gyro.learn_bias(bias_rad_per_s);
         }
     }
 

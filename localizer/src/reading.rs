@@ -36,6 +36,17 @@ pub enum Reading {
         /// Counter-clockwise.
         rate_rad_per_s: f64,
     },
+    /// Travel over the floor's surface as an optical flow sensor counts it, since the start.
+    Flow {
+        /// End of the period in which the last of it was counted.
+        measured_s: f64,
+        /// When the localizer gets to know.
+        arrived_s: f64,
+        /// Cumulative counts along the sensor's forward and left axis.
+        counts: [i64; 2],
+        /// Number of periods so far in which it found nothing to follow: counts know nothing of the way in them.
+        blind_periods: u64,
+    },
     /// Coded landmarks as a range camera measured them.
     Range {
         /// Middle of the exposure, by the sensor's own stamp.
@@ -96,6 +107,7 @@ impl Reading {
             Reading::Wheels { measured_s, .. }
             | Reading::Camera { measured_s, .. }
             | Reading::Gyro { measured_s, .. }
+            | Reading::Flow { measured_s, .. }
             | Reading::Range { measured_s, .. } => *measured_s,
         }
     }
@@ -106,7 +118,19 @@ impl Reading {
             Reading::Wheels { arrived_s, .. }
             | Reading::Camera { arrived_s, .. }
             | Reading::Gyro { arrived_s, .. }
+            | Reading::Flow { arrived_s, .. }
             | Reading::Range { arrived_s, .. } => *arrived_s,
+        }
+    }
+
+    /// The reading is on its way for longer.
+    pub fn delay(&mut self, by_s: f64) {
+        match self {
+            Reading::Wheels { arrived_s, .. }
+            | Reading::Camera { arrived_s, .. }
+            | Reading::Gyro { arrived_s, .. }
+            | Reading::Flow { arrived_s, .. }
+            | Reading::Range { arrived_s, .. } => *arrived_s += by_s,
         }
     }
 }

@@ -15,8 +15,12 @@ pub struct RobotModel {
     pub body: BodyModel,
     /// The camera that looks straight down at the floor, if there is one.
     pub floor_camera: Option<FloorCameraModel>,
+    /// The camera that looks ahead, if there is one.
+    pub forward_camera: Option<ForwardCameraModel>,
     /// The gyroscope about the vertical, if there is one.
     pub gyro: Option<GyroModel>,
+    /// The optical flow sensor, if there is one.
+    pub flow: Option<FlowModel>,
     /// The camera that looks up at the ceiling's markers, if there is one.
     pub ceiling_camera: Option<CeilingCameraModel>,
     /// The range camera that measures coded landmarks, if there is one.
@@ -174,4 +178,42 @@ pub struct RangeCameraModel {
     /// With wrong correspondences: at least so many right ones lie between two wrong ones given to the same landmark,
     /// `range_landmarks.wrong_spacing`.
     pub wrong_spacing: usize,
+}
+
+/// A camera that looks ahead, tilted up about its own u axis, which is level and points to the robot's right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForwardCameraModel {
+    /// Both focal lengths, `forward_camera.focal`.
+    pub focal_px: Interval,
+    /// Where the optical axis meets the image, `forward_camera.principal_point`.
+    pub principal_point_px: [Interval; 2],
+    /// Brown and Conrady's k1, k2, p1, p2, k3, as calibrated.
+    pub distortion: [f64; 5],
+    /// Greatest distance between a pixel and where the lens model puts it, `forward_camera.distortion`.
+    pub distortion_px: f64,
+    /// Nominal upward tilt of the optical axis.
+    pub tilt_up_rad: f64,
+    /// Direction of the optical axis from robot forward, counter-clockwise, `forward_camera.yaw`.
+    pub yaw_rad: Interval,
+    /// Greatest turn of the camera about any level axis from its nominal attitude, `forward_camera.tilt`.
+    pub tilt_error_rad: f64,
+    /// Greatest error of an image's stamp, `forward_camera.stamp`.
+    pub stamp_error_s: f64,
+}
+
+/// A two-axis optical flow sensor that looks at the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowModel {
+    /// Where it looks, in the robot frame: forward and left, `flow.position`.
+    pub position_m: [Interval; 2],
+    /// Travel of one count, over every height it is declared for, `flow.scale`.
+    pub metres_per_count: Interval,
+    /// Turn of its forward axis from the robot's, counter-clockwise, `flow.yaw`.
+    pub yaw_rad: Interval,
+    /// Greatest error, at any stamp, of an axis' counts since the start: 1 by the nature of counting.
+    pub quantisation_counts: f64,
+    /// Greatest way, in counts, that it goes forth and back within one period beyond what it counts, `flow.back_and_forth`.
+    pub back_and_forth_counts: f64,
+    /// Time between two readings.
+    pub period_s: f64,
 }

@@ -12,6 +12,7 @@
 
 pub mod ceiling;
 pub mod direct;
+pub mod forward;
 pub mod line_fit;
 pub mod p3p;
 pub mod paper;

@@ -8,9 +8,10 @@ mod landmarks;
 mod markers;
 mod statistics;
 mod verdict;
+mod wall_directions;
 
 pub use bounds::violations;
-pub use claims::is_true;
+pub use claims::{is_true, wall_line_deg};
 pub use errands::{distance_to_way_m, true_distance_m};
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use statistics::midpoint;
@@ -19,9 +20,12 @@ pub use verdict::{
     FixWidth, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
 };
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
-use localizer::{Pose, Status};
+use localizer::{
+    Pose, Status,
+    methods::wall_directions::{IMAGES, WRONG_IMAGES},
+};
 
 use crate::{
     run::{ImageRecord, RunRecord},
@@ -33,8 +37,13 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let violations = violations(scene, record);
     let false_claims: Vec<usize> =
         record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
-    let (containment, judgements) =
-        judge::containment(record, &violations, &false_claims, &landmarks::misled(scene, record));
+    let (containment, judgements) = judge::containment(
+        record,
+        &violations,
+        &misperceived(record, &false_claims),
+        &false_claims,
+        &landmarks::misled(scene, record),
+    );
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
@@ -67,6 +76,9 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
         Baseline { error: Some(statistics::errors(poses, known)), ..Baseline::default() }
     };
     let mut baselines = BTreeMap::from([("odometry".to_owned(), point(&record.odometry))]);
+    for (name, poses) in &record.motion_baselines.poses {
+        baselines.insert((*name).to_owned(), point(poses));
+    }
     let range = &record.range_baselines;
     for (name, poses) in [("least_squares", &range.svd), ("closest_points", &range.icp)] {
         if !poses.is_empty() {
@@ -136,6 +148,7 @@ fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     metrics.extend(landmarks::metrics(scene, record));
     metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));
+    metrics.extend(wall_directions::metrics(record));
     metrics
 }
 
@@ -154,9 +167,25 @@ fn longest_outside_s(record: &RunRecord) -> f64 {
     longest_s
 }
 
-/// Whether more claims of an image were false than its method declares possible.
-fn misperceived(image: &ImageRecord, n_false: usize) -> bool {
-    n_false > image.q_items
+/// For each image whether its method's declaration of wrong claims is broken with it: too many in the image, or for `wall_directions`
+/// too many such images of those that it holds together.
+fn misperceived(record: &RunRecord, false_claims: &[usize]) -> Vec<bool> {
+    let too_many = |image: &ImageRecord, n_false: usize| n_false > image.q_items;
+    let mut held: VecDeque<bool> = VecDeque::new();
+    let judged = record.images.iter().zip(false_claims).map(|(image, &n_false)| {
+        if image.method != "wall_directions" {
+            return too_many(image, n_false);
+        }
+        if !image.constrained {
+            return false;
+        }
+        held.push_back(too_many(image, n_false));
+        if held.len() > IMAGES {
+            held.pop_front();
+        }
+        held.back() == Some(&true) && held.iter().filter(|wrong| **wrong).count() > WRONG_IMAGES
+    });
+    judged.collect()
 }
 
 fn share(part: usize, whole: usize) -> f64 {

@@ -33,6 +33,8 @@ pub struct Drawn {
     pub range_camera: Option<DrawnRangeCamera>,
     /// True bias and scale of the gyroscope.
     pub gyro: Option<DrawnGyro>,
+    /// True mount and scale of the flow sensor.
+    pub flow: Option<DrawnFlow>,
     /// The tiles as they were laid.
     pub tiles: Option<LaidTiles>,
     /// Goals of random errands, world; nothing secret, and the driver is told.
@@ -84,10 +86,21 @@ pub struct DrawnRangeCamera {
     pub baseline_m: f64,
 }
 
+/// True mount and scale of the flow sensor.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnFlow {
+    /// Where it looks in the robot frame: forward and left.
+    pub position_m: [f64; 2],
+    /// Turn of its forward axis from the robot's, counter-clockwise.
+    pub yaw_rad: f64,
+    /// Counts per metre over nominal, at the mounted height.
+    pub scale: f64,
+}
+
 /// True bias and scale of the gyroscope.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnGyro {
-    /// Constant over a run.
+    /// At time 0; constant over a run unless it is said to wander.
     pub bias_rad_per_s: f64,
     /// Constant over a run.
     pub scale: f64,

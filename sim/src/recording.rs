@@ -143,6 +143,7 @@ impl<S: Sink> Witness for Stream<S> {
                 self.put(topic, "wherein_msgs/Gyro", arrived_s, &message);
                 self.put("/imu", "sensor_msgs/Imu", arrived_s, &messages::turn_rate(measured_s, *rate_rad_per_s));
             }
+            Reading::Flow { .. } => self.put(topic, "wherein_msgs/Flow", arrived_s, &message),
             Reading::Range { .. } => self.put(topic, "wherein_msgs/Range", arrived_s, &message),
         }
     }

@@ -112,12 +112,12 @@ impl Replayer<'_> {
                 }
             }
             exact::IMAGE_STAMP => self.stamp = Some(ImageStamp::decode(message)?),
-            exact::WHEELS | exact::GYRO | exact::RANGE => {
+            exact::WHEELS | exact::GYRO | exact::FLOW | exact::RANGE => {
                 localizer.observe(&exact::decode(topic, message)?);
             }
             exact::ESTIMATE => {
                 let recorded = RecordedEstimate::decode(message)?;
-                let mut estimate = localizer.estimate();
+                let mut estimate = localizer.estimate_at(recorded.time_s - self.offset_s);
                 estimate.time_s += self.offset_s;
                 // Bytes, as −0 equals 0 and no NaN equals itself.
                 if RecordedEstimate::of(&estimate).encode() != message {

@@ -1,19 +1,23 @@
 //! The closed loop: the one screen where everything meets.
 
 mod clearance;
+mod forward_baselines;
 mod history;
 mod marker_baselines;
+mod motion_baselines;
+mod motion_sensors;
 mod range_baselines;
 mod witness;
 
 use std::time::Instant;
 
 use localizer::{
-    Localizer, Map, Method, Pose, Reading, RobotModel,
+    Estimate, Interval, Localizer, Map, Method, Pose, PoseBox, PoseUnion, Reading, RobotModel, Status,
     methods::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
         range_landmarks::{Freedom, RangeLandmarks, Solver},
+        wall_directions::{self, WallDirections},
     },
     motion::PointOdometry,
     reading::Camera,
@@ -25,15 +29,18 @@ use crate::{
     driver::Pilot,
     frames::FramesPolicy,
     render::{RenderError, Renderer},
-    scene::{FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene},
+    scene::{FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene, WallDirectionsChain},
     sensors::{Observation, Sensors, Stage},
     truth::Truth,
     world::World,
 };
 
 pub use clearance::Clearance;
+pub use forward_baselines::ForwardBaselines;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
+pub use motion_baselines::MotionBaselines;
+pub use motion_sensors::{FlowSight, MotionSensors};
 pub use range_baselines::{Answers, RangeBaselines};
 pub use witness::Witness;
 
@@ -115,7 +122,8 @@ fn drive(
             break;
         }
         let fan = sensors.look_out(&world.truth(), &world.people());
-        let command = pilot.command(&localizer.estimate(), fan.as_ref(), time_s);
+        let believed = if scene.is_led() { seen(&world.truth()) } else { localizer.estimate_at(world.truth().time_s) };
+        let command = pilot.command(&believed, fan.as_ref(), time_s);
         for _ in 0..PHYSICS_STEPS {
             record.timed(|timing| &mut timing.world_s, || world.step(command));
             look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
@@ -128,6 +136,12 @@ fn drive(
     }
     record.history.errands = pilot.into_log(world.truth().time_s);
     Ok(())
+}
+
+/// What somebody who leads the robot sees of it.
+fn seen(truth: &Truth) -> Estimate {
+    let pose = PoseUnion::single(PoseBox::from(truth.pose.to_array().map(Interval::point)));
+    Estimate { time_s: truth.time_s, pose, status: Status::Sound, relies_on: Vec::new() }
 }
 
 /// Hands what arrives at one instant to the localizer.
@@ -145,7 +159,7 @@ fn look(
         let accounts = record.timed(
             |timing| match observation.reading {
                 Reading::Camera { .. } => &mut timing.vision_s,
-                Reading::Wheels { .. } | Reading::Gyro { .. } | Reading::Range { .. } => &mut timing.localizer_s,
+                _ => &mut timing.localizer_s,
             },
             || localizer.observe(&observation.reading),
         );
@@ -156,7 +170,11 @@ fn look(
 
 /// The localizer that the scene asks for, told what the scene tells it.
 pub(crate) fn localizer(scene: &Scene) -> Localizer {
-    Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
+    let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    match scene.localizer.gyro_bias_wander_deg_per_s2 {
+        Some(wander_deg_per_s2) => localizer.learning_gyro_bias(wander_deg_per_s2.to_radians()),
+        None => localizer,
+    }
 }
 
 /// The methods that the scene asks for; a new method is one line here.
@@ -177,6 +195,16 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
         RangeLandmarksSolver::TableIv => Solver::TableIv,
         RangeLandmarksSolver::Sivia => Solver::Sivia { resolution: 0.05 },
     };
+    let setup = scene.localizer.wall_directions();
+    let walls = wall_directions::Setup {
+        chain: match setup.chain {
+            WallDirectionsChain::Direct => wall_directions::Chain::Direct,
+            WallDirectionsChain::Paper => wall_directions::Chain::Paper,
+            WallDirectionsChain::PaperByTiles => wall_directions::Chain::PaperByTiles,
+        },
+        learns: setup.learns,
+        decides: scene.localizer.methods == [MethodName::WallDirections],
+    };
     let build = |name: &MethodName| -> Option<Box<dyn Method>> {
         match name {
             MethodName::FloorTiles => {
@@ -187,6 +215,9 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
             }
             MethodName::CeilingMarkers => {
                 CeilingMarkers::new(&map, &robot).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+            MethodName::WallDirections => {
+                WallDirections::new(&map, &robot, walls).map(|method| Box::new(method) as Box<dyn Method>)
             }
         }
     };
@@ -220,7 +251,10 @@ impl<'a> Recorder<'a> {
         // Odometry alone knows no better start than the middle of the box that the localizer is given.
         let odometry = PointOdometry::new(scene.nominal_start());
         Recorder {
-            history: RunRecord::new(seed, adapter, drawn),
+            history: RunRecord {
+                motion_baselines: MotionBaselines::new(scene, &scene.robot_model()),
+                ..RunRecord::new(seed, adapter, drawn)
+            },
             odometry,
             map: scene.map(),
             robot: scene.robot_model(),
@@ -238,6 +272,7 @@ impl<'a> Recorder<'a> {
         self.start = here.nominal_start();
         self.odometry = PointOdometry::new(self.start);
         self.history.range_baselines.restart();
+        self.history.motion_sensors.restart();
         self.history.restarts.push(self.history.truths.len());
         self.witness.start(self.offset_s, Some(index));
     }
@@ -254,8 +289,8 @@ impl<'a> Recorder<'a> {
     fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
         self.witness.sense(reading);
-        self.history.greatest_gyro_noise_rad_per_s =
-            self.history.greatest_gyro_noise_rad_per_s.max(observation.gyro_noise_rad_per_s.abs());
+        self.history.motion_baselines.sense(reading);
+        self.history.motion_sensors.note(observation, self.offset_s);
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
         match reading {
@@ -268,6 +303,10 @@ impl<'a> Recorder<'a> {
                 self.readings.update(image.as_raw());
             }
             Reading::Gyro { rate_rad_per_s, .. } => self.readings.update(rate_rad_per_s.to_le_bytes()),
+            Reading::Flow { counts, blind_periods, .. } => {
+                counts.iter().for_each(|count| self.readings.update(count.to_le_bytes()));
+                self.readings.update(blind_periods.to_le_bytes());
+            }
             Reading::Range { sightings, .. } => {
                 for sighting in sightings {
                     self.readings.update(sighting.landmark.0.to_le_bytes());
@@ -286,6 +325,9 @@ impl<'a> Recorder<'a> {
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, false) = (&reading, accounts.is_empty()) {
             self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
+        }
+        if let (Reading::Camera { camera: Camera::Forward, image, .. }, false) = (&reading, accounts.is_empty()) {
+            self.history.forward_baselines.observe(image, &self.map, &self.robot, truth.pose.heading_rad);
         }
         for account in accounts {
             if matches!(reading, Reading::Range { .. }) {
@@ -309,6 +351,7 @@ impl<'a> Recorder<'a> {
                 claims: account.claims,
                 q_items: account.q_items,
                 rejected_px: account.rejected_px,
+                alone_heading_rad: account.alone_heading_rad,
                 constrained: account.constrained,
                 emptied: account.emptied,
                 posterior: account.posterior,
@@ -321,13 +364,14 @@ impl<'a> Recorder<'a> {
 
     /// Notes truth and estimate, apart from each other.
     fn step(&mut self, truth: &Truth, localizer: &Localizer) {
-        let mut estimate = localizer.estimate();
+        let mut estimate = localizer.estimate_at(truth.time_s);
         estimate.time_s += self.offset_s;
         let truth = Truth { time_s: truth.time_s + self.offset_s, ..*truth };
         self.witness.step(&truth, &estimate, self.odometry.pose());
         self.history.truths.push(truth);
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
+        self.history.motion_baselines.step();
         self.history.range_baselines.step(self.odometry.pose());
     }
 

@@ -16,6 +16,7 @@ mod events;
 mod expect;
 mod files;
 mod floor;
+mod flow;
 mod lamps;
 mod markers;
 mod models;
@@ -24,33 +25,37 @@ mod parse;
 mod places;
 mod range_camera;
 mod robot;
+mod robot_preset;
 mod route;
 mod keys_page;
 mod schema;
 mod sensor;
 mod setting;
 mod things;
+mod wall_directions;
 
 pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
 pub use cameras::{Band, Calibration, CameraTiming, CeilingCamera, ForwardCamera, LensKeys};
 pub use error::SceneError;
-pub use events::Event;
+pub use events::{Event, Side, Stuck};
 pub use expect::Expect;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
+pub use flow::{Delivery, Flow, FlowOptics};
 pub use keys_page::keys_markdown;
 pub use lamps::{Lamp, LampKind, Spectrum};
 pub(crate) use markers::UNDER_CEILING_M;
 pub use markers::{Coding, Layout, Marker, Markers};
 pub use navigation::{Errand, FollowerName, Navigation, Proximity};
 pub use range_camera::{Gyro, RangeCamera};
-pub use robot::{Distribution, Encoders, FloorCamera, Robot};
+pub use robot::{Distribution, Encoders, FloorCamera, Robot, RobotPreset};
 pub use route::{Route, Spread, Start, Station, Waypoint};
 pub use schema::schema_text;
 pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use setting::{SceneTemplate, Setting, shown, value_of};
 pub use things::{Furniture, Landmark, Person};
+pub use wall_directions::{WallDirectionsChain, WallDirectionsSetup};
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -89,7 +94,7 @@ pub struct Scene {
     /// Coded landmarks for a range camera, numbered from 0 in the order of the file.
     #[serde(default, rename = "landmark")]
     pub landmarks: Vec<Landmark>,
-    /// The robot: a Pioneer P3-DX unless stated otherwise.
+    /// The robot: a Pioneer P3-DX unless stated otherwise, key by key or by its `preset`.
     #[serde(default)]
     pub robot: Robot,
     /// Where the robot stands at time 0, and how well the localizer knows it.
@@ -127,6 +132,11 @@ impl Scene {
     /// Whether a run of it needs a renderer.
     pub fn has_camera(&self) -> bool {
         !self.robot.cameras().is_empty()
+    }
+
+    /// Whether the robot is led along its route, whatever it believes.
+    pub fn is_led(&self) -> bool {
+        self.route.as_ref().is_some_and(|route| route.led)
     }
 
     /// How errands are driven, as by default unless stated.
@@ -193,6 +203,14 @@ pub struct LocalizerSetup {
     pub range_landmarks_freedom: RangeLandmarksFreedom,
     /// How `range_landmarks` solves it.
     pub range_landmarks_solver: RangeLandmarksSolver,
+    /// What `wall_directions` knows and how it looks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_directions: Option<WallDirectionsSetup>,
+    /// Learn the gyroscope's bias between fixes of the heading: it changes by no more than this times the time that passes. Not
+    /// learnt unless stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub gyro_bias_wander_deg_per_s2: Option<f64>,
     /// An estimate counts as available while its hull is narrower than this in x and y.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
@@ -208,9 +226,18 @@ impl Default for LocalizerSetup {
             floor_tiles_chain: FloorTilesChain::Direct,
             range_landmarks_freedom: RangeLandmarksFreedom::Full,
             range_landmarks_solver: RangeLandmarksSolver::OneShot,
+            wall_directions: None,
+            gyro_bias_wander_deg_per_s2: None,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
         }
+    }
+}
+
+impl LocalizerSetup {
+    /// How `wall_directions` is set up, as by default unless stated.
+    pub fn wall_directions(&self) -> WallDirectionsSetup {
+        self.wall_directions.clone().unwrap_or_default()
     }
 }
 
@@ -224,6 +251,8 @@ pub enum MethodName {
     RangeLandmarks,
     /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
     CeilingMarkers,
+    /// Level edges of walls before a camera that looks ahead: heading up to quarter turns, in the dark (paper 2).
+    WallDirections,
 }
 
 /// What `range_landmarks` solves for; the rest it takes from what is known besides.

@@ -2,9 +2,12 @@
 
 pub mod camera;
 mod camera_sensor;
+pub mod delivery;
 pub mod encoder;
 mod fitted_camera;
+pub mod flow;
 pub mod gyro;
+pub mod gyro_bias;
 pub mod lens;
 pub mod proximity;
 pub mod range_camera;
@@ -25,11 +28,16 @@ use crate::{
 };
 
 pub use camera_sensor::CameraSensor;
+use delivery::Delivery;
 use encoder::Encoder;
 pub use fitted_camera::FittedCamera;
+use flow::{FlowSensor, FlowTruth};
 use gyro::GyroSensor;
 use proximity::{Fan, ProximitySensor};
 pub use range_camera::RangeCameraSensor;
+
+/// A camera that is told to exposes for a shorter time when the gyroscope tells of a faster turn: 100 ms of it then blur by 4 pixels.
+const TURNING_RAD_PER_S: f64 = 0.1;
 
 /// All sensors of the robot.
 pub struct Sensors {
@@ -38,6 +46,10 @@ pub struct Sensors {
     n_encoder_readings: u64,
     cameras: Vec<CameraSensor>,
     gyro: Option<GyroSensor>,
+    flow: Option<FlowSensor>,
+    delivery: Delivery,
+    /// Whether the gyroscope's latest reading tells of a turn that blurs.
+    turns: bool,
     range_camera: Option<RangeCameraSensor>,
     proximity: Option<ProximitySensor>,
     /// Taken but not yet delivered.
@@ -53,6 +65,10 @@ pub struct Observation {
     pub truth: Truth,
     /// Noise in a reading of the gyroscope; 0 in others.
     pub gyro_noise_rad_per_s: f64,
+    /// Bias in a reading of the gyroscope; 0 in others.
+    pub gyro_bias_rad_per_s: f64,
+    /// What was wrong with a reading of the flow sensor; nothing in others.
+    pub flow: FlowTruth,
     /// Codes given in a reading of the range camera, in its order, and whether each is its landmark's own; none in others.
     pub codes: Vec<(LandmarkId, bool)>,
 }
@@ -60,7 +76,14 @@ pub struct Observation {
 impl Observation {
     /// A reading without anything else behind it than the truth.
     pub fn new(reading: Reading, truth: Truth) -> Self {
-        Observation { reading, truth, gyro_noise_rad_per_s: 0.0, codes: Vec::new() }
+        Observation {
+            reading,
+            truth,
+            gyro_noise_rad_per_s: 0.0,
+            gyro_bias_rad_per_s: 0.0,
+            flow: FlowTruth::default(),
+            codes: Vec::new(),
+        }
     }
 }
 
@@ -101,6 +124,9 @@ impl Sensors {
             n_encoder_readings: 0,
             cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
             gyro: GyroSensor::new(scene, seed, drawn),
+            flow: FlowSensor::new(scene, seed, drawn),
+            delivery: Delivery::new(&scene.robot.delivery, seed),
+            turns: false,
             range_camera: RangeCameraSensor::new(scene, seed, drawn),
             proximity: ProximitySensor::new(scene, seed),
             on_the_way: Vec::new(),
@@ -115,16 +141,22 @@ impl Sensors {
         stage: Option<&mut Stage<'_>>,
     ) -> Result<Vec<Observation>, RenderError> {
         // Before the wheels, so that a turn up to the same instant is known when they tell how far they rolled.
-        self.on_the_way.extend(self.gyro.as_mut().and_then(|gyro| gyro.observe(truth)));
+        let turn = self.gyro.as_mut().and_then(|gyro| gyro.observe(truth));
+        if let Some(Reading::Gyro { rate_rad_per_s, .. }) = turn.as_ref().map(|observation| &observation.reading) {
+            self.turns = rate_rad_per_s.abs() > TURNING_RAD_PER_S;
+        }
+        let mut sent = Vec::from_iter(turn);
+        sent.extend(self.flow.as_mut().and_then(|flow| flow.observe(truth)));
         // Half a physics step of slack, so that a period in decimal seconds falls on its step.
         if truth.time_s + 0.0005 >= self.n_encoder_readings as f64 * self.encoder_period_s {
             self.n_encoder_readings += 1;
             let ticks = self.encoder.latch(truth);
             let reading = Reading::Wheels { measured_s: truth.time_s, arrived_s: truth.time_s, ticks };
-            self.on_the_way.push(Observation::new(reading, *truth));
+            sent.push(Observation::new(reading, *truth));
         }
+        self.on_the_way.extend(sent.into_iter().flat_map(|observation| self.delivery.send(observation)));
         if let Some(stage) = stage {
-            self.on_the_way.extend(take_pictures(&mut self.cameras, truth, people, stage)?);
+            self.on_the_way.extend(take_pictures(&mut self.cameras, truth, self.turns, people, stage)?);
         }
         self.on_the_way.extend(self.range_camera.as_mut().and_then(|camera| camera.observe(truth, people)));
         let (mut arrived, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.on_the_way)
@@ -145,10 +177,11 @@ impl Sensors {
 fn take_pictures(
     cameras: &mut [CameraSensor],
     truth: &Truth,
+    turns: bool,
     people: &[Bystander],
     stage: &mut Stage<'_>,
 ) -> Result<Vec<Observation>, RenderError> {
-    let due: Vec<_> = cameras.iter_mut().filter_map(|camera| Some((camera.expose(truth)?, camera))).collect();
+    let due: Vec<_> = cameras.iter_mut().filter_map(|camera| Some((camera.expose(truth, turns)?, camera))).collect();
     if due.is_empty() {
         return Ok(Vec::new());
     }

@@ -10,22 +10,26 @@ use crate::{drawn::Drawn, scene::Scene, truth::Truth};
 
 mod chassis;
 mod drive;
-mod floor;
+pub(crate) mod floor;
+mod lift;
 mod odometer;
 mod people;
 mod push;
 mod support;
+mod stuck;
 pub mod tyre;
 
 use chassis::{BodyState, Chassis};
 use drive::Wheel;
-use floor::Floor;
+use floor::{Floor, Ground};
+use lift::Lift;
 use odometer::Odometer;
 pub use people::Bystander;
 use people::Walker;
 use push::{Push, Rolled};
+use stuck::StuckWheels;
 use support::Support;
-use tyre::Contact;
+use tyre::{Contact, Tyre};
 
 /// Length of a step. Longer steps make the supports of a light robot unstable from 2.5 ms on.
 pub const STEP_S: f64 = 0.001;
@@ -43,17 +47,27 @@ pub struct WheelCommand {
     pub speed_rad_per_s: [f64; 2],
 }
 
-/// Robot, floor and walls.
+/// Speed over the ground from which the pile's drag is whole; below it grows evenly, so that a robot comes to rest.
+const DRAG_WHOLE_M_PER_S: f64 = 0.01;
+
+/// Robot, floor and walls. A clone is a snapshot: both go on alike, bit for bit.
+#[derive(Clone)]
 pub struct World {
     chassis: Chassis,
     wheels: [Wheel; 2],
+    /// Of both wheels on a hard floor.
+    tyre: Tyre,
     supports: [Support; 4],
     floor: Floor,
     pushes: Vec<Push>,
+    lifts: Vec<Lift>,
+    stuck: StuckWheels,
     walkers: Vec<Walker>,
     /// How far the wheels rolled in this step, and what the floor gave them.
     rolled: Rolled,
     traction: Vector,
+    /// What the floor bears in this step.
+    borne_n: f64,
     track_m: f64,
     n_steps: u64,
     odometer: Odometer,
@@ -68,12 +82,16 @@ impl World {
             odometer: Odometer::new(drawn, &chassis.state()),
             chassis,
             wheels: drawn.wheel_radius_m.map(wheel),
+            tyre: Tyre::default(),
             supports: Support::all(scene, drawn),
             floor: Floor::new(scene),
             pushes: Push::all(scene),
+            lifts: Lift::all(scene),
+            stuck: StuckWheels::new(scene),
             walkers: Walker::all(scene),
             rolled: Rolled { forward_m: 0.0, turn_rad: 0.0 },
             traction: Vector::ZERO,
+            borne_n: 0.0,
             track_m: drawn.track_m,
             n_steps: 0,
         }
@@ -85,8 +103,9 @@ impl World {
         self.floor.advance_to(time_s);
         let body = self.chassis.state();
         self.chassis.release();
-        self.bear(&body, command);
+        self.bear(&body, command, time_s);
         self.shove(&body, time_s);
+        self.lift(&body, time_s);
         self.walk(&body);
         self.chassis.advance(&body);
         self.n_steps += 1;
@@ -112,25 +131,36 @@ impl World {
         }
     }
 
-    /// Supports bear the body, and driven wheels pull at it.
-    fn bear(&mut self, body: &BodyState, command: WheelCommand) {
+    /// Supports bear the body, driven wheels pull at it, and the pile drags at all of them.
+    fn bear(&mut self, body: &BodyState, command: WheelCommand, time_s: f64) {
         let robot_left = body.world_from_robot.rotation * Vector::Y;
         let mut rolled_m = [0.0; 2];
-        self.traction = Vector::ZERO;
+        (self.traction, self.borne_n) = (Vector::ZERO, 0.0);
         for (support_idx, support) in self.supports.iter().enumerate() {
-            let (foot, load_n) = support.load(body);
+            let foot = support.foot(body);
+            let ground = self.floor.at(foot.x, foot.y);
+            let load_n = support.load_n(body, foot, &ground);
+            self.borne_n += load_n;
             let mut force = Vector::new(0.0, 0.0, load_n);
+            if ground.slope != [0.0; 2] {
+                // The ground pushes at right angles to itself.
+                force -= Vector::new(ground.slope[0], ground.slope[1], 0.0) * load_n;
+            }
+            if ground.drag > 0.0 {
+                let [forward_m_per_s, left_m_per_s] = body.coming.over_floor(body, foot);
+                let velocity = body.forward * forward_m_per_s + body.left * left_m_per_s;
+                force -= velocity * (ground.drag * load_n / velocity.length().max(DRAG_WHOLE_M_PER_S));
+            }
             // The first two supports are the wheels; casters roll without friction.
             if let Some(wheel) = self.wheels.get_mut(support_idx) {
-                let contact = Contact {
-                    velocity_m_per_s: body.coming.over_floor(body, foot),
-                    load_n,
-                    friction: self.floor.at(foot.x, foot.y).friction,
-                };
+                let (contact, axes) = contact(body, foot, load_n, &ground);
+                let tyre = ground.pile_stiffness.map_or(self.tyre, |pile| self.tyre.on_pile(pile));
                 let before_rad = wheel.angle_rad;
-                let traction = wheel.advance(command.speed_rad_per_s[support_idx], &contact, STEP_S);
+                let stuck = self.stuck.at(support_idx, time_s);
+                let command_rad_per_s = command.speed_rad_per_s[support_idx];
+                let traction = wheel.advance(command_rad_per_s, &tyre, &contact, stuck, STEP_S);
                 rolled_m[support_idx] = (wheel.angle_rad - before_rad) * wheel.radius_m;
-                let grip = body.forward * traction.force_n[0] + body.left * traction.force_n[1];
+                let grip = axes[0] * traction.force_n[0] + axes[1] * traction.force_n[1];
                 force += grip;
                 self.traction += grip;
                 self.chassis.twist(robot_left * traction.reaction_n_m);
@@ -157,4 +187,32 @@ impl World {
             }
         }
     }
+
+    /// Hands that have taken the robot up hold it where they want.
+    fn lift(&mut self, body: &BodyState, time_s: f64) {
+        let heading_rad = self.odometer.truth().pose.heading_rad;
+        for lift in &mut self.lifts {
+            if let Some((force_n, torque_n_m)) = lift.act(time_s, body, heading_rad, self.borne_n) {
+                self.chassis.push(force_n, self.chassis.centre_of_mass());
+                self.chassis.twist(torque_n_m);
+            }
+        }
+    }
+}
+
+/// What a wheel meets at its foot, and the axes of its patch in the world: forward and left along the ground.
+fn contact(body: &BodyState, foot: Vector, load_n: f64, ground: &Ground) -> (Contact, [Vector; 2]) {
+    let (mut axes, mut velocity_m_per_s) = ([body.forward, body.left], body.coming.over_floor(body, foot));
+    let along = |world: [f64; 2], axis: Vector| world[0] * axis.x + world[1] * axis.y;
+    let nap = axes.map(|axis| along(ground.nap, axis));
+    if ground.slope != [0.0; 2] {
+        for axis in 0..2 {
+            let rise = along(ground.slope, axes[axis]);
+            let longer = (1.0 + rise * rise).sqrt();
+            // A wheel that stays on the ramp rolls along it.
+            velocity_m_per_s[axis] *= longer;
+            axes[axis] = (axes[axis] + Vector::Z * rise) / longer;
+        }
+    }
+    (Contact { velocity_m_per_s, load_n, friction: ground.friction, nap }, axes)
 }

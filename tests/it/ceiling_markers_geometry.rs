@@ -68,7 +68,9 @@ fn robot(camera: CeilingCameraModel) -> RobotModel {
         reach: Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 2.0 },
         body: BodyModel { tilt_rad: TILT_RAD, heave_m: HEAVE_M, clearance_m: 0.0 },
         floor_camera: None,
+        forward_camera: None,
         gyro: None,
+        flow: None,
         ceiling_camera: Some(camera),
         range_camera: None,
     }
@@ -200,7 +202,8 @@ impl Situation {
 
     fn method(&self) -> CeilingMarkers {
         let room = Interval::new(-50.0, 50.0);
-        let map = Map { room_m: [room, room], tiles: None, markers: Some(self.map.clone()) };
+        let map =
+            Map { room_m: [room, room], tiles: None, markers: Some(self.map.clone()), wall_directions_rad: Vec::new() };
         CeilingMarkers::new(&map, &robot(self.camera.clone())).expect("a ceiling camera and markers")
     }
 

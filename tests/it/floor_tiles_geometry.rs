@@ -67,7 +67,9 @@ fn robot() -> RobotModel {
             latency_s: Interval::point(0.03),
             q_items: 0,
         }),
+        forward_camera: None,
         gyro: None,
+        flow: None,
         ceiling_camera: None,
         range_camera: None,
     }
@@ -148,7 +150,12 @@ impl Situation {
 
     fn method(&self) -> FloorTiles {
         let room = Interval::new(-10.0, 10.0);
-        let map = Map { room_m: [room, room], tiles: Some(self.grid.clone()), markers: None };
+        let map = Map {
+            room_m: [room, room],
+            tiles: Some(self.grid.clone()),
+            markers: None,
+            wall_directions_rad: Vec::new(),
+        };
         FloorTiles::new(&map, &robot(), Chain::Direct).expect("a tiled map and a floor camera")
     }
 

@@ -36,6 +36,15 @@ mod range_sensing;
 mod range_runs;
 /// Tile joints to poses, against a camera and a floor of the tests' own.
 mod floor_tiles_geometry;
+/// Level edges to headings, against a camera of the tests' own.
+mod wall_directions_geometry;
+/// Straight edges and features in pictures of known light.
+mod dark_vision;
+mod dark_runs;
+/// The flow sensor's enclosure against motion integrated much finer; the gyroscope's bias.
+mod flow_enclosure;
+/// Paper 2's slip decision, direction database and pose graph.
+mod dark_baselines;
 /// Ceiling markers to poses, against a camera and a ceiling of the tests' own.
 mod ceiling_markers_geometry;
 /// Markers on rendered ceilings, whole and damaged, read by the localizer.
@@ -57,6 +66,12 @@ mod world_tyre;
 mod world_motion;
 /// Slip by region, friction events and pushes.
 mod world_floor;
+/// Carpets, ramps, stuck wheels, lifts, snapshots and Borenstein's square against closed forms.
+mod carpet_physics;
+/// Whole runs by wheels, gyroscope and flow sensor, and what goes wrong on them.
+mod carpet_runs;
+/// Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
+mod motion_sensors;
 /// Routes driven by estimates, and the default bounds on such a drive.
 mod world_driver;
 /// Occupancy grids, ways through them and their files, against maps drawn by hand and map_server's rules.

@@ -117,6 +117,7 @@ impl Method for Believer {
             q_items: 0,
             rejected_px: Vec::new(),
             decides: true,
+            alone_heading_rad: None,
         })
     }
 
@@ -134,7 +135,12 @@ impl Method for Believer {
 fn constraints_that_stood_on_what_is_unlearnt_are_made_anew() {
     let start =
         PoseBox::from([Interval::centred(0.5, 0.6), Interval::centred(0.5, 0.01), Interval::centred(0.0, 0.01)]);
-    let map = Map { room_m: [Interval::new(-1.0, 4.0), Interval::new(-1.0, 3.0)], tiles: None, markers: None };
+    let map = Map {
+        room_m: [Interval::new(-1.0, 4.0), Interval::new(-1.0, 3.0)],
+        tiles: None,
+        markers: None,
+        wall_directions_rad: Vec::new(),
+    };
     let mut localizer =
         Localizer::new(map, robot(0, 1), vec![Box::new(Believer { has_forgotten: false, n_readings: 0 })], start);
     let look = |time_s: f64| Reading::Range { measured_s: time_s, arrived_s: time_s, sightings: Vec::new() };

@@ -40,7 +40,9 @@ pub(crate) fn robot(q_items: usize, wrong_spacing: usize) -> RobotModel {
         body: BodyModel { tilt_rad: TILT_RAD, heave_m: 0.0, clearance_m: 0.0 },
         floor_camera: None,
         ceiling_camera: None,
+        forward_camera: None,
         gyro: None,
+        flow: None,
         range_camera: Some(RangeCameraModel {
             focal_px: Interval::centred(580.0, 0.6),
             baseline_m: Interval::centred(0.075, 0.0001),

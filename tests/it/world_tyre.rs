@@ -10,7 +10,7 @@ fn steady_force_n(slip: [f64; 2], friction: f64) -> [f64; 2] {
     let tyre = Tyre::default();
     let mut patch = Patch::default();
     let velocity_m_per_s = [ROLLING_M_PER_S * (1.0 - slip[0]), -ROLLING_M_PER_S * slip[1]];
-    let contact = Contact { velocity_m_per_s, load_n: LOAD_N, friction };
+    let contact = Contact { velocity_m_per_s, load_n: LOAD_N, friction, ..Contact::default() };
     (0..12_000).for_each(|_| patch.advance(&tyre, &contact, ROLLING_M_PER_S, 0.00025));
     patch.force_n(&tyre, &contact)
 }
@@ -63,7 +63,7 @@ fn steady_force_is_the_integral_of_bristles_under_parabolic_pressure() {
 fn a_deflection_relaxes_within_the_relaxation_length() {
     let tyre = Tyre::default();
     let mut patch = Patch::default();
-    let sideways = Contact { velocity_m_per_s: [0.0, 0.1], load_n: LOAD_N, friction: 0.8 };
+    let sideways = Contact { velocity_m_per_s: [0.0, 0.1], load_n: LOAD_N, friction: 0.8, ..Contact::default() };
     (0..40).for_each(|_| patch.advance(&tyre, &sideways, 0.0, 0.00025));
     let before_m = patch.deflection_m()[1];
     assert!((before_m + 0.001).abs() < 1e-12, "a wheel that stands holds the whole displacement, not {before_m} m");

@@ -13,6 +13,8 @@ pub struct Account {
     pub q_items: usize,
     /// Segments looked at and rejected, `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
+    /// Heading that this reading told without those before it.
+    pub alone_heading_rad: Option<Interval>,
     /// Whether a constraint was hung.
     pub constrained: bool,
     /// Whether it left nothing of the union.
@@ -30,6 +32,7 @@ impl Account {
             claims: Vec::new(),
             q_items: 0,
             rejected_px: Vec::new(),
+            alone_heading_rad: None,
             constrained: false,
             emptied: false,
             posterior: union,
@@ -43,6 +46,7 @@ impl Account {
             claims: constraint.claims.clone(),
             q_items: constraint.q_items,
             rejected_px: constraint.rejected_px.clone(),
+            alone_heading_rad: constraint.alone_heading_rad,
             constrained: true,
             emptied: false,
             posterior: PoseUnion::default(),

@@ -118,6 +118,7 @@ impl CeilingMarkers {
             claims,
             q_items: self.camera.q_items,
             decides: true,
+            alone_heading_rad: None,
             rejected_px,
         })
     }

@@ -110,6 +110,7 @@ impl FloorTiles {
             rejected_px,
             // Joints of one family leave the place along them open, but those of a doubt's many images do not.
             decides: true,
+            alone_heading_rad: None,
         })
     }
 

@@ -131,6 +131,7 @@ impl Method for RangeLandmarks {
             q_items: self.q_items,
             rejected_px: Vec::new(),
             decides,
+            alone_heading_rad: None,
         })
     }
 

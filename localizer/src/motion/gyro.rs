@@ -22,6 +22,9 @@ pub struct GyroHistory {
 /// Stamps closer than this are the same instant: periods are decimal, stamps binary.
 const SAME_S: f64 = 1e-9;
 
+/// Share of a period by which two may overlap and still be one after the other.
+const PERIOD_S_SLACK: f64 = 1e-3;
+
 impl GyroHistory {
     /// A history that forgets what is older than `keep_s`.
     pub fn new(model: GyroModel, keep_s: f64) -> Self {
@@ -33,13 +36,23 @@ impl GyroHistory {
         self.model.period_s
     }
 
-    /// Adds a reading; one no later than the last is a duplicate and is dropped.
+    /// Adds a reading where its period has its place among the others. A duplicate has none and is dropped, and so is a reading that comes
+    /// after all that its memory holds has gone by.
     pub fn push(&mut self, time_s: f64, rate_rad_per_s: f64) {
-        if self.readings.back().is_some_and(|(latest_s, _)| time_s <= latest_s + SAME_S) {
+        let place = self.readings.partition_point(|(end_s, _)| *end_s < time_s);
+        let begin_s = time_s - self.model.period_s;
+        let before = place.checked_sub(1).and_then(|idx| self.readings.get(idx));
+        let after = self.readings.get(place);
+        let overlaps = before.is_some_and(|(end_s, _)| begin_s < end_s - PERIOD_S_SLACK * self.model.period_s)
+            || after
+                .is_some_and(|(end_s, _)| end_s - self.model.period_s < time_s - PERIOD_S_SLACK * self.model.period_s);
+        let is_late = self.readings.back().is_some_and(|(latest_s, _)| time_s <= latest_s + SAME_S);
+        if is_late && (overlaps || before.is_none()) {
             return;
         }
-        self.readings.push_back((time_s, rate_rad_per_s));
-        while self.readings.front().is_some_and(|(first_s, _)| *first_s < time_s - self.keep_s) {
+        self.readings.insert(place, (time_s, rate_rad_per_s));
+        let latest_s = self.readings.back().map_or(time_s, |(latest_s, _)| *latest_s);
+        while self.readings.front().is_some_and(|(first_s, _)| *first_s < latest_s - self.keep_s) {
             self.readings.pop_front();
         }
     }
@@ -49,7 +62,11 @@ impl GyroHistory {
     /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. Time that no reading covers is
     /// turned at the rate of the reading beside it, give or take what that can have changed by since.
     pub fn turn(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
-        let period_s = self.model.period_s;
+        self.turn_by(&self.model, [from_s, to_s], change_rad_per_s2)
+    }
+
+    fn turn_by(&self, model: &GyroModel, [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Option<Interval> {
+        let period_s = model.period_s;
         let bend_rad = change_rad_per_s2 * period_s * period_s / 8.0;
         let mut covered = Covered::default();
         let mut beside = Interval::ZERO;
@@ -62,7 +79,7 @@ impl GyroHistory {
             if begin_s >= to_s - SAME_S {
                 break;
             }
-            beside += self.beside((end_s, rate), [done_s, begin_s], change_rad_per_s2);
+            beside += beside_period(model, (end_s, rate), [done_s, begin_s], change_rad_per_s2);
             let span_s = end_s.min(to_s) - begin_s.max(done_s);
             covered.add(rate, span_s);
             if span_s < period_s - SAME_S {
@@ -70,19 +87,39 @@ impl GyroHistory {
             }
             done_s = end_s.min(to_s);
         }
-        beside += self.beside(latest?, [done_s, to_s], change_rad_per_s2);
-        Some(covered.turn(&self.model) + beside)
+        beside += beside_period(model, latest?, [done_s, to_s], change_rad_per_s2);
+        Some(covered.turn(model) + beside)
     }
 
-    /// Turn in a span beside the period of a reading: somewhere in the period the rate was the mean that was read, and from there it
-    /// changed for as long as from the farther end of the period to the farther end of the span.
-    fn beside(&self, (end_s, rate): (f64, f64), [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Interval {
-        if to_s - from_s <= SAME_S {
-            return Interval::ZERO;
-        }
-        let away_s = end_s.max(to_s) - from_s.min(end_s - self.model.period_s);
-        true_rate(rate, &self.model).inflate(change_rad_per_s2 * away_s) * (to_s - from_s)
+    /// Mean bias over a span in which the robot has turned by `turn`, while turn rates change by at most `change_rad_per_s2`; `None`
+    /// where no reading is near.
+    ///
+    /// ∫ r dt = scale·turn + bias·Δt ± noise·Δt.
+    pub fn bias(&self, from_s: f64, to_s: f64, turn: Interval, change_rad_per_s2: f64) -> Option<Interval> {
+        let as_read = GyroModel { bias_rad_per_s: Interval::ZERO, scale: Interval::point(1.0), ..self.model };
+        let read = self.turn_by(&as_read, [from_s, to_s], change_rad_per_s2 * self.model.scale.magnitude())?;
+        (to_s > from_s).then(|| (read - self.model.scale * turn) / (to_s - from_s))
     }
+
+    /// Takes over a bias that is known better than declared.
+    pub fn learn_bias(&mut self, bias_rad_per_s: Interval) {
+        self.model.bias_rad_per_s = bias_rad_per_s;
+    }
+}
+
+/// Turn in a span beside the period of a reading: somewhere in the period the rate was the mean that was read, and from there it
+/// changed for as long as from the farther end of the period to the farther end of the span.
+fn beside_period(
+    model: &GyroModel,
+    (end_s, rate): (f64, f64),
+    [from_s, to_s]: [f64; 2],
+    change_rad_per_s2: f64,
+) -> Interval {
+    if to_s - from_s <= SAME_S {
+        return Interval::ZERO;
+    }
+    let away_s = end_s.max(to_s) - from_s.min(end_s - model.period_s);
+    true_rate(rate, model).inflate(change_rad_per_s2 * away_s) * (to_s - from_s)
 }
 
 /// Sums over the time that readings cover.
@@ -117,6 +154,6 @@ fn true_rate(rate: f64, model: &GyroModel) -> Interval {
 }
 
 /// Greatest change of the turn rate while each wheel accelerates by at most its bound: (a + a)/W.
-pub(super) fn greatest_change_rad_per_s2(wheels: &WheelModel, reach: &Reach) -> f64 {
+pub fn greatest_change_rad_per_s2(wheels: &WheelModel, reach: &Reach) -> f64 {
     2.0 * reach.acceleration_m_per_s2 / wheels.track_m.lo()
 }

@@ -1,8 +1,10 @@
 //! Every declared bound against the true value behind it.
 
 mod ceiling;
+mod forward;
 mod monitor;
 mod motion;
+mod motion_sensors;
 mod range;
 
 use crate::{
@@ -18,8 +20,10 @@ use monitor::Monitor;
 pub fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let mut found = motion::violations(scene, record);
     found.extend(wheels(scene, record));
+    found.extend(motion_sensors::violations(scene, record));
     found.extend(range::violations(scene, record));
     found.extend(ceiling::violations(scene, record));
+    found.extend(forward::violations(scene, record));
     if let (Some(camera), Some(_)) = (&scene.robot.floor_camera, &record.drawn.floor_camera) {
         found.extend(floor_camera(camera, record));
         found.extend(tiles(scene, camera, record));

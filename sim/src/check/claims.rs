@@ -3,14 +3,17 @@
 use std::collections::BTreeMap;
 
 use localizer::{Claim, Interval, reading::LandmarkId};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::markers;
 use crate::{
     drawn::{Drawn, DrawnFloorCamera},
     run::{ImageRecord, RunRecord},
     scene::Scene,
-    sensors::camera::{floor_camera_intrinsics, world_from_floor_camera},
+    sensors::{
+        camera::{floor_camera_intrinsics, world_from_floor_camera},
+        lens::{Lens, world_from_camera},
+    },
     truth::Truth,
 };
 
@@ -23,6 +26,7 @@ pub(super) fn false_claims(scene: &Scene, record: &RunRecord, image: &ImageRecor
 pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     match claim {
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
+        Claim::WallLine { ends_px, bound_px } => wall_line_deg(*ends_px, *bound_px, scene, drawn, truth).is_some(),
         Claim::Marker { marker, dots_px } => markers::is_marker(*marker, dots_px, scene, drawn, truth),
         Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
     }
@@ -48,6 +52,41 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     }
     let needed = ((1.0 - share_wrong) * points_px.len() as f64).ceil() as usize;
     near.values().any(|&count| count >= needed)
+}
+
+/// Direction from world x of a level line, parallel to a wall of some room or across it, that passes within the bound of both ends.
+///
+/// Lines through both ends' spans have plane normals that are bilinear in the two offsets, so that one of them is at right angles to
+/// a direction exactly when the corners are not all on one side of it.
+pub fn wall_line_deg(
+    ends_px: [[f64; 2]; 2],
+    bound_px: f64,
+    scene: &Scene,
+    drawn: &Drawn,
+    truth: &Truth,
+) -> Option<f64> {
+    let (camera, mount) = (scene.robot.forward_camera.as_ref()?, drawn.forward_camera.as_ref()?);
+    let lens = Lens::forward(camera, mount);
+    let camera_in_world = world_from_camera(truth, mount).rotation;
+    let [[u0, v0], [u1, v1]] = ends_px;
+    let length_px = (u1 - u0).hypot(v1 - v0);
+    let across_px = [-(v1 - v0) / length_px * bound_px, (u1 - u0) / length_px * bound_px];
+    let ray = |[u, v]: [f64; 2], side: f64| {
+        let [x, y] = lens.ray([u + side * across_px[0], v + side * across_px[1]])?;
+        Some(camera_in_world * Vector3::new(x, y, 1.0))
+    };
+    let corners: Option<Vec<Vector3<f64>>> = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]
+        .into_iter()
+        .map(|(first, last)| Some(ray(ends_px[0], first)?.cross(&ray(ends_px[1], last)?)))
+        .collect();
+    let corners = corners?;
+    let along_or_across = |heading_deg| [heading_deg, heading_deg + 90.0];
+    scene.true_wall_directions_deg().into_iter().flat_map(along_or_across).find(|heading_deg| {
+        let (sin, cos) = heading_deg.to_radians().sin_cos();
+        let wall = Vector3::new(cos, sin, 0.0);
+        let sides: Vec<bool> = corners.iter().map(|normal| normal.dot(&wall) > 0.0).collect();
+        sides.iter().any(|side| *side) && !sides.iter().all(|side| *side)
+    })
 }
 
 /// The landmark that is meant lies in the box, as seen from the robot's true pose.

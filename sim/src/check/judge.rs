@@ -14,6 +14,7 @@ const CAUSE_WITHIN_S: f64 = 3.0;
 pub(super) fn containment(
     record: &RunRecord,
     violations: &[Violation],
+    misperceived: &[bool],
     false_claims: &[usize],
     misled: &[[f64; 2]],
 ) -> (Containment, Vec<Judgement>) {
@@ -32,13 +33,13 @@ pub(super) fn containment(
         let explained = standing.as_ref().is_some_and(|(judgement, _)| *judgement != Judgement::Unsound);
         if !explained {
             let span_s = [last_contained_s - CAUSE_WITHIN_S, truth.time_s];
-            let found = blame(record, violations, false_claims, &estimate.relies_on, span_s);
+            let found = blame(record, violations, misperceived, false_claims, &estimate.relies_on, span_s);
             let learnt = misled.iter().find(|span_s| span_s[0] <= truth.time_s && truth.time_s <= span_s[1]);
             standing = Some(match (found, learnt) {
                 ((Judgement::Unsound, _), Some([from_s, _])) => {
                     let relied_on = relied_on_at(record, *from_s);
                     // Key frames keep the way since the start of the drive: a push hides in them until a landmark comes into view again.
-                    blame(record, violations, false_claims, relied_on, [0.0, *from_s])
+                    blame(record, violations, misperceived, false_claims, relied_on, [0.0, *from_s])
                 }
                 (found, _) => found,
             });
@@ -64,6 +65,7 @@ pub(super) fn containment(
 fn blame(
     record: &RunRecord,
     violations: &[Violation],
+    misperceived: &[bool],
     false_claims: &[usize],
     relies_on: &[&str],
     span_s: [f64; 2],
@@ -76,12 +78,10 @@ fn blame(
     if let Some(violation) = broken {
         return (Judgement::BoundBroken, violation.bound.clone());
     }
-    let misread =
-        record.images.iter().zip(false_claims).find(|(image, n_false)| {
-            overlaps(image.measured_s, image.arrived_s) && super::misperceived(image, **n_false)
-        });
+    let mut images = record.images.iter().zip(false_claims).zip(misperceived);
+    let misread = images.find(|((image, _), wrong)| **wrong && overlaps(image.measured_s, image.arrived_s));
     match misread {
-        Some((image, n_false)) => {
+        Some(((image, n_false), _)) => {
             (Judgement::Perception, format!("{}: {n_false} false claims in image {}", image.method, image.number))
         }
         None => (Judgement::Unsound, "no declared bound was exceeded and no claim was false".to_string()),

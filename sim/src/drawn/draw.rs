@@ -7,11 +7,13 @@ use rand_chacha::ChaCha8Rng;
 use crate::{
     navigation::Planner,
     randomness::stream,
-    scene::{Calibration, CeilingCamera, Distribution, FloorCamera, ForwardCamera, Gyro, RangeCamera, Scene},
+    scene::{Calibration, CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene},
     sensors::lens::{self, Lens},
 };
 
-use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, draw_within};
+use super::{
+    Drawn, DrawnCamera, DrawnFloorCamera, DrawnFlow, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, draw_within,
+};
 
 impl Drawn {
     /// Draws everything that a seed decides before the start.
@@ -24,7 +26,7 @@ impl Drawn {
         let track_m = around(robot.track_m, robot.track_tolerance);
         Drawn {
             start: draw_start(scene, seed),
-            wheel_radius_m: [left_m, right_m],
+            wheel_radius_m: [left_m * (1.0 - robot.wheel_wear[0]), right_m * (1.0 - robot.wheel_wear[1])],
             track_m,
             floor_camera: robot
                 .floor_camera
@@ -51,6 +53,7 @@ impl Drawn {
                 .as_ref()
                 .map(|camera| draw_range_camera(camera, errors, &mut stream(seed, "range_camera.mount"))),
             gyro: robot.gyro.as_ref().map(|gyro| draw_gyro(gyro, errors, &mut stream(seed, "gyro.calibration"))),
+            flow: robot.flow.as_ref().map(|flow| draw_flow(flow, errors, &mut stream(seed, "flow.mount"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
             goals_m: draw_goals(scene, seed),
             markers: DrawnMarker::draw_all(scene, seed),
@@ -152,6 +155,15 @@ fn draw_gyro(gyro: &Gyro, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnGy
     DrawnGyro {
         bias_rad_per_s: draw_within(gyro.bias_tolerance_deg_per_s.to_radians(), errors, rng),
         scale: 1.0 + draw_within(gyro.scale_tolerance, errors, rng),
+    }
+}
+
+fn draw_flow(flow: &Flow, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnFlow {
+    let mut around = |nominal: f64, tolerance: f64| nominal + draw_within(tolerance, errors, rng);
+    DrawnFlow {
+        position_m: [flow.forward_m, flow.left_m].map(|nominal_m| around(nominal_m, flow.position_tolerance_m)),
+        yaw_rad: around(0.0, flow.yaw_tolerance_deg.to_radians()),
+        scale: around(1.0, flow.calibration_tolerance),
     }
 }
 

@@ -12,6 +12,7 @@ pub(crate) const START: &str = "/wherein/start";
 pub(crate) const WHEELS: &str = "/wherein/wheels";
 pub(crate) const IMAGE_STAMP: &str = "/wherein/image_stamp";
 pub(crate) const GYRO: &str = "/wherein/gyro";
+pub(crate) const FLOW: &str = "/wherein/flow";
 pub(crate) const RANGE: &str = "/wherein/range";
 pub(crate) const ESTIMATE: &str = "/wherein/estimate";
 
@@ -83,6 +84,10 @@ pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
             (IMAGE_STAMP, message.f64s(&[*exposure_s]).text(camera.as_str()).finish())
         }
         Reading::Gyro { rate_rad_per_s, .. } => (GYRO, message.f64s(&[*rate_rad_per_s]).finish()),
+        Reading::Flow { counts: [forward, left], blind_periods, .. } => {
+            // No run has 2⁶³ periods.
+            (FLOW, message.i64(*forward).i64(*left).i64(*blind_periods as i64).finish())
+        }
         Reading::Range { sightings, .. } => {
             let column = |value: fn(&Sighting) -> f64| -> Vec<f64> { sightings.iter().map(value).collect() };
             let message = message.length(sightings.len());
@@ -100,6 +105,12 @@ pub(crate) fn decode(topic: &str, message: &[u8]) -> Option<Reading> {
     match topic {
         WHEELS => Some(Reading::Wheels { measured_s, arrived_s, ticks: [fields.i64()?, fields.i64()?] }),
         GYRO => Some(Reading::Gyro { measured_s, arrived_s, rate_rad_per_s: fields.f64()? }),
+        FLOW => Some(Reading::Flow {
+            measured_s,
+            arrived_s,
+            counts: [fields.i64()?, fields.i64()?],
+            blind_periods: u64::try_from(fields.i64()?).ok()?,
+        }),
         RANGE => {
             let landmarks = fields.sequence(Fields::u32)?;
             let (left_px, right_px) = (fields.sequence(Fields::f64)?, fields.sequence(Fields::f64)?);

@@ -4,7 +4,7 @@ use localizer::{Claim, Estimate, Interval, Pose, PoseUnion, Reading, reading::La
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth};
 
-use super::{Clearance, MarkerBaselines, RangeBaselines};
+use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
 
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
@@ -35,8 +35,12 @@ pub struct RunRecord {
     pub range_baselines: RangeBaselines,
     /// What paper 5's pipeline made of the pictures of the ceiling.
     pub marker_baselines: MarkerBaselines,
-    /// Greatest noise in a reading of the gyroscope.
-    pub greatest_gyro_noise_rad_per_s: f64,
+    /// Where dead reckoning by paper 2 has it.
+    pub motion_baselines: MotionBaselines,
+    /// What was truly behind the readings of gyroscope and flow sensor.
+    pub motion_sensors: MotionSensors,
+    /// What paper 2's chain and features made of the pictures ahead.
+    pub forward_baselines: ForwardBaselines,
     /// Wall-clock time spent, by stage.
     pub timing: Timing,
     /// SHA-256 over all readings, in order of arrival.
@@ -61,6 +65,8 @@ pub struct ImageRecord {
     pub q_items: usize,
     /// Segments looked at and rejected: `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
+    /// Heading that it told without those before it.
+    pub alone_heading_rad: Option<Interval>,
     /// Whether a constraint was made of it.
     pub constrained: bool,
     /// Whether the constraint emptied the union.
@@ -124,7 +130,9 @@ impl RunRecord {
             clearances: Vec::new(),
             range_baselines: RangeBaselines::default(),
             marker_baselines: MarkerBaselines::default(),
-            greatest_gyro_noise_rad_per_s: 0.0,
+            motion_baselines: MotionBaselines::default(),
+            motion_sensors: MotionSensors::default(),
+            forward_baselines: ForwardBaselines::default(),
             timing: Timing::default(),
             readings_digest: String::new(),
         }

@@ -52,6 +52,10 @@ pub struct ForwardCamera {
     pub lens: LensKeys,
     /// What turns light into grey levels.
     pub sensor: Sensor,
+    /// Longest exposure while the gyroscope tells of a turn faster than 0.1 rad/s, which blurs; as otherwise unless stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.00001, max = 1.0))]
+    pub turning_exposure_s: Option<f64>,
     /// How far mount and lens may be from what these keys state.
     pub calibration: Calibration,
 }
@@ -257,6 +261,7 @@ impl Default for ForwardCamera {
             band: Band::Visible,
             lens: LensKeys::default(),
             sensor: Sensor::default(),
+            turning_exposure_s: None,
             calibration: Calibration::default(),
         }
     }

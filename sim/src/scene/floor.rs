@@ -16,7 +16,10 @@ pub struct Floor {
     /// Friction coefficient between tyre and floor outside every region.
     #[schemars(range(min = 0.01, max = 2.0))]
     pub friction: f64,
-    /// Rectangles with a friction of their own; the last one listed wins.
+    /// Share of the flow sensor's periods in which it finds nothing to follow, outside every region.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub flow_dropout: f64,
+    /// Rectangles with properties of their own; the last one listed wins.
     #[serde(rename = "region")]
     pub regions: Vec<Region>,
     /// Wires, tape and other straight things that are no joints.
@@ -102,7 +105,7 @@ pub struct Misplaced {
     pub offset_m: [f64; 2],
 }
 
-/// A rectangle of floor with its own friction.
+/// A rectangle of floor with properties of its own: a carpet, a threshold, a wet place.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
@@ -118,6 +121,38 @@ pub struct Region {
     /// What covers the floor here, as cameras that look ahead see it; what is around when absent.
     #[serde(default)]
     pub covering: Option<Covering>,
+    /// Stiffness of the pile under a tyre: force per load and unit of slip, in series with the tyre's own 25. A hard floor when absent.
+    #[serde(default)]
+    #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0.0))]
+    pub pile_stiffness: Option<f64>,
+    /// How far the nap carries a wheel per metre rolled, apart from any slip.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 0.2))]
+    pub nap_drift: f64,
+    /// Where to the nap carries it, from world x, whatever way the wheel rolls.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub nap_direction_deg: f64,
+    /// Drag of the pile on wheels and casters that pass, as a share of the load on them.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 0.5))]
+    pub drag: f64,
+    /// Height above the room's floor of what the wheels roll on: a carpet's or a threshold's.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 0.05))]
+    pub height_m: f64,
+    /// Width, inside of the edges, in which the height is gathered. A wheel of radius R rises over a step h in √(2Rh − h²).
+    #[serde(default = "default_ramp_m")]
+    #[schemars(range(min = 0.005, max = 1.0))]
+    pub ramp_m: f64,
+    /// How far the tips of the pile stand above what the wheels roll on: it is them that a flow sensor looks at.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 0.05))]
+    pub pile_height_m: f64,
+    /// Share of the flow sensor's periods in which it finds nothing to follow here; as around when absent.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub flow_dropout: Option<f64>,
 }
 
 /// A straight thing on the floor that is no joint: a wire, a tape.
@@ -139,7 +174,14 @@ pub struct Stray {
 impl Default for Floor {
     /// A plain floor with the grip of rubber on dry ceramic.
     fn default() -> Self {
-        Floor { tiles: None, covering: Covering::default(), friction: 0.8, regions: Vec::new(), strays: Vec::new() }
+        Floor {
+            tiles: None,
+            covering: Covering::default(),
+            friction: 0.8,
+            flow_dropout: 0.0,
+            regions: Vec::new(),
+            strays: Vec::new(),
+        }
     }
 }
 
@@ -164,4 +206,8 @@ impl Default for Tiles {
             misplaced: Vec::new(),
         }
     }
+}
+
+fn default_ramp_m() -> f64 {
+    0.03
 }

@@ -4,12 +4,15 @@ use localizer::{
     Interval, Map, Pose, PoseBox, RobotModel,
     map::TileGrid,
     reading::Camera,
-    robot::{BodyModel, CeilingCameraModel, FloorCameraModel, GyroModel, RangeCameraModel, Reach, WheelModel},
+    robot::{
+        BodyModel, CeilingCameraModel, FloorCameraModel, FlowModel, ForwardCameraModel, GyroModel, RangeCameraModel,
+        Reach, WheelModel,
+    },
 };
 
-use crate::sensors::{camera::AutoExposure, range_camera::FIRST_S};
+use crate::sensors::{camera::AutoExposure, lens::forward_focal_px, range_camera::FIRST_S};
 
-use super::{CeilingCamera, FloorCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
+use super::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
 
 impl Scene {
     /// The building as surveyed.
@@ -19,6 +22,7 @@ impl Scene {
             room_m,
             tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)),
             markers: self.markers.as_ref().map(|markers| markers.map(self)),
+            wall_directions_rad: self.wall_directions_rad(),
         }
     }
 
@@ -49,10 +53,18 @@ impl Scene {
                 clearance_m: robot.body_radius_m - 0.001,
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
+            forward_camera: robot.forward_camera.as_ref().map(forward_camera_model),
             gyro: robot.gyro.as_ref().map(gyro_model),
+            flow: robot.flow.as_ref().map(flow_model),
             ceiling_camera: robot.ceiling_camera.as_ref().map(ceiling_camera_model),
             range_camera: robot.range_camera.as_ref().map(range_camera_model),
         }
+    }
+
+    fn wall_directions_rad(&self) -> Vec<Interval> {
+        let tolerance_rad = self.localizer.wall_directions().tolerance_deg.to_radians();
+        let directions_deg = self.mapped_wall_directions_deg();
+        directions_deg.iter().map(|deg| Interval::centred(deg.to_radians(), tolerance_rad)).collect()
     }
 
     /// The start pose as the scene states it, before its error is drawn.
@@ -131,6 +143,22 @@ fn floor_camera_model(camera: &FloorCamera) -> FloorCameraModel {
     }
 }
 
+fn forward_camera_model(camera: &ForwardCamera) -> ForwardCameraModel {
+    let calibration = &camera.calibration;
+    let angle_rad = calibration.angle_tolerance_deg.to_radians();
+    let middle_px = [camera.width_px, camera.height_px].map(|size| (f64::from(size) - 1.0) / 2.0);
+    ForwardCameraModel {
+        focal_px: relative(forward_focal_px(camera), calibration.focal_tolerance),
+        principal_point_px: middle_px.map(|at_px| Interval::centred(at_px, calibration.principal_point_tolerance_px)),
+        distortion: camera.lens.distortion,
+        distortion_px: calibration.distortion_tolerance_px,
+        tilt_up_rad: camera.tilt_up_deg.to_radians(),
+        yaw_rad: Interval::centred(camera.yaw_deg.to_radians(), angle_rad),
+        tilt_error_rad: angle_rad,
+        stamp_error_s: camera.stamp_tolerance_s,
+    }
+}
+
 fn ceiling_camera_model(camera: &CeilingCamera) -> CeilingCameraModel {
     let (calibration, sensor) = (&camera.calibration, camera.sensor_model());
     let angle_rad = calibration.angle_tolerance_deg.to_radians();
@@ -165,6 +193,18 @@ fn gyro_model(gyro: &Gyro) -> GyroModel {
         scale: relative(1.0, gyro.scale_tolerance),
         noise_rad_per_s: gyro.noise_deg_per_s.to_radians(),
         period_s: gyro.period_s,
+    }
+}
+
+fn flow_model(flow: &Flow) -> FlowModel {
+    let place = |nominal_m: f64| Interval::centred(nominal_m, flow.position_tolerance_m);
+    FlowModel {
+        position_m: [place(flow.forward_m), place(flow.left_m)],
+        metres_per_count: Interval::point(1.0) / relative(flow.counts_per_m, flow.scale_tolerance),
+        yaw_rad: Interval::centred(0.0, flow.yaw_tolerance_deg.to_radians()),
+        quantisation_counts: 1.0,
+        back_and_forth_counts: flow.back_and_forth_m * flow.counts_per_m,
+        period_s: flow.period_s,
     }
 }
 

@@ -6,6 +6,9 @@ mod markers;
 
 use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
+/// Steepest ramp of a carpet's edge: rubber of friction 0.8 holds on it, and wheels keep their load.
+const GREATEST_SLOPE: f64 = 0.5;
+
 /// Everything in which `scene` contradicts itself.
 pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     let mut found = Vec::new();
@@ -18,10 +21,19 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     errands::contradictions(scene, &mut found);
     markers::contradictions(scene, &mut found);
     let gyro_s = scene.robot.gyro.as_ref().map(|gyro| ("robot.gyro.period_s", gyro.period_s));
-    for (key, period_s) in [("robot.encoders.period_s", scene.robot.encoders.period_s)].into_iter().chain(gyro_s) {
+    let flow_s = scene.robot.flow.as_ref().map(|flow| ("robot.flow.period_s", flow.period_s));
+    let encoders_s = [("robot.encoders.period_s", scene.robot.encoders.period_s)];
+    for (key, period_s) in encoders_s.into_iter().chain(gyro_s).chain(flow_s) {
         if let Some(expected) = sampling(period_s) {
             found.push(Contradiction { key: key.to_owned(), expected });
         }
+    }
+    if let Some(gyro) = &scene.robot.gyro
+        && gyro.bias_wander_deg_per_s2 == 0.0
+        && gyro.bias_instability_deg_per_h + gyro.rate_random_walk_deg_per_h_per_sqrt_h > 0.0
+    {
+        let expected = "the bias would be held fast, expected more than 0 to let it wander".to_owned();
+        found.push(Contradiction { key: "robot.gyro.bias_wander_deg_per_s2".to_owned(), expected });
     }
     found.extend(
         scene
@@ -128,6 +140,10 @@ fn things(scene: &Scene, found: &mut Vec<Contradiction>) {
         let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
         found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
     }
+    if scene.localizer.methods.contains(&MethodName::WallDirections) && scene.robot.forward_camera.is_none() {
+        let expected = "`wall_directions` among them, expected `robot.forward_camera` for it to read".to_owned();
+        found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
+    }
     let methods = &scene.localizer.methods;
     if (1..methods.len()).any(|index| methods[..index].contains(&methods[index])) {
         let expected = "a method twice, expected each at most once".to_owned();
@@ -172,6 +188,13 @@ fn floor_places(scene: &Scene, found: &mut Vec<Contradiction>) {
                 found.push(Contradiction { key: format!("floor.region[{index}].{name}"), expected });
             }
         }
+        if region.height_m > GREATEST_SLOPE * region.ramp_m {
+            let expected = format!(
+                "expected at least {}, as ramps rise by at most {GREATEST_SLOPE}",
+                short(region.height_m / GREATEST_SLOPE)
+            );
+            found.push(Contradiction { key: format!("floor.region[{index}].ramp_m"), expected });
+        }
         if scene.floor.regions[..index].iter().any(|earlier| earlier.name == region.name) {
             let expected = "expected a name that no other region has".to_owned();
             found.push(Contradiction { key: format!("floor.region[{index}].name"), expected });
@@ -181,7 +204,7 @@ fn floor_places(scene: &Scene, found: &mut Vec<Contradiction>) {
 
 fn events(scene: &Scene, found: &mut Vec<Contradiction>) {
     for (index, event) in scene.events.iter().enumerate() {
-        let lasts_s = if let Event::Push { lasts_s, .. } = event { *lasts_s } else { 0.0 };
+        let lasts_s = event.lasts_s();
         if scene.stations.is_empty() && event.at_s() + lasts_s > scene.duration_s {
             let expected = format!(
                 "after the end, expected at most {}, as the run lasts {} s",

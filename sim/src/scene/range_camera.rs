@@ -125,19 +125,32 @@ impl RangeCamera {
     }
 }
 
-/// A gyroscope about the vertical: `read = scale·true + bias + noise`.
+/// A gyroscope about the vertical: `read = scale·true + bias + noise`. Its Allan deviation is made of three terms (IEEE Std 952, annex C):
+/// angle random walk, bias instability and rate random walk, each truncated to a declared bound.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gyro {
-    /// The bias is drawn within this, once for a run.
+    /// `gyro.bias`: the bias is drawn within this, and never wanders beyond it.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub bias_tolerance_deg_per_s: f64,
     /// The scale is drawn within this share of 1, once for a run.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub scale_tolerance: f64,
-    /// Bound of one reading's noise; it is normal with a third of this as standard deviation, redrawn when outside.
+    /// `gyro.noise`: bound of one reading's noise; it is normal, redrawn when outside.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub noise_deg_per_s: f64,
+    /// Angle random walk N, white noise of the rate; unless stated a third of the bound is one reading's standard deviation.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub angle_random_walk_deg_per_sqrt_h: Option<f64>,
+    /// Bias instability B, flicker noise of correlation times from 1 s to 1 h.
+    #[schemars(range(min = 0.0, max = 10000.0))]
+    pub bias_instability_deg_per_h: f64,
+    /// Rate random walk K.
+    #[schemars(range(min = 0.0, max = 10000.0))]
+    pub rate_random_walk_deg_per_h_per_sqrt_h: f64,
+    /// `gyro.wander`: the bias changes by at most this per time; whatever would be more is cut off.
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub bias_wander_deg_per_s2: f64,
     /// Time between two readings, over which each averages; a multiple of 0.001.
     #[schemars(range(min = 0.001, max = 1.0))]
     pub period_s: f64,
@@ -146,6 +159,15 @@ pub struct Gyro {
 impl Default for Gyro {
     /// A good gyroscope, calibrated at rest: bias within 0.02 °/s, 0.0007 °/s/√Hz at 200 Hz.
     fn default() -> Self {
-        Gyro { bias_tolerance_deg_per_s: 0.02, scale_tolerance: 0.002, noise_deg_per_s: 0.03, period_s: 0.005 }
+        Gyro {
+            bias_tolerance_deg_per_s: 0.02,
+            scale_tolerance: 0.002,
+            noise_deg_per_s: 0.03,
+            angle_random_walk_deg_per_sqrt_h: None,
+            bias_instability_deg_per_h: 0.0,
+            rate_random_walk_deg_per_h_per_sqrt_h: 0.0,
+            bias_wander_deg_per_s2: 0.0,
+            period_s: 0.005,
+        }
     }
 }

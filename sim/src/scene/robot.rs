@@ -4,13 +4,19 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
-    CameraTiming, CeilingCamera, ForwardCamera, Gyro, Proximity, RangeCamera, Sensor, SensorModel, SensorPreset,
+    CameraTiming, CeilingCamera, Delivery, Flow, ForwardCamera, Gyro, Proximity, RangeCamera, Sensor, SensorModel,
+    SensorPreset,
 };
 
-/// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle.
+/// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle. The defaults of its
+/// keys are the P3-DX's unless another preset is stated.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+// `Robot` deserialises by way of its preset; what is derived here is the last step of that.
+#[serde(deny_unknown_fields, default, remote = "Self")]
+#[schemars(rename = "Robot")]
 pub struct Robot {
+    /// Which robot it is where no key says otherwise.
+    pub preset: RobotPreset,
     /// Mass.
     #[schemars(range(min = 0.5, max = 200.0))]
     pub mass_kg: f64,
@@ -23,12 +29,19 @@ pub struct Robot {
     /// Each wheel's radius is drawn within this share of the nominal one.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub wheel_radius_tolerance: f64,
+    /// Share by which the left and the right wheel are worn off beyond what was drawn, undeclared to the localizer.
+    #[schemars(inner(range(min = 0.0, max = 0.5)))]
+    pub wheel_wear: [f64; 2],
     /// Nominal distance between the wheels' contact points.
     #[schemars(range(min = 0.05, max = 2.0))]
     pub track_m: f64,
     /// The track is drawn within this share of the nominal one.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub track_tolerance: f64,
+    /// Stiffness of the casters' springs over that of the wheels' supports. Soft ones leave the wheels their load where the floor rises
+    /// under a caster.
+    #[schemars(range(min = 0.01, max = 1.0))]
+    pub caster_stiffness: f64,
     /// Greatest commanded speed.
     #[schemars(range(max = 5.0), extend("exclusiveMinimum" = 0.0))]
     pub max_speed_m_per_s: f64,
@@ -62,10 +75,27 @@ pub struct Robot {
     #[serde(deserialize_with = "Fitted::into_option")]
     #[schemars(with = "Fitted<Gyro>")]
     pub gyro: Option<Gyro>,
+    /// Optical flow sensor that looks at the floor: a table of its keys, `true` for the default one, or `false` for none.
+    #[serde(deserialize_with = "Fitted::into_option")]
+    #[schemars(with = "Fitted<Flow>")]
+    pub flow: Option<Flow>,
+    /// How readings of wheels, gyroscope and flow sensor reach the localizer.
+    pub delivery: Delivery,
     /// Rangefinders that look out for what is in the way of errands: a table of their keys, `true` for the default ones, or `false`.
     #[serde(deserialize_with = "Fitted::into_option", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Fitted<Proximity>")]
     pub proximity: Option<Proximity>,
+}
+
+/// Robots to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RobotPreset {
+    /// Pioneer P3-DX with a floor camera behind its axle: 9 kg, track 0.33 m, wheels of 97.5 mm.
+    #[default]
+    P3dx,
+    /// Robot vacuum: 3 kg, track 0.23 m, wheels of 35 mm, gyroscope and flow sensor, no floor camera.
+    Vacuum,
 }
 
 /// Distribution of drawn errors, always inside the tolerance.
@@ -192,12 +222,15 @@ impl Default for Robot {
     /// Pioneer P3-DX with a floor camera behind its axle.
     fn default() -> Self {
         Robot {
+            preset: RobotPreset::P3dx,
             mass_kg: 9.0,
             body_radius_m: 0.25,
             wheel_radius_m: 0.0975,
             wheel_radius_tolerance: 0.002,
+            wheel_wear: [0.0; 2],
             track_m: 0.33,
             track_tolerance: 0.003,
+            caster_stiffness: 1.0,
             max_speed_m_per_s: 0.51,
             max_turn_rate_rad_per_s: 1.0,
             max_acceleration_m_per_s2: 0.5,
@@ -208,6 +241,8 @@ impl Default for Robot {
             ceiling_camera: None,
             range_camera: None,
             gyro: None,
+            flow: None,
+            delivery: Delivery::default(),
             proximity: None,
         }
     }

@@ -38,6 +38,9 @@ pub struct Route {
     /// Whether to begin again after the last waypoint, until the time is up.
     #[serde(default)]
     pub repeat: bool,
+    /// Whether somebody who sees the robot leads it along the route, whatever it believes: drives of robots that get lost compare.
+    #[serde(default)]
+    pub led: bool,
 }
 
 /// One place to pass.

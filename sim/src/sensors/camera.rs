@@ -174,6 +174,17 @@ impl AutoExposure {
         Exposure { gain_levels_per_electron, ..self.next }
     }
 
+    /// How the next image is exposed if no longer than this: as much light as gain can make up for.
+    pub fn exposure_within(&self, longest_s: f64) -> Exposure {
+        let wanted = self.exposure();
+        if wanted.exposure_s <= longest_s {
+            return wanted;
+        }
+        let product = self.next.exposure_s * self.next.gain_levels_per_electron;
+        let gain = (product / longest_s).min(self.gain_range[1]);
+        Exposure { exposure_s: longest_s, gain_levels_per_electron: gain * self.levels_per_byte_level }
+    }
+
     /// The gain that no image exceeds, in grey levels of the sensor's own depth.
     pub fn greatest_gain_levels_per_electron(&self) -> f64 {
         self.gain_range[usize::from(!self.is_fixed)] * self.levels_per_byte_level
@@ -181,6 +192,11 @@ impl AutoExposure {
 
     /// Meters the eight most significant bits of an image that was exposed by [`AutoExposure::exposure`].
     pub fn meter(&mut self, image: &GrayImage) {
+        self.meter_exposed(image, self.exposure());
+    }
+
+    /// Meters the eight most significant bits of an image that was exposed like this.
+    pub fn meter_exposed(&mut self, image: &GrayImage, exposed: Exposure) {
         if self.is_fixed {
             return;
         }
@@ -202,7 +218,7 @@ impl AutoExposure {
         } else {
             (TARGET_MEAN_LEVEL / mean.max(0.1)).min(HIGHLIGHT_LEVEL / highlight.max(0.1))
         };
-        let product = self.next.exposure_s * self.next.gain_levels_per_electron;
+        let product = exposed.exposure_s * exposed.gain_levels_per_electron / self.levels_per_byte_level;
         self.aim_at(product * change.clamp(1.0 / STRONGEST_STEP_DOWN, STRONGEST_STEP_UP));
     }
 

@@ -14,13 +14,21 @@ use crate::{
     truth::Truth,
 };
 
-use super::{Observation, camera::AutoExposure, fitted_camera::FittedCamera};
+use super::{
+    Observation,
+    camera::{AutoExposure, Exposure},
+    fitted_camera::FittedCamera,
+};
 
 /// A camera that takes an image every period.
 pub struct CameraSensor {
     camera: FittedCamera,
     timing: CameraTiming,
     auto_exposure: AutoExposure,
+    /// Longest exposure while the robot turns.
+    turning_exposure_s: Option<f64>,
+    /// Whether it turned when the next exposure might have begun.
+    turns: bool,
     lights: Vec<Switch>,
     errors: Distribution,
     clock: ChaCha8Rng,
@@ -51,6 +59,13 @@ impl CameraSensor {
         Some(CameraSensor {
             timing: scene.robot.camera_timing(name)?,
             auto_exposure: AutoExposure::new(&camera.sensor),
+            turning_exposure_s: scene
+                .robot
+                .forward_camera
+                .as_ref()
+                .filter(|_| name == Camera::Forward)
+                .and_then(|camera| camera.turning_exposure_s),
+            turns: false,
             lights: switches(scene, at_first_lux),
             errors: scene.robot.errors,
             clock: randomness::stream(seed, &format!("{}_camera.clock", name.as_str())),
@@ -60,12 +75,18 @@ impl CameraSensor {
         })
     }
 
-    /// Looks at one physics step; answers when an exposure has just ended.
-    pub(super) fn expose(&mut self, truth: &Truth) -> Option<Exposed> {
+    /// Looks at one physics step, at which the gyroscope tells of a turn or not; answers when an exposure has just ended.
+    pub(super) fn expose(&mut self, truth: &Truth, turns: bool) -> Option<Exposed> {
         self.recent.push_back(*truth);
         // The first exposure may begin as soon as the run does.
         let middle_s = self.timing.longest_s + f64::from(self.n_images) * self.timing.period_s;
-        let exposure = self.auto_exposure.exposure();
+        if truth.time_s <= middle_s - 0.5 * self.timing.longest_s {
+            self.turns = turns;
+        }
+        let exposure = match self.turning_exposure_s.filter(|_| self.turns) {
+            Some(longest_s) => self.auto_exposure.exposure_within(longest_s),
+            None => self.auto_exposure.exposure(),
+        };
         let lasts_s = exposure.exposure_s + self.camera.readout_s();
         let (from_s, to_s) = (middle_s - 0.5 * lasts_s, middle_s + 0.5 * lasts_s);
         while self.recent.len() > 2 && self.recent[1].time_s <= from_s {
@@ -81,15 +102,15 @@ impl CameraSensor {
 
     /// Stamps and sends the picture of an exposure.
     pub(super) fn deliver(&mut self, exposed: &Exposed, image: GrayImage) -> Observation {
-        self.auto_exposure.meter(&image);
+        let (exposure_s, gain_levels_per_electron) = (exposed.view.exposure_s, exposed.view.gain_levels_per_electron);
+        self.auto_exposure.meter_exposed(&image, Exposure { exposure_s, gain_levels_per_electron });
         self.n_images += 1;
         let (timing, middle_s) = (&self.timing, exposed.middle.time_s);
         let measured_s = middle_s + draw_within(timing.stamp_tolerance_s, self.errors, &mut self.clock);
         let late_s = timing.latency_s + draw_within(timing.latency_tolerance_s, self.errors, &mut self.clock);
         // A delivery cannot come before the exposure has ended.
         let arrived_s = (middle_s + late_s).max(exposed.ended_s);
-        let (camera, exposure_s) = (self.camera.name, exposed.view.exposure_s);
-        let reading = Reading::Camera { measured_s, arrived_s, camera, exposure_s, image };
+        let reading = Reading::Camera { measured_s, arrived_s, camera: self.camera.name, exposure_s, image };
         Observation::new(reading, exposed.middle)
     }
 

@@ -11,13 +11,15 @@ use crate::{
     truth::Truth,
 };
 
-use super::Observation;
+use super::{Observation, gyro_bias::WanderingBias};
 
 /// A gyroscope that averages over each period.
 pub struct GyroSensor {
     gyro: Gyro,
     calibration: DrawnGyro,
     noise: ChaCha8Rng,
+    noise_deviation_rad_per_s: f64,
+    bias: WanderingBias,
     n_readings: u64,
     before: Option<Truth>,
 }
@@ -26,7 +28,12 @@ impl GyroSensor {
     /// The scene's gyroscope, or `None` if the robot has none.
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
         let (gyro, calibration) = (scene.robot.gyro.clone()?, drawn.gyro?);
+        // N/√T for the mean over a period T.
+        let of_random_walk = |walk_deg_per_sqrt_h: f64| walk_deg_per_sqrt_h.to_radians() / 60.0 / gyro.period_s.sqrt();
+        let third_rad_per_s = gyro.noise_deg_per_s.to_radians() / 3.0;
         Some(GyroSensor {
+            noise_deviation_rad_per_s: gyro.angle_random_walk_deg_per_sqrt_h.map_or(third_rad_per_s, of_random_walk),
+            bias: WanderingBias::new(&gyro, calibration.bias_rad_per_s, randomness::stream(seed, "gyro.wander")),
             gyro,
             calibration,
             noise: randomness::stream(seed, "gyro.noise"),
@@ -45,18 +52,31 @@ impl GyroSensor {
         let turned_rad = truth.pose.heading_rad - before.pose.heading_rad;
         let true_rad_per_s = turned_rad / (truth.time_s - before.time_s);
         let gyro_noise_rad_per_s = self.draw_noise_rad_per_s();
-        let rate_rad_per_s =
-            self.calibration.scale * true_rad_per_s + self.calibration.bias_rad_per_s + gyro_noise_rad_per_s;
+        let gyro_bias_rad_per_s = self.bias.at(0.5 * (before.time_s + truth.time_s));
+        let rate_rad_per_s = self.calibration.scale * true_rad_per_s + gyro_bias_rad_per_s + gyro_noise_rad_per_s;
         let reading = Reading::Gyro { measured_s: truth.time_s, arrived_s: truth.time_s, rate_rad_per_s };
-        Some(Observation { gyro_noise_rad_per_s, ..Observation::new(reading, *truth) })
+        Some(Observation { gyro_noise_rad_per_s, gyro_bias_rad_per_s, ..Observation::new(reading, *truth) })
     }
 
-    /// Normal with a third of the bound as standard deviation, drawn again when beyond the bound.
+    /// Normal, drawn again when beyond the bound.
     fn draw_noise_rad_per_s(&mut self) -> f64 {
+        let bound_rad_per_s = self.gyro.noise_deg_per_s.to_radians();
+        let Some(_) = self.gyro.angle_random_walk_deg_per_sqrt_h else {
+            // The same order of operations as ever, so that runs keep their bytes.
+            let third = self.draw_deviations(3.0);
+            return bound_rad_per_s * third / 3.0;
+        };
+        if self.noise_deviation_rad_per_s == 0.0 {
+            return 0.0;
+        }
+        self.noise_deviation_rad_per_s * self.draw_deviations(bound_rad_per_s / self.noise_deviation_rad_per_s)
+    }
+
+    fn draw_deviations(&mut self, most: f64) -> f64 {
         loop {
             let deviations: f64 = StandardNormal.sample(&mut self.noise);
-            if deviations.abs() <= 3.0 {
-                return self.gyro.noise_deg_per_s.to_radians() * deviations / 3.0;
+            if deviations.abs() <= most {
+                return deviations;
             }
         }
     }

@@ -33,6 +33,27 @@ pub(super) struct Chassis {
     before: [Vector; 2],
 }
 
+impl Clone for Chassis {
+    /// Everything that a step depends on; pipelines are working memory.
+    fn clone(&self) -> Self {
+        let from = &self.physics;
+        let physics = PhysicsWorld {
+            gravity: from.gravity,
+            integration_parameters: from.integration_parameters,
+            islands: from.islands.clone(),
+            broad_phase: from.broad_phase.clone(),
+            narrow_phase: from.narrow_phase.clone(),
+            bodies: from.bodies.clone(),
+            colliders: from.colliders.clone(),
+            impulse_joints: from.impulse_joints.clone(),
+            multibody_joints: from.multibody_joints.clone(),
+            soft_bodies: from.soft_bodies.clone(),
+            ..PhysicsWorld::default()
+        };
+        Chassis { physics, body: self.body, people: self.people.clone(), before: self.before }
+    }
+}
+
 /// Where the body is and how it moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BodyState {

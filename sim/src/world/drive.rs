@@ -1,5 +1,7 @@
 //! A driven wheel: motor, spin and tyre, in quarter-millisecond substeps.
 
+use crate::scene::Stuck;
+
 use super::tyre::{Contact, Patch, Tyre};
 
 /// Substeps of a wheel in one step of the world: on its tyre a wheel oscillates at 36 Hz, and its motor is as stiff.
@@ -33,7 +35,6 @@ pub(super) struct Wheel {
     pub(super) spin_rad_per_s: f64,
     /// Tyre on the floor.
     pub(super) patch: Patch,
-    tyre: Tyre,
     inertia_kg_m2: f64,
     motor: Motor,
 }
@@ -58,25 +59,38 @@ impl Wheel {
             angle_rad: 0.0,
             spin_rad_per_s: 0.0,
             patch: Patch::default(),
-            tyre: Tyre::default(),
             inertia_kg_m2,
             motor: Motor::new(SPEED_BANDWIDTH_PER_S * driven_kg_m2, limit_n_m),
         }
     }
 
-    /// Turns the wheel for one step of the world.
-    pub(super) fn advance(&mut self, commanded_rad_per_s: f64, contact: &Contact, step_s: f64) -> Traction {
+    /// Turns the wheel for one step of the world, on a tyre as the ground makes it.
+    pub(super) fn advance(
+        &mut self,
+        commanded_rad_per_s: f64,
+        tyre: &Tyre,
+        contact: &Contact,
+        stuck: Option<Stuck>,
+        step_s: f64,
+    ) -> Traction {
+        // Without hold on the floor, what bears the body is not the tyre.
+        let contact =
+            &Contact { load_n: if stuck == Some(Stuck::Spinning) { 0.0 } else { contact.load_n }, ..*contact };
         let substep_s = step_s / f64::from(SUBSTEPS);
         let mut mean = Traction::default();
         for _ in 0..SUBSTEPS {
             let torque_n_m = self.motor.torque(commanded_rad_per_s, self.spin_rad_per_s, substep_s);
-            let force_n = self.patch.force_n(&self.tyre, contact);
+            let force_n = self.patch.force_n(tyre, contact);
             // I·Ω̇ = T − R·F_x, then the angle and the bristles by the new spin: both must see the same rolling, or every
             // acceleration would slip by half a substep's worth.
-            let surplus_n_m = torque_n_m - self.radius_m * force_n[0];
+            let mut surplus_n_m = torque_n_m - self.radius_m * force_n[0];
+            if stuck == Some(Stuck::Blocked) {
+                // What holds the wheel takes up whatever is left, and the wheel's momentum at once.
+                surplus_n_m = -self.spin_rad_per_s * self.inertia_kg_m2 / substep_s;
+            }
             self.spin_rad_per_s += surplus_n_m / self.inertia_kg_m2 * substep_s;
             self.angle_rad += self.spin_rad_per_s * substep_s;
-            self.patch.advance(&self.tyre, contact, self.radius_m * self.spin_rad_per_s, substep_s);
+            self.patch.advance(tyre, contact, self.radius_m * self.spin_rad_per_s, substep_s);
             mean.force_n[0] += force_n[0] / f64::from(SUBSTEPS);
             mean.force_n[1] += force_n[1] / f64::from(SUBSTEPS);
             mean.reaction_n_m -= surplus_n_m / f64::from(SUBSTEPS);

@@ -1,17 +1,31 @@
-//! The floor under a patch: its properties by region, as events change them.
+//! The floor under a point: its properties by region, as events change them.
 
-use crate::scene::{Event, Scene};
+use crate::scene::{Event, Region, Scene};
 
 /// Properties of the floor at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ground {
+pub(crate) struct Ground {
     /// Friction coefficient between tyre and floor.
-    pub(super) friction: f64,
+    pub(crate) friction: f64,
+    /// Stiffness of the pile in series with the tyre's; none on a hard floor.
+    pub(crate) pile_stiffness: Option<f64>,
+    /// What the nap carries a wheel per metre rolled, world frame.
+    pub(crate) nap: [f64; 2],
+    /// Drag on what passes, as a share of the load.
+    pub(crate) drag: f64,
+    /// Height of what wheels roll on.
+    pub(crate) height_m: f64,
+    /// Rise of that height per metre along world x and y.
+    pub(crate) slope: [f64; 2],
+    /// How far the tips of the pile stand above it.
+    pub(crate) pile_height_m: f64,
+    /// Share of a flow sensor's periods in which it finds nothing to follow.
+    pub(crate) flow_dropout: f64,
 }
 
 /// The floor's regions and the changes that are still to come.
 #[derive(Clone, Debug)]
-pub(super) struct Floor {
+pub(crate) struct Floor {
     elsewhere: Ground,
     regions: Vec<Patchwork>,
     changes: Vec<Change>,
@@ -22,6 +36,8 @@ pub(super) struct Floor {
 struct Patchwork {
     x_m: [f64; 2],
     y_m: [f64; 2],
+    ramp_m: f64,
+    /// Properties well inside of it.
     ground: Ground,
 }
 
@@ -34,16 +50,22 @@ struct Change {
 
 impl Floor {
     /// The floor of a scene at time 0.
-    pub(super) fn new(scene: &Scene) -> Self {
+    pub(crate) fn new(scene: &Scene) -> Self {
         let floor = &scene.floor;
-        let regions = floor
-            .regions
-            .iter()
-            .map(|region| Patchwork { x_m: region.x_m, y_m: region.y_m, ground: Ground { friction: region.friction } })
-            .collect();
+        let elsewhere = Ground {
+            friction: floor.friction,
+            pile_stiffness: None,
+            nap: [0.0; 2],
+            drag: 0.0,
+            height_m: 0.0,
+            slope: [0.0; 2],
+            pile_height_m: 0.0,
+            flow_dropout: floor.flow_dropout,
+        };
+        let regions = floor.regions.iter().map(|region| Patchwork::new(region, &elsewhere)).collect();
         let mut changes: Vec<Change> = scene.events.iter().filter_map(|event| change(event, scene)).collect();
         changes.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-        Floor { elsewhere: Ground { friction: floor.friction }, regions, changes, next_change: 0 }
+        Floor { elsewhere, regions, changes, next_change: 0 }
     }
 
     /// Makes every change that is due at `time_s`.
@@ -58,11 +80,45 @@ impl Floor {
     }
 
     /// Properties at a point of the world; of overlapping regions the last one listed.
-    pub(super) fn at(&self, x_m: f64, y_m: f64) -> Ground {
+    pub(crate) fn at(&self, x_m: f64, y_m: f64) -> Ground {
         let covers = |region: &&Patchwork| {
             region.x_m[0] <= x_m && x_m <= region.x_m[1] && region.y_m[0] <= y_m && y_m <= region.y_m[1]
         };
-        self.regions.iter().rev().find(covers).map_or(self.elsewhere, |region| region.ground)
+        self.regions.iter().rev().find(covers).map_or(self.elsewhere, |region| region.at([x_m, y_m]))
+    }
+}
+
+impl Patchwork {
+    fn new(region: &Region, elsewhere: &Ground) -> Self {
+        let (sin, cos) = region.nap_direction_deg.to_radians().sin_cos();
+        let ground = Ground {
+            friction: region.friction,
+            pile_stiffness: region.pile_stiffness,
+            nap: [region.nap_drift * cos, region.nap_drift * sin],
+            drag: region.drag,
+            height_m: region.height_m,
+            slope: [0.0; 2],
+            pile_height_m: region.pile_height_m,
+            flow_dropout: region.flow_dropout.unwrap_or(elsewhere.flow_dropout),
+        };
+        Patchwork { x_m: region.x_m, y_m: region.y_m, ramp_m: region.ramp_m, ground }
+    }
+
+    /// Properties at a point inside: the height grows evenly from the nearest edge over the ramp's width.
+    fn at(&self, [x_m, y_m]: [f64; 2]) -> Ground {
+        let inwards = [
+            (x_m - self.x_m[0], [1.0, 0.0]),
+            (self.x_m[1] - x_m, [-1.0, 0.0]),
+            (y_m - self.y_m[0], [0.0, 1.0]),
+            (self.y_m[1] - y_m, [0.0, -1.0]),
+        ];
+        let from = |nearest: (f64, [f64; 2]), edge: (f64, [f64; 2])| if edge.0 < nearest.0 { edge } else { nearest };
+        let (inside_m, direction) = inwards.into_iter().fold((self.ramp_m, [0.0; 2]), from);
+        if self.ground.height_m == 0.0 || inside_m >= self.ramp_m {
+            return self.ground;
+        }
+        let rise = self.ground.height_m / self.ramp_m;
+        Ground { height_m: rise * inside_m, slope: direction.map(|along| rise * along), ..self.ground }
     }
 }
 

@@ -61,7 +61,7 @@ impl Push {
                 inertia_kg_m2: 0.5 * mass_kg * radius_m * radius_m,
                 progress: None,
             }),
-            Event::Light { .. } | Event::Friction { .. } => None,
+            _ => None,
         };
         scene.events.iter().filter_map(push).collect()
     }

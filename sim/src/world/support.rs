@@ -4,7 +4,7 @@ use rapier3d_f64::prelude::Vector;
 
 use crate::{drawn::Drawn, scene::Scene};
 
-use super::{GRAVITY_M_PER_S2, chassis::BodyState};
+use super::{GRAVITY_M_PER_S2, chassis::BodyState, floor::Ground};
 
 /// Stiffness of a support per robot mass: 30 kN/m under 9 kg, so that a wheel's tyre yields by 1.2 mm.
 const STIFFNESS_PER_KG: f64 = 30_000.0 / 9.0;
@@ -35,25 +35,31 @@ impl Support {
         let half_track_m = 0.5 * drawn.track_m;
         let caster_m = CASTER_OVER_RADIUS * robot.body_radius_m;
         let weight_n = robot.mass_kg * GRAVITY_M_PER_S2;
-        let support = |x_m: f64, y_m: f64, share: f64| Support {
+        let support = |x_m: f64, y_m: f64, share: f64, stiffness: f64| Support {
             foot_in_robot: Vector::new(x_m, y_m, 0.0),
             rest_load_n: 0.5 * share * weight_n,
-            stiffness_n_per_m: STIFFNESS_PER_KG * robot.mass_kg,
-            damping_n_s_per_m: DAMPING_PER_KG * robot.mass_kg,
+            stiffness_n_per_m: STIFFNESS_PER_KG * robot.mass_kg * stiffness,
+            damping_n_s_per_m: DAMPING_PER_KG * robot.mass_kg * stiffness,
         };
         [
-            support(0.0, half_track_m, WHEEL_SHARE),
-            support(0.0, -half_track_m, WHEEL_SHARE),
-            support(caster_m, 0.0, 1.0 - WHEEL_SHARE),
-            support(-caster_m, 0.0, 1.0 - WHEEL_SHARE),
+            support(0.0, half_track_m, WHEEL_SHARE, 1.0),
+            support(0.0, -half_track_m, WHEEL_SHARE, 1.0),
+            support(caster_m, 0.0, 1.0 - WHEEL_SHARE, robot.caster_stiffness),
+            support(-caster_m, 0.0, 1.0 - WHEEL_SHARE, robot.caster_stiffness),
         ]
     }
 
-    /// Where it touches the floor, and the vertical force of the floor there: `N = N₀ − k·z − c·ż`, never pulling.
-    pub(super) fn load(&self, body: &BodyState) -> (Vector, f64) {
-        let foot = body.world_point(self.foot_in_robot);
-        let rise_m_per_s = body.velocity_at(foot).z;
-        let load_n = self.rest_load_n - self.stiffness_n_per_m * foot.z - self.damping_n_s_per_m * rise_m_per_s;
-        (foot, load_n.max(0.0))
+    /// Where it touches the floor.
+    pub(super) fn foot(&self, body: &BodyState) -> Vector {
+        body.world_point(self.foot_in_robot)
+    }
+
+    /// Vertical force of the ground at the foot: `N = N₀ − k·z − c·ż` with the foot's height z over the ground, never pulling.
+    pub(super) fn load_n(&self, body: &BodyState, foot: Vector, ground: &Ground) -> f64 {
+        let velocity = body.velocity_at(foot);
+        let rise_m_per_s = velocity.z - (ground.slope[0] * velocity.x + ground.slope[1] * velocity.y);
+        let above_m = foot.z - ground.height_m;
+        let load_n = self.rest_load_n - self.stiffness_n_per_m * above_m - self.damping_n_s_per_m * rise_m_per_s;
+        load_n.max(0.0)
     }
 }

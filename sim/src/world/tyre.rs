@@ -29,6 +29,11 @@ impl Default for Tyre {
 }
 
 impl Tyre {
+    /// The tyre on a pile: their bristles bend one after the other, `1/C = 1/C_tyre + 1/C_pile`.
+    pub fn on_pile(self, pile_stiffness: f64) -> Tyre {
+        Tyre { slip_stiffness: 1.0 / (1.0 / self.slip_stiffness + 1.0 / pile_stiffness), ..self }
+    }
+
     /// Deflection from which the whole patch slides, `u_sl = ℓ·σ_sl` with `σ_sl = 3μ/(C/F_z)`.
     ///
     /// Pacejka, *Tire and Vehicle Dynamics*, section 3.2.3: `σ_sl = 1/θ`.
@@ -70,6 +75,8 @@ pub struct Contact {
     pub load_n: f64,
     /// Friction coefficient of the floor under the patch.
     pub friction: f64,
+    /// How far the nap moves under the patch per metre rolled.
+    pub nap: [f64; 2],
 }
 
 impl Patch {
@@ -87,9 +94,12 @@ impl Patch {
     /// Advances the bristles by one step.
     ///
     /// `u̇ = −V_s − |V_r|/ℓ·u` with the sliding velocity `V_s = V − (V_r, 0)` and the rolling speed `V_r = RΩ`: Pacejka, *Tire
-    /// and Vehicle Dynamics*, chapter 7 (single contact point). Its steady state is the slip `σ = u/ℓ = −V_s/|V_r|`.
+    /// and Vehicle Dynamics*, chapter 7 (single contact point). Its steady state is the slip `σ = u/ℓ = −V_s/|V_r|`. On a nap that lies down
+    /// by d per metre rolled what slides is `V − (V_r, 0) − d·|V_r|`, so that a tyre without force drifts by d.
     pub fn advance(&mut self, tyre: &Tyre, contact: &Contact, rolling_m_per_s: f64, step_s: f64) {
-        let sliding_m_per_s = [contact.velocity_m_per_s[0] - rolling_m_per_s, contact.velocity_m_per_s[1]];
+        let over_nap_m_per_s =
+            [0, 1].map(|axis| contact.velocity_m_per_s[axis] - contact.nap[axis] * rolling_m_per_s.abs());
+        let sliding_m_per_s = [over_nap_m_per_s[0] - rolling_m_per_s, over_nap_m_per_s[1]];
         // Implicit in the relaxation: any step keeps the steady state exact and the decay monotone.
         let relaxation = 1.0 + rolling_m_per_s.abs() / tyre.relaxation_length_m * step_s;
         let before_m = self.deflection_m;

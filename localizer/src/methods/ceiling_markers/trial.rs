@@ -47,7 +47,9 @@ fn bench() -> RobotModel {
         reach: Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 2.0 },
         body: BodyModel { tilt_rad: TILT_RAD, heave_m: 0.0, clearance_m: 0.0 },
         floor_camera: None,
+        forward_camera: None,
         gyro: None,
+        flow: None,
         ceiling_camera: Some(CeilingCameraModel {
             width_px: 640,
             height_px: 480,
@@ -134,7 +136,7 @@ impl Table {
         let image = Ceiling { electrons: ELECTRONS, ..Ceiling::new(vec![pasted]) }.picture(&eye, random);
         let fix = paper::locate(&image, &map, &robot);
         let room = Interval::new(-20.0, 20.0);
-        let all = Map { room_m: [room, room], tiles: None, markers: Some(map) };
+        let all = Map { room_m: [room, room], tiles: None, markers: Some(map), wall_directions_rad: Vec::new() };
         let mut method = CeilingMarkers::new(&all, &robot).expect("a camera and a marker");
         let reading =
             Reading::Camera { measured_s: 0.0, arrived_s: 0.0, camera: Camera::Ceiling, exposure_s: 0.002, image };

@@ -108,7 +108,7 @@ fn errors_of(marker: &Marker, drawn: &DrawnMarker, nominal_height_m: f64) -> [f6
 }
 
 /// The two parts of a small turn: by how much it tips the vertical, and by how much it turns about it.
-fn tilt_and_yaw(turn: UnitQuaternion<f64>) -> (f64, f64) {
+pub(super) fn tilt_and_yaw(turn: UnitQuaternion<f64>) -> (f64, f64) {
     let yaw_rad = 2.0 * turn.k.atan2(turn.w);
     ((turn * Vector3::z()).xy().norm().asin(), yaw_rad)
 }

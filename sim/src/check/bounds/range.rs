@@ -1,4 +1,4 @@
-//! The range camera and the gyroscope against what was drawn and what was true.
+//! The range camera against what was drawn and what was true.
 
 use std::collections::BTreeMap;
 
@@ -8,23 +8,8 @@ use crate::{check::verdict::Violation, run::RunRecord, scene::Scene};
 
 use super::{Monitor, constant};
 
-/// Violations of the bounds of both sensors.
+/// Violations of the bounds of the range camera.
 pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
-    let mut found: Vec<Violation> = gyro(scene, record).into_iter().flatten().collect();
-    found.extend(range_camera(scene, record));
-    found
-}
-
-fn gyro(scene: &Scene, record: &RunRecord) -> [Option<Violation>; 3] {
-    let (Some(gyro), Some(drawn)) = (&scene.robot.gyro, &record.drawn.gyro) else { return [None, None, None] };
-    [
-        constant(record, "gyro.bias", gyro.bias_tolerance_deg_per_s.to_radians(), drawn.bias_rad_per_s.abs()),
-        constant(record, "gyro.scale", gyro.scale_tolerance, (drawn.scale - 1.0).abs()),
-        constant(record, "gyro.noise", gyro.noise_deg_per_s.to_radians(), record.greatest_gyro_noise_rad_per_s),
-    ]
-}
-
-fn range_camera(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let (Some(camera), Some(mount)) = (&scene.robot.range_camera, &record.drawn.range_camera) else {
         return Vec::new();
     };

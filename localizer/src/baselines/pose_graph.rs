@@ -1,0 +1,130 @@
+//! Paper 2's pose graph, Eq. (4), by Levenberg and Marquardt: odometry between poses, headings from vanishing points.
+//!
+//! Eq. (4) as printed adds metres to radians without weights, does not wrap angles and leaves the first pose free. Here each
+//! residual is divided by its standard deviation, angles are wrapped, and the first pose is held.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::Pose;
+
+/// A step of odometry in the frame of the pose before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Forward and left.
+    pub travel_m: [f64; 2],
+    /// Counter-clockwise.
+    pub turn_rad: f64,
+    /// Heading of the pose after the step, where the camera gave one.
+    pub heading_rad: Option<f64>,
+}
+
+/// Standard deviations of the residuals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Of a step's travel along each axis.
+    pub travel_m: f64,
+    /// Of a step's turn.
+    pub turn_rad: f64,
+    /// Of a heading seen.
+    pub heading_rad: f64,
+}
+
+/// Poses after each step, from a first one that is known.
+pub fn optimised(first: Pose, steps: &[Step], weights: &Weights) -> Vec<Pose> {
+    let mut poses = dead_reckoned(first, steps);
+    let (mut damping, mut cost) = (1e-4, residuals(first, &poses, steps, weights).norm_squared());
+    for _ in 0..30 {
+        let (error, slope) = (residuals(first, &poses, steps, weights), jacobian(first, &poses, steps, weights));
+        let gradient = slope.tr_mul(&error);
+        let mut matrix = slope.tr_mul(&slope);
+        for at in 0..matrix.nrows() {
+            matrix[(at, at)] *= 1.0 + damping;
+        }
+        let Some(change) = matrix.cholesky().map(|factor| factor.solve(&gradient)) else { break };
+        let tried = moved(&poses, &change);
+        let new_cost = residuals(first, &tried, steps, weights).norm_squared();
+        if new_cost < cost {
+            let settled = cost - new_cost < 1e-12 * cost.max(1e-12);
+            (poses, cost, damping) = (tried, new_cost, damping * 0.1);
+            if settled {
+                break;
+            }
+        } else {
+            damping *= 10.0;
+        }
+    }
+    poses
+}
+
+fn dead_reckoned(first: Pose, steps: &[Step]) -> Vec<Pose> {
+    let mut at = first;
+    let next = |step: &Step| {
+        let ((sin, cos), [f, l]) = (at.heading_rad.sin_cos(), step.travel_m);
+        at = Pose {
+            x_m: at.x_m + f * cos - l * sin,
+            y_m: at.y_m + f * sin + l * cos,
+            heading_rad: at.heading_rad + step.turn_rad,
+        };
+        at
+    };
+    steps.iter().map(next).collect()
+}
+
+fn moved(poses: &[Pose], change: &DVector<f64>) -> Vec<Pose> {
+    let of = |(idx, pose): (usize, &Pose)| Pose {
+        x_m: pose.x_m - change[3 * idx],
+        y_m: pose.y_m - change[3 * idx + 1],
+        heading_rad: pose.heading_rad - change[3 * idx + 2],
+    };
+    poses.iter().enumerate().map(of).collect()
+}
+
+/// Four for each step: travel forward, travel left, turn, heading seen (0 where there is none).
+fn residuals(first: Pose, poses: &[Pose], steps: &[Step], weights: &Weights) -> DVector<f64> {
+    let mut all = DVector::zeros(4 * steps.len());
+    let mut before = first;
+    for (idx, (step, pose)) in steps.iter().zip(poses).enumerate() {
+        let (sin, cos) = before.heading_rad.sin_cos();
+        let (dx, dy) = (pose.x_m - before.x_m, pose.y_m - before.y_m);
+        all[4 * idx] = (dx * cos + dy * sin - step.travel_m[0]) / weights.travel_m;
+        all[4 * idx + 1] = (dy * cos - dx * sin - step.travel_m[1]) / weights.travel_m;
+        all[4 * idx + 2] = wrapped(pose.heading_rad - before.heading_rad - step.turn_rad) / weights.turn_rad;
+        all[4 * idx + 3] = step.heading_rad.map_or(0.0, |seen| wrapped(pose.heading_rad - seen) / weights.heading_rad);
+        before = *pose;
+    }
+    all
+}
+
+fn jacobian(first: Pose, poses: &[Pose], steps: &[Step], weights: &Weights) -> DMatrix<f64> {
+    let mut slope = DMatrix::zeros(4 * steps.len(), 3 * steps.len());
+    let mut before = first;
+    for (idx, (step, pose)) in steps.iter().zip(poses).enumerate() {
+        let ((sin, cos), row, column) = (before.heading_rad.sin_cos(), 4 * idx, 3 * idx);
+        let (dx, dy) = (pose.x_m - before.x_m, pose.y_m - before.y_m);
+        let travel = [[cos, sin], [-sin, cos]];
+        for axis in 0..2 {
+            for along in 0..2 {
+                slope[(row + axis, column + along)] = travel[axis][along] / weights.travel_m;
+                if idx > 0 {
+                    slope[(row + axis, column - 3 + along)] = -travel[axis][along] / weights.travel_m;
+                }
+            }
+        }
+        slope[(row + 2, column + 2)] = 1.0 / weights.turn_rad;
+        if idx > 0 {
+            slope[(row, column - 1)] = (dy * cos - dx * sin) / weights.travel_m;
+            slope[(row + 1, column - 1)] = -(dx * cos + dy * sin) / weights.travel_m;
+            slope[(row + 2, column - 1)] = -1.0 / weights.turn_rad;
+        }
+        if step.heading_rad.is_some() {
+            slope[(row + 3, column + 2)] = 1.0 / weights.heading_rad;
+        }
+        before = *pose;
+    }
+    slope
+}
+
+/// The same turn within half a turn of 0.
+fn wrapped(turn_rad: f64) -> f64 {
+    turn_rad - (turn_rad / std::f64::consts::TAU).round() * std::f64::consts::TAU
+}

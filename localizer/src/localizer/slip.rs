@@ -1,0 +1,52 @@
+//! When slip was certified: wheels and flow sensor had nothing in common, so that the wheels are left out.
+
+use crate::{
+    RobotModel,
+    motion::{Agreement, Motion, WheelHistory, agree},
+};
+
+use super::REMEMBER_S;
+
+/// Wheels are left out for so long after they were last seen to slip: slip that goes on needs some time to show anew.
+const LEFT_OUT_S: f64 = 0.5;
+
+/// Spans in which the wheels are left out.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CertifiedSlip {
+    spans_s: Vec<[f64; 2]>,
+}
+
+impl CertifiedSlip {
+    /// The wheels slipped somewhere in this span, the last of which is now.
+    pub(super) fn certify(&mut self, [from_s, now_s]: [f64; 2]) {
+        self.spans_s.retain(|span_s| span_s[1] > now_s - REMEMBER_S);
+        match self.spans_s.last_mut() {
+            Some(latest) if from_s <= latest[1] => latest[1] = now_s + LEFT_OUT_S,
+            _ => self.spans_s.push([from_s, now_s + LEFT_OUT_S]),
+        }
+    }
+
+    /// Whether the wheels are left out of a span.
+    fn covers(&self, [from_s, to_s]: [f64; 2]) -> bool {
+        self.spans_s.iter().any(|span_s| span_s[0] < to_s && from_s < span_s[1])
+    }
+
+    /// Motion in a span: what wheels and flow sensor both allow, the flow sensor's alone where the wheels slip, and reach where it saw
+    /// nothing then. `None` where the wheels' memory does not reach.
+    pub(super) fn motion(
+        &self,
+        span_s: [f64; 2],
+        rolled: Option<Motion>,
+        flow: Option<Motion>,
+        wheels: &WheelHistory,
+        robot: &RobotModel,
+    ) -> Option<Motion> {
+        match (self.covers(span_s), flow) {
+            (true, Some(flow)) => Some(flow),
+            (true, None) => Some(wheels.reach_motion(span_s[0], span_s[1], &robot.reach)),
+            (false, flow) => Some(match agree(&rolled?, flow.as_ref()) {
+                Agreement::Both(motion) | Agreement::SlipCertified(motion) => motion,
+            }),
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! `wall_directions`: heading modulo quarter turns from level edges of walls, ceilings, doors and shelves, seen by a camera that looks ahead.
+//!
+//! After Yi, Lee and Cho, *A new localization system … using afocal optical flow sensor based sensor fusion* (2018), with sets in place
+//! of points. An edge whose ends are claimed to a bound and whose level direction is seen at φ says θ ∈ α + k·π/2 − φ for
+//! one of the building's directions α and some k: nearest-k without a gate, as every k that the prior allows stays. At most q of
+//! an image's edges may run along none of the directions, and at most [`WRONG_IMAGES`] of the last [`IMAGES`] images may have
+//! more such edges. Directions that no map tells of are learnt as intervals, as wide as the heading was when they were seen.
+
+mod headings;
+mod sight;
+
+pub use sight::ray;
+
+use std::collections::VecDeque;
+
+use crate::{
+    Contractor, Interval, IntervalBox, Map, Outcome, PoseUnion, Reading, RobotModel,
+    method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
+    reading::Camera,
+    robot::{BodyModel, ForwardCameraModel, Reach},
+    vision::forward::{self, EdgeLine, Picture, vanishing::Equalisation},
+};
+
+/// The declared bounds that a constraint stands on.
+pub const RELIES_ON: [Assumption; 8] = [
+    "forward_camera.focal",
+    "forward_camera.principal_point",
+    "forward_camera.distortion",
+    "forward_camera.yaw",
+    "forward_camera.tilt",
+    "forward_camera.stamp",
+    "body.tilt",
+    "wall_directions.direction",
+];
+/// Images that are held together, carried by the motion between them.
+pub const IMAGES: usize = 10;
+/// Of which as many may have more wrong edges than their q.
+pub const WRONG_IMAGES: usize = 2;
+/// Fewer edges say nothing. Two that agree to a degree or two hardly do so by chance, as clutter is left out and images of two that
+/// do not agree are too.
+const FEWEST_LINES: usize = 2;
+/// An edge that would turn the robot by more beyond what the prior allows is clutter: no claim is made of it.
+const CLUTTER_RAD: f64 = 0.1745;
+/// A new direction needs as many edges that agree.
+const FEWEST_TO_LEARN: usize = 5;
+/// A direction is learnt when it is known so well, and no known one is as near.
+const NEW_DIRECTION_RAD: f64 = 0.087;
+
+/// How the method looks at images, and whether it learns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Setup {
+    /// What finds level edges.
+    pub chain: Chain,
+    /// Whether the building may have directions that the map does not tell.
+    pub learns: bool,
+    /// Whether images end a doubt, as when no other method tells more than they do.
+    pub decides: bool,
+}
+
+/// What finds level edges in an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Chain {
+    /// Ours: [`forward::detect`].
+    #[default]
+    Direct,
+    /// The paper's, up to the segments that agree with its vanishing points.
+    Paper,
+    /// The same with CLAHE.
+    PaperByTiles,
+}
+
+/// The method; see the module.
+#[derive(Clone, Debug)]
+pub struct WallDirections {
+    camera: ForwardCameraModel,
+    chain: Chain,
+    decides: bool,
+    body_tilt_rad: f64,
+    stamp_turn_rad: f64,
+    directions: Vec<Direction>,
+    learns: bool,
+    seen: VecDeque<Seen>,
+    /// Directions from robot forward, in the latest image, of edges that run along no wall known.
+    strange_rad: Vec<Interval>,
+    /// When that was.
+    latest_s: f64,
+}
+
+/// One direction of the building modulo quarter turns, from world x counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Direction {
+    direction_rad: Interval,
+    /// Stamp of the image that it was learnt from; the map's are known from the beginning.
+    since_s: f64,
+}
+
+/// The edges of one image.
+#[derive(Clone, Debug)]
+struct Seen {
+    stamp_s: f64,
+    /// Directions from robot forward, as the robot stands at the latest stamp.
+    azimuths_rad: Vec<Interval>,
+}
+
+impl WallDirections {
+    /// The method for this robot on this map; `None` without a camera that looks ahead.
+    pub fn new(map: &Map, robot: &RobotModel, setup: Setup) -> Option<Self> {
+        let directions_rad = &map.wall_directions_rad;
+        let walls = Self::with(robot.forward_camera?, &robot.body, &robot.reach, directions_rad, setup.learns);
+        Some(WallDirections { chain: setup.chain, decides: setup.decides, ..walls })
+    }
+
+    /// The method for a camera, with the directions that the map tells; `learns` says whether the building may have more.
+    pub fn with(
+        camera: ForwardCameraModel,
+        body: &BodyModel,
+        reach: &Reach,
+        directions_rad: &[Interval],
+        learns: bool,
+    ) -> Self {
+        let known = |&direction_rad: &Interval| Direction { direction_rad, since_s: f64::NEG_INFINITY };
+        WallDirections {
+            camera,
+            chain: Chain::Direct,
+            decides: false,
+            body_tilt_rad: body.tilt_rad,
+            stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
+            directions: directions_rad.iter().map(known).collect(),
+            learns,
+            seen: VecDeque::new(),
+            strange_rad: Vec::new(),
+            latest_s: f64::NEG_INFINITY,
+        }
+    }
+
+    /// What edges found in an image of `stamp_s` say of the pose; `None` when they are too few.
+    pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
+        let heading = prior.hull()[2];
+        let about = Interval::centred(heading.mid(), heading.radius() + CLUTTER_RAD);
+        let directions_rad = self.directions_rad();
+        let (mut used, mut rejected_px, mut seen) =
+            (Vec::new(), Vec::new(), Seen { stamp_s, azimuths_rad: Vec::new() });
+        self.strange_rad.clear();
+        self.latest_s = stamp_s;
+        for line in lines {
+            let azimuth = sight::azimuth(line, &self.camera, self.body_tilt_rad);
+            match azimuth.map(|azimuth| azimuth.inflate(self.stamp_turn_rad)) {
+                Some(azimuth) if headings::of_line(azimuth, &directions_rad, about).is_empty() => {
+                    self.strange_rad.push(azimuth);
+                    rejected_px.push(segment_px(line));
+                }
+                Some(azimuth) => {
+                    seen.azimuths_rad.push(azimuth);
+                    used.push(*line);
+                }
+                None => rejected_px.push(segment_px(line)),
+            }
+        }
+        let is_enough = seen.azimuths_rad.len() >= FEWEST_LINES;
+        if !is_enough && !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
+            return None;
+        }
+        let q_items = wrong_lines(seen.azimuths_rad.len());
+        let alone =
+            of_image(&seen.azimuths_rad, &directions_rad, about).into_iter().fold(Interval::EMPTY, Interval::hull);
+        if alone.is_empty() && !self.learns {
+            // Edges that agree on no heading near the prior's: more of them are wrong than declared, and it shows.
+            return None;
+        }
+        if is_enough {
+            self.seen.push_back(seen);
+        }
+        if self.seen.len() > IMAGES {
+            self.seen.pop_front();
+        }
+        let claim = |line: &EdgeLine| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px };
+        Some(Constraint {
+            method: self.name(),
+            stamp_s,
+            on_pose: Box::new(WallHeadings {
+                images: self.seen.iter().map(|seen| seen.azimuths_rad.clone()).collect(),
+                directions_rad,
+            }),
+            relies_on: RELIES_ON.to_vec(),
+            claims: used.iter().map(claim).collect(),
+            q_items,
+            decides: self.decides,
+            rejected_px,
+            alone_heading_rad: (!alone.is_empty()).then_some(alone),
+        })
+    }
+
+    /// The building's directions as known now, modulo quarter turns.
+    pub fn directions_rad(&self) -> Vec<Interval> {
+        self.directions.iter().map(|direction| direction.direction_rad).collect()
+    }
+}
+
+impl Method for WallDirections {
+    fn name(&self) -> &'static str {
+        "wall_directions"
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Camera { camera: Camera::Forward, .. })
+    }
+
+    fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
+        for mut seen in std::mem::take(&mut self.seen) {
+            // An image that the memory of motion does not reach is given up.
+            let turn = if seen.stamp_s == stamp_s {
+                Some(Interval::ZERO)
+            } else {
+                motion(seen.stamp_s, stamp_s).map(|moved| moved[2])
+            };
+            if let Some(turn) = turn.filter(|turn| !turn.is_empty()) {
+                seen.azimuths_rad.iter_mut().for_each(|azimuth| *azimuth = *azimuth - turn);
+                seen.stamp_s = stamp_s;
+                self.seen.push_back(seen);
+            }
+        }
+    }
+
+    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+        let Reading::Camera { measured_s, camera: Camera::Forward, image, .. } = reading else { return None };
+        let picture = Picture::from(image);
+        let by_paper =
+            |equalisation| forward::detect_as_printed(&picture, equalisation, |pixel| sight::ray(pixel, &self.camera));
+        let lines = match self.chain {
+            Chain::Direct => forward::detect(&picture),
+            Chain::Paper => by_paper(Equalisation::Whole),
+            Chain::PaperByTiles => by_paper(Equalisation::ByTiles),
+        };
+        self.constraint(*measured_s, &lines, prior)
+    }
+
+    fn learn(&mut self, posterior: &PoseUnion, _motion: MotionBetween) {
+        let heading = posterior.hull()[2];
+        if !self.learns || self.strange_rad.len() < FEWEST_TO_LEARN || heading.is_empty() {
+            return;
+        }
+        // α = θ + φ up to quarter turns: as wide as the heading and the edges together, never less.
+        let quarter = Interval::PI * 0.5;
+        let any = Interval::new(-0.1, quarter.hi() + 0.1);
+        let turned: Vec<Vec<Interval>> =
+            self.strange_rad.iter().map(|&azimuth| headings::of_line(azimuth * -1.0, &[Interval::ZERO], any)).collect();
+        let agreed = headings::agreed(&turned, turned.len() - wrong_lines(turned.len()));
+        let Some(&azimuth) = agreed.first() else { return };
+        let direction_rad = azimuth + heading;
+        let near = |known: Interval| {
+            let quarters = ((known.mid() - direction_rad.mid()) / quarter.mid()).round();
+            !(direction_rad + quarter * quarters).inflate(NEW_DIRECTION_RAD).is_disjoint_from(known)
+        };
+        if direction_rad.width() <= NEW_DIRECTION_RAD && !self.directions_rad().into_iter().any(near) {
+            self.directions.push(Direction { direction_rad, since_s: self.latest_s });
+        }
+    }
+
+    fn forget_since(&mut self, since_s: f64) {
+        self.directions.retain(|direction| direction.since_s <= since_s);
+        // What was carried by motion that is doubted now is where nobody knows.
+        self.seen.clear();
+    }
+
+    fn clock_set_back(&mut self) {
+        self.seen.clear();
+        self.directions.iter_mut().for_each(|direction| direction.since_s = f64::NEG_INFINITY);
+    }
+}
+
+fn segment_px(line: &EdgeLine) -> [f64; 4] {
+    let [[u0, v0], [u1, v1]] = line.ends_px;
+    [u0, v0, u1, v1]
+}
+
+/// At most this many of an image's edges run along none of the directions: on rendered rooms with people and boxes at odd angles,
+/// 0 loses the heading in a fifth of the images with a fix.
+pub fn wrong_lines(lines: usize) -> usize {
+    lines / 3
+}
+
+/// Headings that all but q edges of an image allow.
+fn of_image(azimuths_rad: &[Interval], directions_rad: &[Interval], within: Interval) -> Vec<Interval> {
+    let sets: Vec<Vec<Interval>> =
+        azimuths_rad.iter().map(|&azimuth| headings::of_line(azimuth, directions_rad, within)).collect();
+    headings::agreed(&sets, sets.len() - wrong_lines(sets.len()))
+}
+
+/// Headings that all but [`WRONG_IMAGES`] of the images allow.
+struct WallHeadings {
+    /// Azimuths of each image's edges, from robot forward at the stamp.
+    images: Vec<Vec<Interval>>,
+    directions_rad: Vec<Interval>,
+}
+
+impl WallHeadings {
+    fn within(&self, heading: Interval) -> Vec<Interval> {
+        // Fewer images than may be wrong say nothing; and neither do walls of a heading that may be anything.
+        if self.images.len() <= WRONG_IMAGES || heading.is_empty() || heading.width() > 100.0 {
+            return vec![heading];
+        }
+        let sets: Vec<Vec<Interval>> =
+            self.images.iter().map(|image| of_image(image, &self.directions_rad, heading)).collect();
+        headings::agreed(&sets, sets.len() - WRONG_IMAGES)
+    }
+}
+
+impl Contractor<3> for WallHeadings {
+    fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {
+        let hull = self.within(domain[2]).into_iter().fold(Interval::EMPTY, Interval::hull);
+        if hull.is_empty() || domain.is_empty() {
+            *domain = IntervalBox::EMPTY;
+            return Outcome::Empty("walls agree on no heading");
+        }
+        domain[2] = hull;
+        Outcome::Feasible
+    }
+
+    fn branches(&self, domain: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
+        let branch = |heading| IntervalBox::from([domain[0], domain[1], heading]);
+        self.within(domain[2]).into_iter().map(branch).filter(|branch| !branch.is_empty()).collect()
+    }
+}

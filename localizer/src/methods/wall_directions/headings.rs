@@ -1,0 +1,57 @@
+//! Sets of headings on the real line: where enough lines agree.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::Interval;
+
+/// Headings in `within` at which a line seen at `azimuth` runs along one of the building's `directions`, up to quarter turns:
+/// θ = direction + k·π/2 − azimuth.
+pub(super) fn of_line(azimuth: Interval, directions: &[Interval], within: Interval) -> Vec<Interval> {
+    let quarter = Interval::PI * 0.5;
+    let sets = directions.iter().flat_map(|&direction| {
+        let heading = direction - azimuth;
+        let (first, last) =
+            (((within.lo() - heading.hi()) / FRAC_PI_2).floor(), ((within.hi() - heading.lo()) / FRAC_PI_2).ceil());
+        (first as i64..=last as i64).map(move |k| (heading + quarter * k as f64).intersect(within))
+    });
+    joined(sets.filter(|set| !set.is_empty()).collect())
+}
+
+/// Where at least `needed` of the sets agree; each set is a union of disjoint intervals.
+pub(super) fn agreed(sets: &[Vec<Interval>], needed: usize) -> Vec<Interval> {
+    if needed == 0 {
+        return vec![Interval::ENTIRE];
+    }
+    // Ends sort after beginnings at the same place: closed intervals that touch agree there.
+    let mut events: Vec<(f64, bool)> =
+        sets.iter().flatten().flat_map(|set| [(set.lo(), false), (set.hi(), true)]).collect();
+    events.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let (mut depth, mut begun, mut found) = (0, 0.0, Vec::new());
+    for (at, ends) in events {
+        if ends {
+            if depth == needed {
+                found.push(Interval::new(begun, at));
+            }
+            depth -= 1;
+        } else {
+            depth += 1;
+            if depth == needed {
+                begun = at;
+            }
+        }
+    }
+    joined(found)
+}
+
+/// Sorted, and overlapping ones made one.
+fn joined(mut sets: Vec<Interval>) -> Vec<Interval> {
+    sets.sort_by(|a, b| a.lo().total_cmp(&b.lo()));
+    let mut disjoint: Vec<Interval> = Vec::new();
+    for set in sets {
+        match disjoint.last_mut() {
+            Some(last) if set.lo() <= last.hi() => *last = last.hull(set),
+            _ => disjoint.push(set),
+        }
+    }
+    disjoint
+}

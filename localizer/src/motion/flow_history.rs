@@ -1,0 +1,106 @@
+//! Counts of a flow sensor to an enclosure of the motion between two stamps.
+
+use std::collections::VecDeque;
+
+use crate::{
+    Interval,
+    robot::{FlowModel, Reach, WheelModel},
+};
+
+use super::{FlowIntegral, Motion, gyro::greatest_change_rad_per_s2};
+
+/// Recent readings of a flow sensor.
+#[derive(Clone, Debug)]
+pub struct FlowHistory {
+    model: FlowModel,
+    readings: VecDeque<FlowReading>,
+    keep_s: f64,
+}
+
+/// Totals at one stamp.
+#[derive(Clone, Copy, Debug)]
+struct FlowReading {
+    time_s: f64,
+    counts: [i64; 2],
+    blind_periods: u64,
+}
+
+/// Stamps closer than this are the same instant: periods are decimal, stamps binary.
+const SAME_S: f64 = 1e-9;
+
+impl FlowHistory {
+    /// A history that forgets what is older than `keep_s`.
+    pub fn new(model: FlowModel, keep_s: f64) -> Self {
+        FlowHistory { model, readings: VecDeque::new(), keep_s }
+    }
+
+    /// Adds a reading at its place, as totals need no order of arrival; a duplicate is dropped.
+    pub fn push(&mut self, time_s: f64, counts: [i64; 2], blind_periods: u64) {
+        let place = self.readings.partition_point(|reading| reading.time_s < time_s - SAME_S);
+        if self.readings.get(place).is_some_and(|reading| reading.time_s <= time_s + SAME_S) {
+            return;
+        }
+        self.readings.insert(place, FlowReading { time_s, counts, blind_periods });
+        let latest_s = self.readings.back().map_or(time_s, |latest| latest.time_s);
+        while self.readings.front().is_some_and(|first| first.time_s < latest_s - self.keep_s) {
+            self.readings.pop_front();
+        }
+    }
+
+    /// Motion from `from_s` to `to_s`; `turn` encloses the turn between two stamps. `None` where readings do not reach, and where the sensor
+    /// saw nothing for a period.
+    ///
+    /// Between two readings the counts are interpolated: the sensor's place accelerates by at most a + v·ω + (α + ω²)·arm.
+    pub fn motion(
+        &self,
+        [from_s, to_s]: [f64; 2],
+        turn: &dyn Fn(f64, f64) -> Option<Interval>,
+        wheels: &WheelModel,
+        reach: &Reach,
+    ) -> Option<Motion> {
+        let first = self.readings.partition_point(|reading| reading.time_s <= from_s + SAME_S).checked_sub(1)?;
+        let last = self.readings.partition_point(|reading| reading.time_s < to_s - SAME_S);
+        let (begin, end) = (self.readings.get(first)?, self.readings.get(last)?);
+        if begin.blind_periods != end.blind_periods {
+            return None;
+        }
+        let change_rad_per_s2 = greatest_change_rad_per_s2(wheels, reach);
+        let arm_m = self.model.position_m[0].magnitude() + self.model.position_m[1].magnitude();
+        let turn_rate = reach.turn_rate_rad_per_s;
+        let acceleration_m_per_s2 = reach.acceleration_m_per_s2
+            + reach.speed_m_per_s * turn_rate
+            + (change_rad_per_s2 + turn_rate * turn_rate) * arm_m;
+        let bend_counts =
+            |span_s: f64| acceleration_m_per_s2 * span_s * span_s / 8.0 / self.model.metres_per_count.lo();
+
+        let mut integral = FlowIntegral::new();
+        let (mut before_s, mut before) = (from_s, [0.0; 2]);
+        let mut bent_counts = 0.0;
+        for idx in first..last {
+            let (left, right) = (&self.readings[idx], &self.readings[idx + 1]);
+            let span_s = right.time_s - left.time_s;
+            let at = |time_s: f64| {
+                let share = (time_s - left.time_s) / span_s;
+                [0, 1].map(|axis| {
+                    (left.counts[axis] - begin.counts[axis]) as f64
+                        + share * (right.counts[axis] - left.counts[axis]) as f64
+                })
+            };
+            if idx == first {
+                before = if from_s > left.time_s + SAME_S { at(from_s) } else { [0.0; 2] };
+            }
+            let until_s = right.time_s.min(to_s);
+            let now = if until_s < right.time_s - SAME_S { at(until_s) } else { at(right.time_s) };
+            if from_s > left.time_s + SAME_S || until_s < right.time_s - SAME_S {
+                bent_counts += bend_counts(span_s);
+            }
+            let step_s = until_s - before_s;
+            // A turn that changes at its greatest goes as much farther than its ends tell.
+            let turning_rad = turn(before_s, until_s)?.magnitude() + 0.25 * change_rad_per_s2 * step_s * step_s;
+            let step = [now[0] - before[0], now[1] - before[1]];
+            integral.advance(step, turn(from_s, until_s)?, turning_rad, step_s, &self.model);
+            (before_s, before) = (until_s, now);
+        }
+        Some(integral.motion(bent_counts, &self.model))
+    }
+}

@@ -1,0 +1,75 @@
+//! Rolling guidance filter (Zhang, Shen, Xu and Jia, ECCV 2014): takes away what is smaller than its scale and keeps edges.
+//!
+//! Round 1 is a Gaussian blur; each further round filters the *input*, guided by what the last round gave (their Eq. 4). Rows
+//! and columns are filtered one after the other, which is exact for the Gaussian and close to it for the guided rounds.
+
+use super::Picture;
+
+/// The filter with a spatial standard deviation in pixels, a range standard deviation in the picture's values, and rounds.
+pub fn rolling_guidance(input: &Picture, spatial_px: f32, range: f32, rounds: usize) -> Picture {
+    let taps: Vec<f32> = (0..=(2.0 * spatial_px).ceil() as usize)
+        .map(|distance| (-0.5 * (distance as f32 / spatial_px).powi(2)).exp())
+        .collect();
+    // A constant guide makes every range weight 1.
+    let mut guide = Picture::filled(input.width, input.height, 0.0);
+    for _ in 0..rounds {
+        let rows = along_rows(input, &guide, &taps, 1.0 / range);
+        guide = along_columns(&rows, &guide, &taps, 1.0 / range);
+    }
+    guide
+}
+
+/// exp(−d²/2) as (1 − d²/16)⁸, which is within 0.04 of it, ends at 4 and takes no table.
+fn range_weight(off: f32) -> f32 {
+    let base = (1.0 - off * off * (1.0 / 16.0)).max(0.0);
+    let square = base * base;
+    let fourth = square * square;
+    fourth * fourth
+}
+
+fn along_rows(input: &Picture, guide: &Picture, taps: &[f32], per_range: f32) -> Picture {
+    let width = input.width;
+    let (mut values, mut total, mut weights) =
+        (Vec::with_capacity(input.values.len()), vec![0.0; width], vec![0.0; width]);
+    for (source, guide) in input.values.chunks(width).zip(guide.values.chunks(width)) {
+        let mut sum: Vec<f32> = source.iter().map(|value| value * taps[0]).collect();
+        total.fill(taps[0]);
+        for (distance, tap) in taps.iter().enumerate().skip(1).take_while(|(distance, _)| *distance < width) {
+            let pairs = width - distance;
+            for ((weight, near), far) in weights.iter_mut().zip(guide).zip(&guide[distance..]) {
+                *weight = tap * range_weight((near - far) * per_range);
+            }
+            add(&mut sum[..pairs], &mut total[..pairs], &weights, &source[distance..]);
+            add(&mut sum[distance..], &mut total[distance..], &weights, &source[..pairs]);
+        }
+        values.extend(sum.iter().zip(&total).map(|(sum, total)| sum / total));
+    }
+    Picture { values, ..*input }
+}
+
+fn along_columns(input: &Picture, guide: &Picture, taps: &[f32], per_range: f32) -> Picture {
+    let (width, height) = (input.width, input.height);
+    let row = |of: &Picture, v: usize| v * of.width..(v + 1) * of.width;
+    let mut sum: Vec<f32> = input.values.iter().map(|value| value * taps[0]).collect();
+    let (mut total, mut weights) = (vec![taps[0]; sum.len()], vec![0.0; width]);
+    for (distance, tap) in taps.iter().enumerate().skip(1).take_while(|(distance, _)| *distance < height) {
+        for v in 0..height - distance {
+            let (near, far) = (row(input, v), row(input, v + distance));
+            for ((weight, a), b) in weights.iter_mut().zip(&guide.values[near.clone()]).zip(&guide.values[far.clone()])
+            {
+                *weight = tap * range_weight((a - b) * per_range);
+            }
+            add(&mut sum[near.clone()], &mut total[near.clone()], &weights, &input.values[far.clone()]);
+            add(&mut sum[far.clone()], &mut total[far], &weights, &input.values[near]);
+        }
+    }
+    Picture { values: sum.iter().zip(&total).map(|(sum, total)| sum / total).collect(), ..*input }
+}
+
+/// Adds each source value by its weight, and the weight to the total.
+fn add(sum: &mut [f32], total: &mut [f32], weights: &[f32], source: &[f32]) {
+    for (((sum, total), weight), source) in sum.iter_mut().zip(total).zip(weights).zip(source) {
+        *sum += weight * source;
+        *total += weight;
+    }
+}

@@ -1,0 +1,62 @@
+//! Noise of one size everywhere: the generalised Anscombe transform, its gain and offset read off the picture itself.
+//!
+//! Photons make the variance of a pixel grow with its value, σ² = a·x + b. Then 2/a·√(a·x + b) has the variance 1 (Anscombe 1948;
+//! Starck, Murtagh and Bijaoui 1998).
+
+use super::Picture;
+
+/// Values are sorted into as many equally filled classes, each with its own noise.
+const CLASSES: usize = 12;
+
+/// The picture with noise of standard deviation 1.
+pub fn stabilised(picture: &Picture) -> Picture {
+    let [slope, offset] = noise_law(picture);
+    picture.map(|value| 2.0 / slope * (slope * value + offset).max(0.0).sqrt())
+}
+
+/// a and b of σ² = a·x + b, by the median noise of classes of brightness; edges are few and do not move a median.
+fn noise_law(picture: &Picture) -> [f32; 2] {
+    let width = picture.width;
+    // The second difference x₋₁ − 2x + x₊₁ of even noise has 6 times its variance, and does not see slopes. Two pixels
+    // apart, as neighbours that a lens map has interpolated share their noise.
+    let mut samples: Vec<(f32, f32)> = picture
+        .values
+        .chunks(width)
+        .step_by(4)
+        .flat_map(|row| row.windows(5).step_by(4))
+        .map(|of| (0.2 * of.iter().sum::<f32>(), (of[0] - 2.0 * of[2] + of[4]).abs()))
+        .collect();
+    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let in_class = samples.len().div_ceil(CLASSES).max(1);
+    let mut classes: Vec<[f32; 2]> = samples
+        .chunks_mut(in_class)
+        .map(|class| {
+            let middle = class.len() / 2;
+            let level = class[middle].0;
+            let (_, median, _) = class.select_nth_unstable_by(middle, |a, b| a.1.total_cmp(&b.1));
+            // The median of |N(0, 1)| is 0.6745. Levels are whole numbers, so that a median may be rounded by half.
+            let deviation = median.1 / 0.6745;
+            [level, (deviation * deviation / 6.0).max(1.0 / 12.0)]
+        })
+        .collect();
+    // The brightest class may be saturated.
+    classes.pop();
+    straight_line(&classes)
+}
+
+/// Least squares, weighted for variances that are known to the same share; neither slope nor least variance below a grey level's own.
+fn straight_line(points: &[[f32; 2]]) -> [f32; 2] {
+    let (mut w, mut wx, mut wy, mut wxx, mut wxy) = (0.0_f32, 0.0, 0.0, 0.0, 0.0);
+    for &[x, y] in points {
+        let weight = 1.0 / (y * y);
+        w += weight;
+        wx += weight * x;
+        wy += weight * y;
+        wxx += weight * x * x;
+        wxy += weight * x * y;
+    }
+    let determinant = w * wxx - wx * wx;
+    let slope = if determinant > 1e-9 * w * wxx { (w * wxy - wx * wy) / determinant } else { 0.0 };
+    let slope = slope.max(1e-3);
+    [slope, if w > 0.0 { (wy - slope * wx) / w } else { 1.0 }]
+}

@@ -1,0 +1,57 @@
+//! The forward camera, and the walls before it, against what was drawn and what stands there.
+
+use crate::{
+    check::verdict::Violation,
+    drawn::DrawnCamera,
+    run::RunRecord,
+    scene::{MethodName, Scene},
+};
+
+use super::{ceiling::tilt_and_yaw, constant, deliveries};
+
+/// Violations of the bounds of mount, lens, clock and mapped directions.
+pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+    let (Some(camera), Some(drawn)) = (&scene.robot.forward_camera, &record.drawn.forward_camera) else {
+        return Vec::new();
+    };
+    if !scene.localizer.methods.contains(&MethodName::WallDirections) {
+        return Vec::new();
+    }
+    let (calibration, nominal) = (&camera.calibration, DrawnCamera::forward(camera));
+    let (tilt_rad, yaw_rad) =
+        tilt_and_yaw(drawn.body_from_camera.rotation * nominal.body_from_camera.rotation.inverse());
+    let angle_rad = calibration.angle_tolerance_deg.to_radians();
+    let farthest = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+    let focal_share = [0, 1].map(|axis| drawn.focal_px[axis] / nominal.focal_px[axis]);
+    let principal_px = farthest(drawn.principal_point_px, nominal.principal_point_px);
+    let mut found: Vec<Violation> = [
+        constant(record, "forward_camera.yaw", angle_rad, yaw_rad.abs()),
+        constant(record, "forward_camera.tilt", angle_rad, tilt_rad),
+        constant(record, "forward_camera.focal", calibration.focal_tolerance, farthest(focal_share, [1.0; 2])),
+        constant(record, "forward_camera.principal_point", calibration.principal_point_tolerance_px, principal_px),
+        // Lenses do as their coefficients say.
+        constant(record, "forward_camera.distortion", calibration.distortion_tolerance_px, 0.0),
+        mapped_directions(scene, record),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    let names = ["forward_camera.stamp", "forward_camera.latency"];
+    found.extend(deliveries(record, "wall_directions", names, &camera.timing()));
+    found
+}
+
+/// The mapped direction that is farthest from every wall's, modulo quarter turns.
+fn mapped_directions(scene: &Scene, record: &RunRecord) -> Option<Violation> {
+    let true_deg = scene.true_wall_directions_deg();
+    let off_deg = |mapped_deg: f64| {
+        let from = |wall_deg: &f64| {
+            let turn_deg = (mapped_deg - wall_deg).rem_euclid(90.0);
+            turn_deg.min(90.0 - turn_deg)
+        };
+        true_deg.iter().map(from).fold(f64::INFINITY, f64::min)
+    };
+    let farthest_deg = scene.mapped_wall_directions_deg().into_iter().map(off_deg).fold(0.0, f64::max);
+    let tolerance_deg = scene.localizer.wall_directions().tolerance_deg;
+    constant(record, "wall_directions.direction", tolerance_deg.to_radians(), farthest_deg.to_radians())
+}

@@ -1,0 +1,65 @@
+//! What `wall_directions` made of its images: how many told a heading of their own, how well, and how far off headings are.
+
+use std::{collections::BTreeMap, f64::consts::FRAC_PI_2};
+
+use crate::run::RunRecord;
+
+use super::share;
+
+/// An image tells a heading when what it allows, quarter turns aside, is no wider.
+const FIX_WIDTH_RAD: f64 = 0.0524;
+
+/// None without images for the method.
+pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
+    let images: Vec<_> = record.images.iter().filter(|image| image.method == "wall_directions").collect();
+    if images.is_empty() {
+        return BTreeMap::new();
+    }
+    let fixes: Vec<_> = images
+        .iter()
+        .filter_map(|image| Some((image.alone_heading_rad?, image.truth.pose.heading_rad)))
+        .filter(|(heading, _)| heading.width() <= FIX_WIDTH_RAD)
+        .collect();
+    let held = fixes.iter().filter(|(heading, truth_rad)| heading.contains(*truth_rad)).count();
+    // A fix near the prior may be a quarter turn off with it, which says nothing of the image.
+    let mut off_rad: Vec<f64> = fixes
+        .iter()
+        .map(|(heading, truth_rad)| {
+            let turn = heading.mid() - truth_rad;
+            (turn - (turn / FRAC_PI_2).round() * FRAC_PI_2).abs()
+        })
+        .collect();
+    let heading_off = |(truth, estimate): (&crate::truth::Truth, &localizer::Estimate)| {
+        let hull = estimate.pose.hull();
+        (!hull.is_empty()).then(|| (hull[2].mid() - truth.pose.heading_rad).abs())
+    };
+    let mut all_off_rad: Vec<f64> = record.truths.iter().zip(&record.estimates).filter_map(heading_off).collect();
+    let widths_rad: f64 = fixes.iter().map(|(heading, _)| heading.width()).sum();
+    let lines: usize = images.iter().map(|image| image.claims.len()).sum();
+    let deg = |name: &str, value_rad: f64| (name.to_owned(), value_rad.to_degrees());
+    let paper = &record.forward_baselines;
+    let mut paper_off_rad = paper.errors_rad.clone();
+    let mut matches: Vec<f64> = paper.matches.iter().map(|&count| count as f64).collect();
+    BTreeMap::from([
+        ("feature_matches_median".to_owned(), quantile(&mut matches, 0.5)),
+        ("vanishing_point_share".to_owned(), share(paper.errors_rad.len(), paper.n_asked)),
+        deg("vanishing_point_error_median_deg", quantile(&mut paper_off_rad, 0.5)),
+        deg("vanishing_point_error_p95_deg", quantile(&mut paper_off_rad, 0.95)),
+        ("wall_images".to_owned(), images.len() as f64),
+        ("wall_lines_per_image".to_owned(), lines as f64 / images.len() as f64),
+        ("wall_fix_share".to_owned(), share(fixes.len(), images.len())),
+        ("wall_fix_contained_share".to_owned(), share(held, fixes.len())),
+        deg("wall_fix_width_mean_deg", if fixes.is_empty() { 0.0 } else { widths_rad / fixes.len() as f64 }),
+        deg("wall_fix_error_p95_deg", quantile(&mut off_rad, 0.95)),
+        deg("wall_fix_error_max_deg", quantile(&mut off_rad, 1.0)),
+        deg("heading_error_p95_deg", quantile(&mut all_off_rad, 0.95)),
+        deg("heading_error_max_deg", quantile(&mut all_off_rad, 1.0)),
+    ])
+}
+
+/// The least value that as large a share of the values does not exceed; 0 of none.
+fn quantile(values: &mut [f64], wanted: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let at = (wanted * values.len() as f64).ceil() as usize;
+    values.get(at.saturating_sub(1)).copied().unwrap_or(0.0)
+}

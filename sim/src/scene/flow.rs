@@ -1,0 +1,108 @@
+//! The optical flow sensor, and how readings of what moves the robot reach the localizer.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A sensor that follows the floor's texture below it and counts its own travel along two axes, as an optical mouse does.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Flow {
+    /// What its counts make of a change of height.
+    pub optics: FlowOptics,
+    /// Counts in a metre, at the height that it is mounted at.
+    #[schemars(range(min = 100.0, max = 1000000.0))]
+    pub counts_per_m: f64,
+    /// Time between two readings; a multiple of 0.001.
+    #[schemars(range(min = 0.001, max = 1.0))]
+    pub period_s: f64,
+    /// Where it looks in the robot frame, forward of the axle.
+    #[schemars(range(min = -2.0, max = 2.0))]
+    pub forward_m: f64,
+    /// Where it looks in the robot frame, left of the middle.
+    #[schemars(range(min = -2.0, max = 2.0))]
+    pub left_m: f64,
+    /// The mount is drawn within this of its nominal place, forward and left each.
+    #[schemars(range(min = 0.0, max = 0.1))]
+    pub position_tolerance_m: f64,
+    /// The mount's yaw is drawn within this.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub yaw_tolerance_deg: f64,
+    /// Counts per metre at the mounted height are drawn within this share of nominal.
+    #[schemars(range(min = 0.0, max = 0.5))]
+    pub calibration_tolerance: f64,
+    /// `flow.scale`: counts per metre are declared to be within this share of nominal, whatever the height.
+    #[schemars(range(min = 0.0, max = 0.9))]
+    pub scale_tolerance: f64,
+    /// `flow.back_and_forth`: how much longer than its counts the way within one period is declared to be at most.
+    #[schemars(range(min = 0.0, max = 0.1))]
+    pub back_and_forth_m: f64,
+    /// It follows nothing that passes faster.
+    #[schemars(range(max = 20.0), extend("exclusiveMinimum" = 0.0))]
+    pub greatest_speed_m_per_s: f64,
+    /// It sees nothing that is farther than this above or below the height that it is mounted for.
+    #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0.0))]
+    pub focus_range_m: f64,
+}
+
+/// Optics of a flow sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FlowOptics {
+    /// Afocal: the image keeps its size, 0.1 % per millimetre of height.
+    #[default]
+    Afocal,
+    /// One lens at a fixed distance, as in a mouse: 14.7 % per millimetre of height.
+    FixedFocus,
+}
+
+impl FlowOptics {
+    /// Share of counts gained per metre that the floor comes closer: Yi et al. 2015, abstract, as paper 2 cites it.
+    pub fn share_per_m(self) -> f64 {
+        match self {
+            FlowOptics::Afocal => 1.0,
+            FlowOptics::FixedFocus => 147.0,
+        }
+    }
+}
+
+impl Default for Flow {
+    /// An afocal sensor of 508 counts an inch, 60 mm behind the axle.
+    fn default() -> Self {
+        Flow {
+            optics: FlowOptics::Afocal,
+            counts_per_m: 20_000.0,
+            period_s: 0.01,
+            forward_m: -0.06,
+            left_m: 0.0,
+            position_tolerance_m: 0.0005,
+            yaw_tolerance_deg: 0.1,
+            calibration_tolerance: 0.001,
+            scale_tolerance: 0.003,
+            back_and_forth_m: 0.0001,
+            greatest_speed_m_per_s: 1.0,
+            focus_range_m: 0.01,
+        }
+    }
+}
+
+/// How readings of wheels, gyroscope and flow sensor reach the localizer: at once and each once, unless stated otherwise.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Delivery {
+    /// Each reading arrives later than its stamp by anything up to this, so that one may overtake another.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub late_s: f64,
+    /// Share of the readings that never arrive.
+    #[schemars(range(min = 0.0, max = 0.9))]
+    pub dropped_share: f64,
+    /// Share of the readings that arrive twice, the second time late as well.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub duplicated_share: f64,
+}
+
+impl Delivery {
+    /// Whether anything can happen to a reading.
+    pub fn is_perfect(&self) -> bool {
+        self.late_s == 0.0 && self.dropped_share == 0.0 && self.duplicated_share == 0.0
+    }
+}

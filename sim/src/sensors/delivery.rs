@@ -1,0 +1,42 @@
+//! The way of readings from the sensor to the localizer: late, lost or doubled.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use crate::{randomness::stream, scene};
+
+use super::Observation;
+
+/// The bus that readings of what moves the robot take.
+pub struct Delivery {
+    keys: scene::Delivery,
+    luck: ChaCha8Rng,
+}
+
+impl Delivery {
+    /// The scene's.
+    pub fn new(keys: &scene::Delivery, seed: u64) -> Self {
+        Delivery { keys: keys.clone(), luck: stream(seed, "delivery") }
+    }
+
+    /// What becomes of a reading: none of it, one, or two.
+    pub fn send(&mut self, observation: Observation) -> Vec<Observation> {
+        if self.keys.is_perfect() {
+            return vec![observation];
+        }
+        // Always as many draws, so that the fate of one reading does not move that of the next.
+        let mut draw = || self.luck.random_range(0.0..1.0);
+        let (dropped, doubled, lateness): (f64, f64, [f64; 2]) = (draw(), draw(), [draw(), draw()]);
+        if dropped < self.keys.dropped_share {
+            return Vec::new();
+        }
+        let n_copies = 1 + usize::from(doubled < self.keys.duplicated_share);
+        lateness.into_iter().take(n_copies).map(|share| late(&observation, share * self.keys.late_s)).collect()
+    }
+}
+
+fn late(observation: &Observation, by_s: f64) -> Observation {
+    let mut late = observation.clone();
+    late.reading.delay(by_s);
+    late
+}

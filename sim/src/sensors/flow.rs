@@ -1,0 +1,150 @@
+//! The optical flow sensor: its own travel over the floor's surface, counted along two axes.
+
+use localizer::Reading;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use crate::{
+    drawn::{Drawn, DrawnFlow},
+    randomness::stream,
+    scene::{Event, Flow, Scene},
+    truth::Truth,
+    world::floor::Floor,
+};
+
+use super::Observation;
+
+/// A flow sensor over the scene's floor.
+pub struct FlowSensor {
+    flow: Flow,
+    mount: DrawnFlow,
+    floor: Floor,
+    blind: Vec<Event>,
+    dropouts: ChaCha8Rng,
+    /// Where in a count each axis stood at the start, `[0, 1)`.
+    phase: [f64; 2],
+    n_readings: u64,
+    before: Option<Truth>,
+    period: Period,
+    /// Travel followed so far, in counts.
+    followed_counts: [f64; 2],
+    blind_periods: u64,
+    latest: FlowTruth,
+}
+
+/// What a flow sensor's bounds are about, at one reading.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FlowTruth {
+    /// |counts per metre over nominal − 1|, at its greatest in the period; 0 when nothing was followed.
+    pub scale_error: f64,
+    /// How much longer the way was than what was counted of it, at the greatest of both axes; 0 when nothing was followed.
+    pub back_and_forth_m: f64,
+}
+
+/// One period so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Period {
+    counts: [f64; 2],
+    travel_m: [f64; 2],
+    path_m: [f64; 2],
+    greatest_scale_error: f64,
+    lost: bool,
+}
+
+impl FlowSensor {
+    /// The scene's flow sensor, or `None` if the robot has none.
+    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
+        let (flow, mount) = (scene.robot.flow.clone()?, drawn.flow?);
+        let mut rng = stream(seed, "flow.phase");
+        let is_blind = |event: &&Event| matches!(event, Event::FlowBlind { .. });
+        Some(FlowSensor {
+            flow,
+            mount,
+            floor: Floor::new(scene),
+            blind: scene.events.iter().filter(is_blind).cloned().collect(),
+            dropouts: stream(seed, "flow.dropouts"),
+            phase: [rng.random_range(0.0..1.0), rng.random_range(0.0..1.0)],
+            n_readings: 0,
+            before: None,
+            period: Period::default(),
+            followed_counts: [0.0; 2],
+            blind_periods: 0,
+            latest: FlowTruth::default(),
+        })
+    }
+
+    /// Looks at one physics step; answers with a reading at the end of each period.
+    pub fn observe(&mut self, truth: &Truth) -> Option<Observation> {
+        if let Some(before) = self.before.replace(*truth) {
+            self.follow(&before, truth);
+        }
+        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        if truth.time_s + 0.0005 < self.n_readings as f64 * self.flow.period_s {
+            return None;
+        }
+        self.n_readings += 1;
+        self.close_period(truth);
+        let counts = [0, 1].map(|axis| (self.followed_counts[axis] + self.phase[axis]).floor() as i64);
+        let reading = Reading::Flow {
+            measured_s: truth.time_s,
+            arrived_s: truth.time_s,
+            counts,
+            blind_periods: self.blind_periods,
+        };
+        Some(Observation { flow: self.latest, ..Observation::new(reading, *truth) })
+    }
+
+    /// Adds the travel of one step, as the sensor's own axes and optics see it.
+    fn follow(&mut self, before: &Truth, truth: &Truth) {
+        let (from_m, to_m) = (self.place(before), self.place(truth));
+        let moved = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
+        let facing_rad = 0.5 * (before.pose.heading_rad + truth.pose.heading_rad) + self.mount.yaw_rad;
+        let (sin, cos) = facing_rad.sin_cos();
+        let travel_m = [cos * moved[0] + sin * moved[1], cos * moved[1] - sin * moved[0]];
+
+        let ground = self.floor.at(to_m[0], to_m[1]);
+        // The floor comes closer where the pile stands up under it, and farther where the body rises.
+        let closer_m = ground.height_m + ground.pile_height_m - to_m[2];
+        let scale = self.mount.scale * (1.0 + self.flow.optics.share_per_m() * closer_m);
+        let speed_m_per_s = travel_m[0].hypot(travel_m[1]) / (truth.time_s - before.time_s);
+        let period = &mut self.period;
+        period.lost |= closer_m.abs() > self.flow.focus_range_m
+            || speed_m_per_s > self.flow.greatest_speed_m_per_s
+            || self.blind.iter().any(|event| event.is_on(before.time_s));
+        period.greatest_scale_error = period.greatest_scale_error.max((scale - 1.0).abs());
+        for (axis, travel_m) in travel_m.into_iter().enumerate() {
+            period.counts[axis] += travel_m * scale.max(0.0) * self.flow.counts_per_m;
+            period.travel_m[axis] += travel_m;
+            period.path_m[axis] += travel_m.abs();
+        }
+    }
+
+    /// Counts what was followed, or tells that nothing was.
+    fn close_period(&mut self, truth: &Truth) {
+        let period = std::mem::take(&mut self.period);
+        let at_m = self.place(truth);
+        // Drawn whether or not it matters, so that one drop-out does not move the next.
+        let luck: f64 = self.dropouts.random_range(0.0..1.0);
+        if period.lost || luck < self.floor.at(at_m[0], at_m[1]).flow_dropout {
+            self.blind_periods += 1;
+            self.latest = FlowTruth::default();
+            return;
+        }
+        (0..2).for_each(|axis| self.followed_counts[axis] += period.counts[axis]);
+        let excess_m = [0, 1].map(|axis| period.path_m[axis] - period.travel_m[axis].abs());
+        self.latest =
+            FlowTruth { scale_error: period.greatest_scale_error, back_and_forth_m: excess_m[0].max(excess_m[1]) };
+    }
+
+    /// Where the sensor is in the world, and how high above its mounted height.
+    fn place(&self, truth: &Truth) -> [f64; 3] {
+        let [forward_m, left_m] = self.mount.position_m;
+        let (sin, cos) = truth.pose.heading_rad.sin_cos();
+        let [roll_rad, pitch_rad] = truth.tilt_rad;
+        [
+            truth.pose.x_m + cos * forward_m - sin * left_m,
+            truth.pose.y_m + sin * forward_m + cos * left_m,
+            truth.heave_m + left_m * roll_rad.sin() - forward_m * pitch_rad.sin(),
+        ]
+    }
+}

@@ -1,0 +1,92 @@
+//! The gyroscope's bias as it wanders: flicker and random walk, cut to the bounds that are declared.
+
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+
+use crate::scene::Gyro;
+
+/// Time between two values that are drawn; the bias goes evenly from one to the next.
+const NODE_S: f64 = 1.0;
+
+/// Correlation times of the processes whose sum is the flicker, each four times the one before: from 1 s to over an hour.
+const FLICKER_S: [f64; 7] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
+
+/// Seconds in an hour, for terms that data sheets state per hour.
+const HOUR_S: f64 = 3600.0;
+
+/// The bias over time.
+#[derive(Clone, Debug)]
+pub struct WanderingBias {
+    rng: ChaCha8Rng,
+    drawn_rad_per_s: f64,
+    tolerance_rad_per_s: f64,
+    wander_rad_per_s2: f64,
+    walk_per_node_rad_per_s: f64,
+    flicker_deviation_rad_per_s: f64,
+    walk_rad_per_s: f64,
+    flicker_rad_per_s: [f64; FLICKER_S.len()],
+    n_nodes: u64,
+    /// Values at the two nodes around now.
+    around_rad_per_s: [f64; 2],
+}
+
+impl WanderingBias {
+    /// A bias that is `drawn_rad_per_s` at time 0.
+    pub fn new(gyro: &Gyro, drawn_rad_per_s: f64, mut rng: ChaCha8Rng) -> Self {
+        let instability_rad_per_s = gyro.bias_instability_deg_per_h.to_radians() / HOUR_S;
+        let walk_rad_per_s_per_sqrt_s =
+            gyro.rate_random_walk_deg_per_h_per_sqrt_h.to_radians() / (HOUR_S * HOUR_S.sqrt());
+        // IEEE Std 952 eq. (C.11): S(f) = B²/(2πf), two-sided. Processes of variance s² whose correlation times τ are spread evenly over
+        // ln τ, one per ln 4, have ∫ 2s²τ/(1 + (2πfτ)²) d ln τ/ln 4 = s²/(2·ln 4·f), so that s² = B²·ln 4/π.
+        let flicker_deviation_rad_per_s = instability_rad_per_s * (4.0_f64.ln() / std::f64::consts::PI).sqrt();
+        let flicker_rad_per_s = [0; FLICKER_S.len()].map(|_| flicker_deviation_rad_per_s * normal(&mut rng));
+        WanderingBias {
+            rng,
+            drawn_rad_per_s,
+            tolerance_rad_per_s: gyro.bias_tolerance_deg_per_s.to_radians(),
+            wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
+            walk_per_node_rad_per_s: walk_rad_per_s_per_sqrt_s * NODE_S.sqrt(),
+            flicker_deviation_rad_per_s,
+            walk_rad_per_s: 0.0,
+            // What the flicker begins with is part of the drawn bias.
+            flicker_rad_per_s,
+            n_nodes: 0,
+            around_rad_per_s: [drawn_rad_per_s; 2],
+        }
+        .beginning()
+    }
+
+    /// The bias at an instant no earlier than the last one asked for.
+    pub fn at(&mut self, time_s: f64) -> f64 {
+        while time_s > self.n_nodes as f64 * NODE_S {
+            self.next_node();
+        }
+        let share = time_s / NODE_S - (self.n_nodes as f64 - 1.0);
+        self.around_rad_per_s[0] + share * (self.around_rad_per_s[1] - self.around_rad_per_s[0])
+    }
+
+    fn beginning(mut self) -> Self {
+        self.drawn_rad_per_s -= self.flicker_rad_per_s.iter().sum::<f64>();
+        self
+    }
+
+    fn next_node(&mut self) {
+        self.n_nodes += 1;
+        self.walk_rad_per_s += self.walk_per_node_rad_per_s * normal(&mut self.rng);
+        for (flicker, correlation_s) in self.flicker_rad_per_s.iter_mut().zip(FLICKER_S) {
+            // Ornstein and Uhlenbeck's process, exact at the nodes.
+            let kept = (-NODE_S / correlation_s).exp();
+            let fresh = self.flicker_deviation_rad_per_s * (1.0 - kept * kept).sqrt();
+            *flicker = kept * *flicker + fresh * normal(&mut self.rng);
+        }
+        let before = self.around_rad_per_s[1];
+        let wanted = self.drawn_rad_per_s + self.walk_rad_per_s + self.flicker_rad_per_s.iter().sum::<f64>();
+        let step = (wanted - before).clamp(-self.wander_rad_per_s2 * NODE_S, self.wander_rad_per_s2 * NODE_S);
+        let after = (before + step).clamp(-self.tolerance_rad_per_s, self.tolerance_rad_per_s);
+        self.around_rad_per_s = [before, after];
+    }
+}
+
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(rng)
+}

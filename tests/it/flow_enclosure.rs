@@ -1,0 +1,216 @@
+//! The flow sensor's motion against motion integrated much finer; certified slip; the gyroscope's bias learnt from turns.
+
+use localizer::{
+    Interval, Outcome,
+    motion::{Agreement, FlowHistory, FlowIntegral, GyroBias, GyroHistory, Motion, agree},
+    robot::{FlowModel, GyroModel, Reach, WheelModel},
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const COUNTS_PER_M: f64 = 20_000.0;
+
+fn model() -> FlowModel {
+    FlowModel {
+        position_m: [Interval::centred(-0.06, 0.0005), Interval::centred(0.03, 0.0005)],
+        metres_per_count: Interval::centred(1.0 / COUNTS_PER_M, 0.003 / COUNTS_PER_M),
+        yaw_rad: Interval::centred(0.0, 0.003),
+        quantisation_counts: 1.0,
+        back_and_forth_counts: 1.0,
+        period_s: 0.01,
+    }
+}
+
+/// A sensor at the corners of its bounds and a body that drives, drifts sideways and turns: true motion, and the integral.
+fn drive(rng: &mut ChaCha8Rng, steps: usize) -> ([f64; 3], FlowIntegral) {
+    let model = model();
+    let mut side = || [-1.0, 1.0][rng.random_range(0..2)];
+    let arm = model.position_m.map(|at| at.mid() + 0.99 * at.radius() * side());
+    let per_m = COUNTS_PER_M * (1.0 - 0.0029 * side());
+    let yaw = 0.0029 * side();
+    let (mut forward, mut left, mut rate) = (0.25, 0.0, 0.0);
+    let (mut x, mut y, mut heading) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut seen, mut counted) = ([0.0_f64; 2], [0_i64; 2]);
+    let mut integral = FlowIntegral::new();
+    for step in 0..steps {
+        if step % 20 == 0 {
+            (forward, left) = (rng.random_range(-0.3..0.3), rng.random_range(-0.05..0.05));
+            rate = rng.random_range(-1.5..1.5);
+        }
+        for _ in 0..20 {
+            let (middle, dt) = (heading + rate * 0.00025, 0.0005);
+            x += (forward * middle.cos() - left * middle.sin()) * dt;
+            y += (forward * middle.sin() + left * middle.cos()) * dt;
+            heading += rate * dt;
+            // The arm's own speed is ω × a.
+            let speed = [forward - rate * arm[1], left + rate * arm[0]];
+            seen[0] += (speed[0] * yaw.cos() + speed[1] * yaw.sin()) * dt;
+            seen[1] += (speed[1] * yaw.cos() - speed[0] * yaw.sin()) * dt;
+        }
+        let counts = seen.map(|travel_m| (travel_m * per_m).floor() as i64);
+        let new = [(counts[0] - counted[0]) as f64, (counts[1] - counted[1]) as f64];
+        counted = counts;
+        integral.advance(new, Interval::centred(heading, 0.0005), rate.abs() * 0.01, 0.01, &model);
+    }
+    ([x, y, heading], integral)
+}
+
+#[test]
+fn a_drive_that_drifts_sideways_stays_in_the_flow_sensors_box() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut widest_m = 0.0_f64;
+    for _ in 0..300 {
+        let steps = rng.random_range(20..100);
+        let (truth, integral) = drive(&mut rng, steps);
+        let motion = integral.motion(0.0, &model());
+        assert!(motion.contains(&truth), "{truth:?} is not in {motion:?}");
+        widest_m = widest_m.max(motion.width(0)).max(motion.width(1));
+    }
+    assert!(widest_m < 0.01, "a second of driving is {widest_m} m wide");
+}
+
+#[test]
+fn the_lever_arm_is_no_travel_when_the_robot_spins_on_the_spot() {
+    let flow = FlowModel { yaw_rad: Interval::ZERO, ..model() };
+    let mut integral = FlowIntegral::new();
+    // A turn of 1 rad in 100 steps: the sensor 0.06 m behind and 0.03 m left of the axle travels −0.03 m and −0.06 m in its own frame.
+    for step in 1..=100_i64 {
+        let counts = [-600 * step / 100 + 600 * (step - 1) / 100, -1200 * step / 100 + 1200 * (step - 1) / 100];
+        integral.advance(counts.map(|count| count as f64), Interval::point(0.01 * step as f64), 0.01, 0.01, &flow);
+    }
+    let motion = integral.motion(0.0, &flow);
+    assert!(motion.contains(&[0.0, 0.0, 1.0]), "{motion:?}");
+    assert!(motion.width(0) < 0.005 && motion.width(1) < 0.005, "{motion:?}");
+}
+
+#[test]
+fn wheels_that_spin_on_the_spot_are_dropped_by_a_certificate() {
+    let box_of =
+        |forward: f64| Motion::from([Interval::centred(forward, 0.002), Interval::centred(0.0, 0.002), Interval::ZERO]);
+    let (rolled, seen) = (box_of(0.100), box_of(0.090));
+    assert_eq!(agree(&rolled, Some(&seen)), Agreement::SlipCertified(seen));
+    let Agreement::Both(both) = agree(&rolled, Some(&box_of(0.099))) else { panic!("no slip is certain here") };
+    assert!(both[0].is_subset_of(Interval::new(0.0979, 0.1011)));
+    assert_eq!(agree(&rolled, None), Agreement::Both(rolled));
+}
+
+fn gyro() -> GyroModel {
+    GyroModel {
+        bias_rad_per_s: Interval::centred(0.0, 0.01),
+        scale: Interval::centred(1.0, 0.002),
+        noise_rad_per_s: 0.0005,
+        period_s: 0.01,
+    }
+}
+
+#[test]
+fn the_bias_shrinks_at_rest_and_between_two_headings() {
+    let (bias, scale) = (0.0042, 1.0019);
+    for rate in [0.0, 0.3] {
+        let mut history = GyroHistory::new(gyro(), 60.0);
+        for step in 1..=1000 {
+            let noise = 0.00049 * if step % 3 == 0 { 1.0 } else { -1.0 };
+            history.push(0.01 * f64::from(step), scale * rate + bias + noise);
+        }
+        // A heading fix at either end tells the turn to 0.004 rad.
+        let known = history.bias(0.0, 10.0, Interval::centred(10.0 * rate, 0.002), 1.0).unwrap();
+        assert!(known.contains(bias), "{known:?} at {rate} rad/s");
+        // Noise 0.0005, the turn 0.0002, and scale 0.002·rate, each way.
+        let expected = 2.0 * (0.0005 + 0.0002 * 1.002 + 0.002 * rate);
+        assert!((known.width() - expected).abs() < 1e-5, "{} wide, expected {expected}", known.width());
+    }
+}
+
+#[test]
+fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
+    let mut bias = GyroBias::new(Interval::centred(0.0, 0.01), 1e-5);
+    assert_eq!(bias.contract(0.0, 10.0, Interval::new(0.002, 0.006)), Outcome::Feasible);
+    assert_eq!(bias.contract(10.0, 20.0, Interval::new(0.004, 0.005)), Outcome::Feasible);
+    assert!(bias.at(20.0).is_subset_of(Interval::new(0.0039 - 1e-9, 0.0051 + 1e-9)));
+    // It wanders: 1e-5 rad/s² for 100 s.
+    assert!(bias.at(120.0).contains(0.0029) && !bias.at(120.0).contains(0.0028));
+    assert!(matches!(bias.contract(20.0, 21.0, Interval::new(-0.009, -0.008)), Outcome::Empty(_)));
+    bias.forget_since(15.0);
+    assert!(bias.at(20.0).contains(0.0020) && bias.at(20.0).contains(0.0060));
+    bias.forget_since(5.0);
+    assert_eq!(bias.at(20.0), Interval::centred(0.0, 0.01));
+}
+
+/// Wheels that no test of the flow sensor reads, but whose track tells how fast turn rates change.
+fn wheels() -> WheelModel {
+    WheelModel {
+        radius_m: [Interval::point(0.035); 2],
+        track_m: Interval::point(0.23),
+        ticks_per_turn: 720.0,
+        slip_ratio: 0.0,
+        slip_floor_m: 0.0,
+        side_slip_ratio: 0.0,
+        side_slip_floor_m: 0.0,
+        slip_window_s: 0.2,
+    }
+}
+
+#[test]
+fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_order() {
+    let (mut rng, model, reach) = (
+        ChaCha8Rng::seed_from_u64(4),
+        model(),
+        Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 1.0, acceleration_m_per_s2: 1.0 },
+    );
+    let (mut widest_m, mut answered) = (0.0_f64, 0);
+    for _ in 0..40 {
+        // Speeds that swing within the reach, a millisecond at a time; the sensor is at the corners of its mount.
+        let [ahead, aside, about] =
+            [0.3, 0.02, 0.4].map(|size: f64| [size, rng.random_range(1.0..2.0), rng.random_range(0.0..6.0)]);
+        let swing = |[size, rate, phase]: [f64; 3], time_s: f64| size * (rate * time_s + phase).sin();
+        let (mut pose, mut seen, mut poses) = ([0.0_f64; 3], [0.3_f64, 0.7], vec![[0.0; 3]]);
+        let mut readings = vec![(0.0, [0, 0])];
+        for step in 0..1000 {
+            let time_s = (f64::from(step) + 0.5) * 0.001;
+            let (forward, left, rate) = (swing(ahead, time_s), swing(aside, time_s), swing(about, time_s));
+            let middle = pose[2] + rate * 0.0005;
+            pose[0] += (forward * middle.cos() - left * middle.sin()) * 0.001;
+            pose[1] += (forward * middle.sin() + left * middle.cos()) * 0.001;
+            pose[2] += rate * 0.001;
+            let per_step = [(forward - rate * 0.0304) * 0.001, (left - rate * 0.0604) * 0.001];
+            (0..2).for_each(|axis| seen[axis] += per_step[axis] * COUNTS_PER_M * 1.002);
+            poses.push(pose);
+            if (step + 1) % 10 == 0 {
+                readings.push((f64::from(step + 1) * 0.001, seen.map(|counts| counts.floor() as i64)));
+            }
+        }
+        // One in ten is lost; the others come in any order.
+        readings.retain(|_| rng.random_range(0..10) > 0);
+        (1..readings.len()).for_each(|idx| readings.swap(idx, rng.random_range(idx.saturating_sub(3)..=idx)));
+        let mut history = FlowHistory::new(model, 10.0);
+        readings.iter().for_each(|(time_s, counts)| history.push(*time_s, *counts, 0));
+        let at = |time_s: f64| poses[(time_s * 1000.0).round() as usize];
+        let turn = |from_s: f64, to_s: f64| Some(Interval::centred(at(to_s)[2] - at(from_s)[2], 1e-4));
+        for _ in 0..100 {
+            let from = rng.random_range(0..900);
+            let to = rng.random_range(from + 1..=1000.min(from + 400));
+            let (from_s, to_s) = (f64::from(from) * 0.001, f64::from(to) * 0.001);
+            let Some(motion) = history.motion([from_s, to_s], &turn, &wheels(), &reach) else { continue };
+            let (start, end) = (at(from_s), at(to_s));
+            let (dx, dy, (sin, cos)) = (end[0] - start[0], end[1] - start[1], start[2].sin_cos());
+            let truth = [cos * dx + sin * dy, cos * dy - sin * dx, end[2] - start[2]];
+            assert!(motion.contains(&truth), "{truth:?} is not in {motion:?} from {from_s} to {to_s}");
+            widest_m = widest_m.max(motion.width(0));
+            answered += 1;
+        }
+    }
+    // Two counts, some interpolation, 0.6 % of up to 0.12 m and 0.003 rad of mount: a few millimetres.
+    assert!(answered > 3000 && widest_m < 0.006, "{answered} answers, up to {widest_m} m wide");
+}
+
+#[test]
+fn a_blind_period_leaves_no_motion_across_it() {
+    let reach = Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 1.0, acceleration_m_per_s2: 1.0 };
+    let mut history = FlowHistory::new(model(), 10.0);
+    (0..=20).for_each(|step| history.push(0.01 * f64::from(step), [0, 0], u64::from(step > 10)));
+    let turn = |_: f64, _: f64| Some(Interval::ZERO);
+    let told = |from_s: f64, to_s: f64| history.motion([from_s, to_s], &turn, &wheels(), &reach).is_some();
+    assert!(told(0.0, 0.1) && told(0.11, 0.2) && !told(0.05, 0.15) && !told(0.104, 0.108));
+    // Neither before nor after what was told.
+    assert!(!told(-0.01, 0.1) && !told(0.15, 0.21));
+}

@@ -1,0 +1,257 @@
+//! Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
+
+use localizer::{Pose, Reading};
+use sim::{
+    check::check,
+    drawn::{Drawn, DrawnFlow},
+    run::{RunOptions, run},
+    scene::Scene,
+    sensors::{Sensors, flow::FlowSensor, gyro::GyroSensor},
+    truth::Truth,
+};
+
+use crate::world_setup::scene;
+
+/// Rates that a gyroscope at rest reads, one per period, with its drawn bias taken off.
+fn rates_at_rest(gyro: serde_json::Value, seed: u64, n: usize) -> Vec<f64> {
+    let period_s = gyro["period_s"].as_f64().unwrap();
+    let scene = scene(serde_json::json!({ "robot": { "gyro": gyro } }));
+    let drawn = Drawn::draw(&scene, seed);
+    let mut sensor = GyroSensor::new(&scene, seed, &drawn).unwrap();
+    let bias_rad_per_s = drawn.gyro.unwrap().bias_rad_per_s;
+    let mut rates = Vec::with_capacity(n);
+    for step in 0..=n {
+        let truth = Truth { time_s: step as f64 * period_s, ..Truth::default() };
+        if let Some(Reading::Gyro { rate_rad_per_s, .. }) = sensor.observe(&truth).map(|observed| observed.reading) {
+            rates.push(rate_rad_per_s - bias_rad_per_s);
+        }
+    }
+    rates
+}
+
+/// Overlapping Allan variance of rates over clusters of m readings (IEEE Std 952, eq. C.4).
+fn allan_variance(rates: &[f64], m: usize) -> f64 {
+    let mut sums = vec![0.0];
+    rates.iter().for_each(|rate| sums.push(sums[sums.len() - 1] + rate));
+    let mean = |from: usize| (sums[from + m] - sums[from]) / m as f64;
+    let n_pairs = rates.len() - 2 * m + 1;
+    (0..n_pairs).map(|from| (mean(from + m) - mean(from)).powi(2)).sum::<f64>() / (2 * n_pairs) as f64
+}
+
+/// Allan deviation over clusters of m readings, from the mean variance of 20 records of two hours.
+fn deviation_of_20(gyro: &serde_json::Value, m: usize) -> f64 {
+    let n = (7200.0 / gyro["period_s"].as_f64().unwrap()).round() as usize;
+    let variances = (0..20).map(|seed| allan_variance(&rates_at_rest(gyro.clone(), seed, n), m));
+    (variances.sum::<f64>() / 20.0).sqrt()
+}
+
+#[test]
+fn angle_random_walk_falls_with_the_root_of_time() {
+    let gyro = serde_json::json!({
+        "angle_random_walk_deg_per_sqrt_h": 0.3, "noise_deg_per_s": 0.5, "scale_tolerance": 0.0, "period_s": 0.02,
+    });
+    let rates = rates_at_rest(gyro, 1, 360_000);
+    for m in [10, 50, 500] {
+        let expected = 0.3_f64.to_radians() / 60.0 / (0.02 * m as f64).sqrt();
+        let share = allan_variance(&rates, m).sqrt() / expected;
+        assert!((share - 1.0).abs() < 0.05, "{share} of the closed form at {} s", 0.02 * m as f64);
+    }
+}
+
+#[test]
+fn bias_instability_is_a_plateau_and_rate_random_walk_rises() {
+    let wide = |instability: f64, walk: f64| {
+        serde_json::json!({
+            "bias_instability_deg_per_h": instability, "rate_random_walk_deg_per_h_per_sqrt_h": walk, "noise_deg_per_s": 0.0,
+            "bias_wander_deg_per_s2": 1.0, "bias_tolerance_deg_per_s": 1.0, "scale_tolerance": 0.0, "period_s": 1.0,
+        })
+    };
+    let per_hour_rad_per_s = 1.0_f64.to_radians() / 3600.0;
+    for m in [30, 100, 300] {
+        // σ = B·√(2·ln 2/π), IEEE Std 952 eq. (C.12).
+        let share = deviation_of_20(&wide(10.0, 0.0), m) / (10.0 * per_hour_rad_per_s * 0.664);
+        assert!((share - 1.0).abs() < 0.1, "{share} of the plateau at {m} s");
+        // σ = K·√(τ/3), eq. (C.15).
+        let expected = 20.0 * per_hour_rad_per_s * (m as f64 / 3600.0 / 3.0).sqrt();
+        let share = deviation_of_20(&wide(0.0, 20.0), m) / expected;
+        assert!((share - 1.0).abs() < 0.15, "{share} of the random walk at {m} s");
+    }
+}
+
+#[test]
+fn a_wandering_bias_keeps_both_of_its_bounds() {
+    let gyro = serde_json::json!({
+        "bias_instability_deg_per_h": 40.0, "rate_random_walk_deg_per_h_per_sqrt_h": 400.0, "noise_deg_per_s": 0.0,
+        "bias_wander_deg_per_s2": 0.004, "bias_tolerance_deg_per_s": 0.05, "scale_tolerance": 0.0, "period_s": 0.5,
+    });
+    let (mut steepest, mut farthest) = (0.0_f64, 0.0_f64);
+    for seed in 0..5 {
+        let drawn = Drawn::draw(&scene(serde_json::json!({ "robot": { "gyro": gyro.clone() } })), seed);
+        let bias = drawn.gyro.unwrap().bias_rad_per_s;
+        let rates: Vec<f64> = rates_at_rest(gyro.clone(), seed, 14_400).into_iter().map(|rate| rate + bias).collect();
+        let farther = rates.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+        let steeper = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.5).fold(0.0, f64::max);
+        (farthest, steepest) = (farthest.max(farther.to_degrees()), steepest.max(steeper.to_degrees()));
+    }
+    // Both bounds are reached, and neither is passed.
+    assert!(
+        (0.0499..=0.05 + 1e-12).contains(&farthest) && (0.00399..=0.004 + 1e-12).contains(&steepest),
+        "{farthest} {steepest}"
+    );
+}
+
+fn flow_scene(more: serde_json::Value) -> Scene {
+    let mut keys = serde_json::json!({ "robot": { "flow": { "forward_m": -0.06, "left_m": 0.02 } } });
+    for (key, value) in more.as_object().unwrap() {
+        keys[key] = value.clone();
+    }
+    scene(keys)
+}
+
+/// Counts and blind periods of an exactly mounted sensor that is led along poses, a millisecond apart.
+fn counted(scene: &Scene, led: impl Fn(f64) -> Truth, lasts_s: f64) -> ([i64; 2], u64) {
+    let mut drawn = Drawn::draw(scene, 0);
+    drawn.flow = Some(DrawnFlow { position_m: [-0.06, 0.02], yaw_rad: 0.0, scale: 1.0 });
+    let mut sensor = FlowSensor::new(scene, 0, &drawn).unwrap();
+    let mut latest = ([0; 2], 0);
+    for step in 0..=(lasts_s * 1000.0).round() as usize {
+        let time_s = step as f64 * 0.001;
+        let observed = sensor.observe(&Truth { time_s, ..led(time_s) });
+        if let Some(Reading::Flow { counts, blind_periods, .. }) = observed.map(|observed| observed.reading) {
+            latest = (counts, blind_periods);
+        }
+    }
+    latest
+}
+
+fn at(x_m: f64, y_m: f64, heading_rad: f64) -> Truth {
+    Truth { pose: Pose { x_m, y_m, heading_rad }, ..Truth::default() }
+}
+
+fn assert_counts(counts: [i64; 2], travel_m: [f64; 2], scale: f64) {
+    for axis in 0..2 {
+        let expected = travel_m[axis] * scale * 20_000.0;
+        assert!((counts[axis] as f64 - expected).abs() <= 1.0, "{counts:?}, expected {expected} along axis {axis}");
+    }
+}
+
+#[test]
+fn the_flow_sensor_counts_its_own_way_in_its_own_frame() {
+    let scene = flow_scene(serde_json::json!({}));
+    // Pushed while it faces 30°: 1 m along world x is 0.866 m forward and 0.5 m to the right.
+    let (counts, blind) = counted(&scene, |time_s| at(1.0 + 0.2 * time_s, 3.0, std::f64::consts::FRAC_PI_6), 5.0);
+    assert_counts(counts, [0.75_f64.sqrt(), -0.5], 1.0);
+    assert_eq!(blind, 0);
+    // Turned on the spot by 2 rad it goes round its lever arm: −2·0.02 m forward, −2·0.06 m to the left.
+    let (counts, _) = counted(&scene, |time_s| at(4.0, 3.0, 0.5 * time_s), 4.0);
+    assert_counts(counts, [-0.04, -0.12], 1.0);
+}
+
+#[test]
+fn pile_changes_an_afocal_sensor_by_a_tenth_of_a_percent_per_millimetre_and_a_fixed_one_by_fifteen() {
+    for (optics, per_mm) in [("afocal", 0.001), ("fixed_focus", 0.147)] {
+        let pile = |pile_height_m: f64| {
+            let region = serde_json::json!({
+                "name": "carpet", "x_m": [0.0, 8.0], "y_m": [0.0, 6.0], "friction": 0.8, "pile_height_m": pile_height_m,
+            });
+            let robot = serde_json::json!({ "flow": { "optics": optics, "left_m": 0.02 } });
+            let scene = flow_scene(serde_json::json!({ "robot": robot, "floor": { "region": [region] } }));
+            counted(&scene, |time_s| at(1.0 + 0.25 * time_s, 3.0, 0.0), 4.0).0
+        };
+        assert_counts(pile(0.0), [1.0, 0.0], 1.0);
+        assert_counts(pile(0.002), [1.0, 0.0], 1.0 + 2.0 * per_mm);
+    }
+    // A body that rises takes the sensor away from the floor.
+    let risen = |time_s: f64| Truth { heave_m: 0.003, ..at(1.0 + 0.25 * time_s, 3.0, 0.0) };
+    assert_counts(counted(&flow_scene(serde_json::json!({})), risen, 4.0).0, [1.0, 0.0], 0.997);
+}
+
+#[test]
+fn a_flow_sensor_tells_of_the_periods_in_which_it_followed_nothing() {
+    let drive = |time_s: f64| at(1.0 + 0.25 * time_s, 3.0, 0.0);
+    let event = serde_json::json!({ "kind": "flow_blind", "at_s": 1.0, "lasts_s": 2.0 });
+    let (counts, blind) = counted(&flow_scene(serde_json::json!({ "event": [event] })), drive, 4.0);
+    assert_eq!(blind, 200);
+    assert_counts(counts, [0.5, 0.0], 1.0);
+    // Too fast, and too far above the floor.
+    let fast = |time_s: f64| at(1.0 + 1.2 * time_s, 3.0, 0.0);
+    assert_eq!(counted(&flow_scene(serde_json::json!({})), fast, 1.0).1, 100);
+    let lifted = |time_s: f64| Truth { heave_m: 0.02, ..drive(time_s) };
+    assert_eq!(counted(&flow_scene(serde_json::json!({})), lifted, 1.0), ([0, 0], 100));
+    // Glossy ground from x = 2 m on: 60 s there, 0.3 of 6000 periods with a standard deviation of 0.006.
+    let wet = serde_json::json!({
+        "name": "wet", "x_m": [2.0, 8.0], "y_m": [0.0, 6.0], "friction": 0.4, "flow_dropout": 0.3,
+    });
+    let scene = flow_scene(serde_json::json!({ "floor": { "region": [wet] } }));
+    assert_eq!(counted(&scene, |time_s| at(1.06 + 0.01 * time_s, 3.0, 0.0), 60.0).1, 0);
+    let share = counted(&scene, |time_s| at(2.06 + 0.01 * time_s, 3.0, 0.0), 60.0).1 as f64 / 6000.0;
+    assert!((share - 0.3).abs() < 0.025, "{share}");
+}
+
+/// Stamps and arrivals of the wheels' readings of a standing robot.
+fn deliveries(delivery: serde_json::Value, lasts_s: f64) -> Vec<[f64; 2]> {
+    let scene = scene(serde_json::json!({ "robot": { "delivery": delivery, "floor_camera": false } }));
+    let mut sensors = Sensors::new(&scene, 7, &Drawn::draw(&scene, 7), None);
+    let mut wheels = Vec::new();
+    for step in 0..(lasts_s * 1000.0) as usize {
+        let truth = Truth { time_s: step as f64 * 0.001, ..at(1.5, 3.0, 0.0) };
+        for observed in sensors.observe(&truth, &[], None).unwrap() {
+            if let Reading::Wheels { measured_s, arrived_s, .. } = observed.reading {
+                assert!(
+                    truth.time_s >= arrived_s && truth.time_s < arrived_s + 0.001 + 1e-9,
+                    "handed on at another time"
+                );
+                wheels.push([measured_s, arrived_s]);
+            }
+        }
+    }
+    wheels
+}
+
+#[test]
+fn readings_come_late_or_twice_or_never_as_often_as_stated() {
+    let at_once = deliveries(serde_json::json!({}), 10.0);
+    assert!(at_once.len() == 1000 && at_once.iter().all(|[measured_s, arrived_s]| measured_s == arrived_s));
+    let keys = serde_json::json!({ "late_s": 0.02, "dropped_share": 0.1, "duplicated_share": 0.2 });
+    let sent = deliveries(keys, 100.0);
+    assert!(sent.iter().all(|[measured_s, arrived_s]| (0.0..=0.02).contains(&(arrived_s - measured_s))));
+    assert!(sent.windows(2).any(|pair| pair[1][0] < pair[0][0]), "none overtook another");
+    let mut stamps: Vec<f64> = sent.iter().map(|[measured_s, _]| *measured_s).collect();
+    stamps.sort_by(f64::total_cmp);
+    stamps.dedup();
+    // Of 10 000 a tenth is lost, with a standard deviation of 0.003, and a fifth of the rest comes twice.
+    let (lost, twice) = (1.0 - stamps.len() as f64 / 10_000.0, sent.len() as f64 / stamps.len() as f64 - 1.0);
+    assert!((lost - 0.1).abs() < 0.012 && (twice - 0.2).abs() < 0.017, "{lost} lost, {twice} twice");
+}
+
+/// A blind vacuum robot that drives lanes for 40 s.
+fn lanes(delivery: serde_json::Value) -> Scene {
+    let corner = |x_m: f64, y_m: f64| serde_json::json!({ "x_m": x_m, "y_m": y_m, "speed_m_per_s": 0.25 });
+    scene(serde_json::json!({
+        "duration_s": 40.0,
+        "robot": { "preset": "vacuum", "delivery": delivery },
+        "route": { "waypoint": [corner(4.0, 3.0), corner(4.0, 4.0), corner(1.5, 4.0), corner(1.5, 3.0)], "repeat": true },
+        "localizer": { "methods": [] },
+        "bounds": { "body_tilt_deg": 1.0, "body_heave_m": 0.001, "side_slip_ratio": 0.01, "slip_ratio": 0.01 },
+    }))
+}
+
+#[test]
+fn late_lost_and_doubled_readings_leave_the_truth_in_the_box() {
+    let width_m = |delivery: serde_json::Value| {
+        let scene = lanes(delivery);
+        let mut widest_m = 0.0_f64;
+        for seed in 0..3 {
+            let record = run(&scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+            let verdict = check(&scene, &record);
+            let counts = &verdict.containment;
+            assert_eq!(counts.contained, counts.checks, "seed {seed}: {:?} {:?}", counts, verdict.violations);
+            let hull = record.estimates.last().unwrap().pose.hull();
+            widest_m = widest_m.max(hull.width(0)).max(hull.width(1));
+        }
+        widest_m
+    };
+    let at_once_m = width_m(serde_json::json!({}));
+    let troubled_m = width_m(serde_json::json!({ "late_s": 0.015, "dropped_share": 0.05, "duplicated_share": 0.1 }));
+    assert!(troubled_m < 3.0 * at_once_m, "{troubled_m} m, {at_once_m} m when nothing is lost");
+}
