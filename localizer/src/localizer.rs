@@ -1,6 +1,7 @@
 //! The ring of stamped pose unions: predict, hang, contract, account.
 
 mod account;
+mod bias;
 mod doubt;
 mod ring;
 
@@ -8,10 +9,11 @@ use crate::{
     Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
     method::Assumption,
-    motion::{Motion, WheelHistory, WheelIntegral, moved_union},
+    motion::{Motion, WheelHistory, WheelIntegral, greatest_change_rad_per_s2, moved_union},
 };
 
 pub use account::Account;
+use bias::BiasLearner;
 use doubt::Doubt;
 use ring::{Ring, Slot};
 
@@ -62,6 +64,8 @@ pub struct Localizer {
     /// When methods unlearnt last, and how far back.
     unlearnt: (f64, f64),
     relies_on: Vec<Assumption>,
+    /// How fast the gyroscope's bias may change where it is learnt, and what is known of it.
+    bias: Option<(f64, BiasLearner)>,
 }
 
 impl Localizer {
@@ -79,14 +83,30 @@ impl Localizer {
             now_s: 0.0,
             doubt: None,
             unlearnt: (0.0, 0.0),
+            bias: None,
         };
         localizer.begin_at(start);
         localizer
     }
 
+    /// The same, learning the gyroscope's bias, which changes by at most `wander_rad_per_s2` times the time that passes.
+    pub fn learning_gyro_bias(mut self, wander_rad_per_s2: f64) -> Self {
+        self.bias = self.robot.gyro.map(|model| (wander_rad_per_s2, BiasLearner::new(model, wander_rad_per_s2)));
+        self
+    }
+
+    /// The gyroscope's bias as known now: as declared unless it is learnt; `None` without a gyroscope.
+    pub fn gyro_bias_rad_per_s(&self) -> Option<Interval> {
+        let declared = self.robot.gyro?.bias_rad_per_s;
+        Some(self.bias.as_ref().map_or(declared, |(_, learner)| learner.at(self.now_s)))
+    }
+
     /// The robot was put within `start` and the clock set back to 0: nothing carries over but what the methods have learnt.
     pub fn restart(&mut self, start: PoseBox) {
         self.wheels = motion_history(&self.robot);
+        if let (Some((wander, learner)), Some(model)) = (&mut self.bias, self.robot.gyro) {
+            *learner = BiasLearner::new(model, *wander);
+        }
         self.ring = Ring::new(REMEMBER_S);
         self.integral = None;
         self.now_s = 0.0;
@@ -111,6 +131,9 @@ impl Localizer {
             }
             Reading::Gyro { measured_s, rate_rad_per_s, .. } => {
                 self.wheels.push_rate(*measured_s, *rate_rad_per_s);
+                if let Some((_, learner)) = &mut self.bias {
+                    learner.read(*measured_s, *rate_rad_per_s);
+                }
                 Vec::new()
             }
             Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
@@ -190,9 +213,21 @@ impl Localizer {
                     .learn(&account.posterior, &|from_s, to_s| motion_between(wheels, robot, false, [from_s, to_s]));
             }
             account.landmarks = self.methods[idx].landmarks();
+            self.learn_bias(stamp_s, account.posterior.hull()[2]);
             accounts.push(account);
         }
         accounts
+    }
+
+    /// Learns the gyroscope's bias from a heading just fixed, unless an assumption is doubted.
+    fn learn_bias(&mut self, stamp_s: f64, heading: Interval) {
+        let change_rad_per_s2 = greatest_change_rad_per_s2(&self.robot.wheels, &self.robot.reach);
+        let Some((wander_rad_per_s2, learner)) = &mut self.bias else { return };
+        if self.doubt.is_none() && !heading.is_empty() {
+            learner.learn(stamp_s, heading, change_rad_per_s2);
+            // The memory of motion goes back so far.
+            self.wheels.learn_bias(learner.at(self.now_s).inflate(*wander_rad_per_s2 * REMEMBER_S));
+        }
     }
 
     /// What is known of the pose at a past stamp; `None` when it lies outside of the memory or after the last wheel reading.

@@ -18,7 +18,7 @@ use crate::{
 };
 
 pub use flow::{Agreement, FlowIntegral, agree};
-pub use gyro::GyroHistory;
+pub use gyro::{GyroHistory, greatest_change_rad_per_s2};
 pub use gyro_bias::GyroBias;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
@@ -60,6 +60,13 @@ impl WheelHistory {
     pub fn push_rate(&mut self, time_s: f64, rate_rad_per_s: f64) {
         if let Some(gyro) = &mut self.gyro {
             gyro.push(time_s, rate_rad_per_s);
+        }
+    }
+
+    /// Takes over a bias of the gyroscope that is known better than declared.
+    pub fn learn_bias(&mut self, bias_rad_per_s: Interval) {
+        if let Some(gyro) = &mut self.gyro {
+            gyro.learn_bias(bias_rad_per_s);
         }
     }
 

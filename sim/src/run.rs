@@ -157,7 +157,11 @@ fn look(
 
 /// The localizer that the scene asks for, told what the scene tells it.
 pub(crate) fn localizer(scene: &Scene) -> Localizer {
-    Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
+    let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    match scene.localizer.gyro_bias_wander_deg_per_s2 {
+        Some(wander_deg_per_s2) => localizer.learning_gyro_bias(wander_deg_per_s2.to_radians()),
+        None => localizer,
+    }
 }
 
 /// The methods that the scene asks for; a new method is one line here.
@@ -186,6 +190,7 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
             WallDirectionsChain::PaperByTiles => wall_directions::Chain::PaperByTiles,
         },
         learns: setup.learns,
+        decides: scene.localizer.methods == [MethodName::WallDirections],
     };
     let build = |name: &MethodName| -> Option<Box<dyn Method>> {
         match name {

@@ -112,7 +112,7 @@ fn the_bias_shrinks_at_rest_and_between_two_headings() {
             history.push(0.01 * f64::from(step), scale * rate + bias + noise);
         }
         // A heading fix at either end tells the turn to 0.004 rad.
-        let known = history.bias(0.0, 10.0, Interval::centred(10.0 * rate, 0.002)).unwrap();
+        let known = history.bias(0.0, 10.0, Interval::centred(10.0 * rate, 0.002), 1.0).unwrap();
         assert!(known.contains(bias), "{known:?} at {rate} rad/s");
         // Noise 0.0005, the turn 0.0002, and scale 0.002·rate, each way.
         let expected = 2.0 * (0.0005 + 0.0002 * 1.002 + 0.002 * rate);

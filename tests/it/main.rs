@@ -42,6 +42,7 @@ mod wall_directions_geometry;
 mod dark_vision;
 /// The flow sensor's enclosure against motion integrated much finer; the gyroscope's bias.
 mod flow_enclosure;
+mod gyro_bias_learning;
 /// Paper 2's slip decision, direction database and pose graph.
 mod dark_baselines;
 /// Ceiling markers to poses, against a camera and a ceiling of the tests' own.

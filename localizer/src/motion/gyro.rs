@@ -49,7 +49,11 @@ impl GyroHistory {
     /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. Time that no reading covers is
     /// turned at the rate of the reading beside it, give or take what that can have changed by since.
     pub fn turn(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
-        let period_s = self.model.period_s;
+        self.turn_by(&self.model, [from_s, to_s], change_rad_per_s2)
+    }
+
+    fn turn_by(&self, model: &GyroModel, [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Option<Interval> {
+        let period_s = model.period_s;
         let bend_rad = change_rad_per_s2 * period_s * period_s / 8.0;
         let mut covered = Covered::default();
         let mut beside = Interval::ZERO;
@@ -62,7 +66,7 @@ impl GyroHistory {
             if begin_s >= to_s - SAME_S {
                 break;
             }
-            beside += self.beside((end_s, rate), [done_s, begin_s], change_rad_per_s2);
+            beside += beside_period(model, (end_s, rate), [done_s, begin_s], change_rad_per_s2);
             let span_s = end_s.min(to_s) - begin_s.max(done_s);
             covered.add(rate, span_s);
             if span_s < period_s - SAME_S {
@@ -70,44 +74,39 @@ impl GyroHistory {
             }
             done_s = end_s.min(to_s);
         }
-        beside += self.beside(latest?, [done_s, to_s], change_rad_per_s2);
-        Some(covered.turn(&self.model) + beside)
+        beside += beside_period(model, latest?, [done_s, to_s], change_rad_per_s2);
+        Some(covered.turn(model) + beside)
     }
 
-    /// Mean bias over a span that the readings cover without a gap, when the robot has turned by `turn` in it; `None` otherwise.
+    /// Mean bias over a span in which the robot has turned by `turn`, while turn rates change by at most `change_rad_per_s2`; `None`
+    /// where no reading is near.
     ///
-    /// Σ r·T = scale·turn + bias·ΣT ± noise·ΣT.
-    pub fn bias(&self, from_s: f64, to_s: f64, turn: Interval) -> Option<Interval> {
-        let period_s = self.model.period_s;
-        let mut covered = Covered::default();
-        for &(end_s, rate) in &self.readings {
-            if end_s > from_s + SAME_S && end_s <= to_s + SAME_S {
-                covered.add(rate, period_s);
-            }
-        }
-        // A span that begins or ends within a period would leave part of that period's turn to guess.
-        if covered.lasted_s <= 0.0 || (covered.lasted_s - (to_s - from_s)).abs() > 0.01 * period_s {
-            return None;
-        }
-        let rounding_rad = 1e-12 * (covered.size_rad + covered.lasted_s);
-        let left = Interval::point(covered.turned_rad) - self.model.scale * turn;
-        Some(left.inflate(self.model.noise_rad_per_s * covered.lasted_s + rounding_rad) / covered.lasted_s)
+    /// ∫ r dt = scale·turn + bias·Δt ± noise·Δt.
+    pub fn bias(&self, from_s: f64, to_s: f64, turn: Interval, change_rad_per_s2: f64) -> Option<Interval> {
+        let as_read = GyroModel { bias_rad_per_s: Interval::ZERO, scale: Interval::point(1.0), ..self.model };
+        let read = self.turn_by(&as_read, [from_s, to_s], change_rad_per_s2 * self.model.scale.magnitude())?;
+        (to_s > from_s).then(|| (read - self.model.scale * turn) / (to_s - from_s))
     }
 
     /// Takes over a bias that is known better than declared.
     pub fn learn_bias(&mut self, bias_rad_per_s: Interval) {
         self.model.bias_rad_per_s = bias_rad_per_s;
     }
+}
 
-    /// Turn in a span beside the period of a reading: somewhere in the period the rate was the mean that was read, and from there it
-    /// changed for as long as from the farther end of the period to the farther end of the span.
-    fn beside(&self, (end_s, rate): (f64, f64), [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Interval {
-        if to_s - from_s <= SAME_S {
-            return Interval::ZERO;
-        }
-        let away_s = end_s.max(to_s) - from_s.min(end_s - self.model.period_s);
-        true_rate(rate, &self.model).inflate(change_rad_per_s2 * away_s) * (to_s - from_s)
+/// Turn in a span beside the period of a reading: somewhere in the period the rate was the mean that was read, and from there it
+/// changed for as long as from the farther end of the period to the farther end of the span.
+fn beside_period(
+    model: &GyroModel,
+    (end_s, rate): (f64, f64),
+    [from_s, to_s]: [f64; 2],
+    change_rad_per_s2: f64,
+) -> Interval {
+    if to_s - from_s <= SAME_S {
+        return Interval::ZERO;
     }
+    let away_s = end_s.max(to_s) - from_s.min(end_s - model.period_s);
+    true_rate(rate, model).inflate(change_rad_per_s2 * away_s) * (to_s - from_s)
 }
 
 /// Sums over the time that readings cover.
@@ -142,6 +141,6 @@ fn true_rate(rate: f64, model: &GyroModel) -> Interval {
 }
 
 /// Greatest change of the turn rate while each wheel accelerates by at most its bound: (a + a)/W.
-pub(super) fn greatest_change_rad_per_s2(wheels: &WheelModel, reach: &Reach) -> f64 {
+pub fn greatest_change_rad_per_s2(wheels: &WheelModel, reach: &Reach) -> f64 {
     2.0 * reach.acceleration_m_per_s2 / wheels.track_m.lo()
 }

@@ -33,6 +33,8 @@ impl GyroBias {
         if left.is_empty() {
             return Outcome::Empty("the turn known from elsewhere contradicts the gyroscope's bias");
         }
+        // One enclosure a stamp: what unlearns goes by stamps.
+        self.known.pop_if(|(stamp_s, _)| *stamp_s == to_s);
         self.known.push((to_s, left));
         Outcome::Feasible
     }
