@@ -9,6 +9,8 @@
 mod headings;
 mod sight;
 
+pub use sight::ray;
+
 use std::collections::VecDeque;
 
 use crate::{
@@ -34,8 +36,9 @@ pub const RELIES_ON: [Assumption; 8] = [
 pub const IMAGES: usize = 10;
 /// Of which as many may have more wrong edges than their q.
 pub const WRONG_IMAGES: usize = 2;
-/// Fewer edges say nothing: with two, one wrong cannot be told from one right.
-const FEWEST_LINES: usize = 3;
+/// Fewer edges say nothing. Two that agree to a degree or two hardly do so by chance, as clutter is left out and images of two that
+/// do not agree are too.
+const FEWEST_LINES: usize = 2;
 /// An edge that would turn the robot by more beyond what the prior allows is clutter: no claim is made of it.
 const CLUTTER_RAD: f64 = 0.1745;
 /// A new direction needs as many edges that agree.
@@ -50,6 +53,8 @@ pub struct Setup {
     pub chain: Chain,
     /// Whether the building may have directions that the map does not tell.
     pub learns: bool,
+    /// Whether images end a doubt, as when no other method tells more than they do.
+    pub decides: bool,
 }
 
 /// What finds level edges in an image.
@@ -69,6 +74,7 @@ pub enum Chain {
 pub struct WallDirections {
     camera: ForwardCameraModel,
     chain: Chain,
+    decides: bool,
     body_tilt_rad: f64,
     stamp_turn_rad: f64,
     directions: Vec<Direction>,
@@ -101,7 +107,7 @@ impl WallDirections {
     pub fn new(map: &Map, robot: &RobotModel, setup: Setup) -> Option<Self> {
         let directions_rad = &map.wall_directions_rad;
         let walls = Self::with(robot.forward_camera?, &robot.body, &robot.reach, directions_rad, setup.learns);
-        Some(WallDirections { chain: setup.chain, ..walls })
+        Some(WallDirections { chain: setup.chain, decides: setup.decides, ..walls })
     }
 
     /// The method for a camera, with the directions that the map tells; `learns` says whether the building may have more.
@@ -116,6 +122,7 @@ impl WallDirections {
         WallDirections {
             camera,
             chain: Chain::Direct,
+            decides: false,
             body_tilt_rad: body.tilt_rad,
             stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
             directions: directions_rad.iter().map(known).collect(),
@@ -156,6 +163,10 @@ impl WallDirections {
         let q_items = wrong_lines(seen.azimuths_rad.len());
         let alone =
             of_image(&seen.azimuths_rad, &directions_rad, about).into_iter().fold(Interval::EMPTY, Interval::hull);
+        if alone.is_empty() && !self.learns {
+            // Edges that agree on no heading near the prior's: more of them are wrong than declared, and it shows.
+            return None;
+        }
         if is_enough {
             self.seen.push_back(seen);
         }
@@ -173,7 +184,7 @@ impl WallDirections {
             relies_on: RELIES_ON.to_vec(),
             claims: used.iter().map(claim).collect(),
             q_items,
-            decides: false,
+            decides: self.decides,
             rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),
         })
@@ -265,7 +276,7 @@ fn segment_px(line: &EdgeLine) -> [f64; 4] {
 /// At most this many of an image's edges run along none of the directions: on rendered rooms with people and boxes at odd angles,
 /// 0 loses the heading in a fifth of the images with a fix.
 pub fn wrong_lines(lines: usize) -> usize {
-    (lines / 3).max(1)
+    lines / 3
 }
 
 /// Headings that all but q edges of an image allow.

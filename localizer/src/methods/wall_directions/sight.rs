@@ -7,7 +7,7 @@ use crate::{Interval, robot::ForwardCameraModel, vision::forward::EdgeLine};
 /// Steeper than this, a plane through camera and edge holds the vertical nearly as well: the edge may be a door post.
 const LEAST_SLOPE: f64 = 0.12;
 /// An edge whose direction is known no better says nothing.
-const WIDEST_RAD: f64 = 0.2;
+const WIDEST_RAD: f64 = 0.1;
 /// Rays that dip deeper meet the floor, whose texture, grazed, makes false level lines.
 const DEEPEST: f64 = -0.07;
 
@@ -96,7 +96,7 @@ pub(super) fn ideal(pixel: [f64; 2], camera: &ForwardCameraModel) -> Option<[f64
 }
 
 /// Direction in the camera's frame in which a pixel looks, by nominal values; straight ahead where the lens model folds back.
-pub(super) fn ray(pixel: [f64; 2], camera: &ForwardCameraModel) -> Vector3<f64> {
+pub fn ray(pixel: [f64; 2], camera: &ForwardCameraModel) -> Vector3<f64> {
     let [u, v] = ideal(pixel, camera).unwrap_or_default();
     Vector3::new(u, v, camera.focal_px.mid())
 }

@@ -15,8 +15,9 @@ const STEP_PX: f64 = 0.5;
 const SLICES: usize = 16;
 /// Standard deviation of the derivative of a Gaussian that is laid across.
 const ACROSS_PX: f64 = 1.2;
-/// What an edge departs from a straight line without any noise: pixels, lens map, rounded arrises.
-const SYSTEMATIC_PX: f64 = 0.3;
+/// What an edge departs from a straight line without any noise: pixels, lens map, rounded arrises. Of 254 edges with noise below
+/// 0.04 px in rendered rooms, 98 % were within 0.11 px.
+const SYSTEMATIC_PX: f64 = 0.12;
 /// Standard deviations of noise in a bound.
 const DEVIATIONS: f64 = 3.0;
 /// Wider bounds are of no use.
