@@ -1,6 +1,7 @@
 //! The closed loop: the one screen where everything meets.
 
 mod clearance;
+mod forward_baselines;
 mod history;
 mod marker_baselines;
 mod range_baselines;
@@ -33,6 +34,7 @@ use crate::{
 };
 
 pub use clearance::Clearance;
+pub use forward_baselines::ForwardBaselines;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use range_baselines::{Answers, RangeBaselines};
@@ -304,6 +306,9 @@ impl<'a> Recorder<'a> {
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
         if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, false) = (&reading, accounts.is_empty()) {
             self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
+        }
+        if let (Reading::Camera { camera: Camera::Forward, image, .. }, false) = (&reading, accounts.is_empty()) {
+            self.history.forward_baselines.observe(image, &self.map, &self.robot, truth.pose.heading_rad);
         }
         for account in accounts {
             if matches!(reading, Reading::Range { .. }) {

@@ -37,7 +37,14 @@ pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
     let widths_rad: f64 = fixes.iter().map(|(heading, _)| heading.width()).sum();
     let lines: usize = images.iter().map(|image| image.claims.len()).sum();
     let deg = |name: &str, value_rad: f64| (name.to_owned(), value_rad.to_degrees());
+    let paper = &record.forward_baselines;
+    let mut paper_off_rad = paper.errors_rad.clone();
+    let mut matches: Vec<f64> = paper.matches.iter().map(|&count| count as f64).collect();
     BTreeMap::from([
+        ("feature_matches_median".to_owned(), quantile(&mut matches, 0.5)),
+        ("vanishing_point_share".to_owned(), share(paper.errors_rad.len(), paper.n_asked)),
+        deg("vanishing_point_error_median_deg", quantile(&mut paper_off_rad, 0.5)),
+        deg("vanishing_point_error_p95_deg", quantile(&mut paper_off_rad, 0.95)),
         ("wall_images".to_owned(), images.len() as f64),
         ("wall_lines_per_image".to_owned(), lines as f64 / images.len() as f64),
         ("wall_fix_share".to_owned(), share(fixes.len(), images.len())),

@@ -4,7 +4,7 @@ use localizer::{Claim, Estimate, Interval, Pose, PoseUnion, Reading, reading::La
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth};
 
-use super::{Clearance, MarkerBaselines, RangeBaselines};
+use super::{Clearance, ForwardBaselines, MarkerBaselines, RangeBaselines};
 
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
@@ -35,6 +35,8 @@ pub struct RunRecord {
     pub range_baselines: RangeBaselines,
     /// What paper 5's pipeline made of the pictures of the ceiling.
     pub marker_baselines: MarkerBaselines,
+    /// What paper 2's chain and features made of the pictures ahead.
+    pub forward_baselines: ForwardBaselines,
     /// Greatest noise in a reading of the gyroscope.
     pub greatest_gyro_noise_rad_per_s: f64,
     /// Wall-clock time spent, by stage.
@@ -126,6 +128,7 @@ impl RunRecord {
             clearances: Vec::new(),
             range_baselines: RangeBaselines::default(),
             marker_baselines: MarkerBaselines::default(),
+            forward_baselines: ForwardBaselines::default(),
             greatest_gyro_noise_rad_per_s: 0.0,
             timing: Timing::default(),
             readings_digest: String::new(),
