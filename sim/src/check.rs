@@ -11,7 +11,7 @@ mod verdict;
 mod wall_directions;
 
 pub use bounds::violations;
-pub use claims::is_true;
+pub use claims::{is_true, wall_line_deg};
 pub use errands::{distance_to_way_m, true_distance_m};
 pub use verdict::{
     AxisError, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable, FirstFailure,

@@ -26,7 +26,7 @@ pub(super) fn false_claims(scene: &Scene, record: &RunRecord, image: &ImageRecor
 pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     match claim {
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
-        Claim::WallLine { ends_px, bound_px } => wall_line(*ends_px, *bound_px, scene, drawn, truth),
+        Claim::WallLine { ends_px, bound_px } => wall_line_deg(*ends_px, *bound_px, scene, drawn, truth).is_some(),
         Claim::Marker { marker, dots_px } => markers::is_marker(*marker, dots_px, scene, drawn, truth),
         Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
     }
@@ -54,12 +54,18 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     near.values().any(|&count| count >= needed)
 }
 
-/// A level line along a wall of some room, parallel to it or across, passes within the bound of both ends.
+/// Direction from world x of a level line, parallel to a wall of some room or across it, that passes within the bound of both ends.
 ///
 /// Lines through both ends' spans have plane normals that are bilinear in the two offsets, so that one of them is at right angles to
 /// a direction exactly when the corners are not all on one side of it.
-fn wall_line(ends_px: [[f64; 2]; 2], bound_px: f64, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
-    let (Some(camera), Some(mount)) = (&scene.robot.forward_camera, &drawn.forward_camera) else { return false };
+pub fn wall_line_deg(
+    ends_px: [[f64; 2]; 2],
+    bound_px: f64,
+    scene: &Scene,
+    drawn: &Drawn,
+    truth: &Truth,
+) -> Option<f64> {
+    let (camera, mount) = (scene.robot.forward_camera.as_ref()?, drawn.forward_camera.as_ref()?);
     let lens = Lens::forward(camera, mount);
     let camera_in_world = world_from_camera(truth, mount).rotation;
     let [[u0, v0], [u1, v1]] = ends_px;
@@ -73,15 +79,14 @@ fn wall_line(ends_px: [[f64; 2]; 2], bound_px: f64, scene: &Scene, drawn: &Drawn
         .into_iter()
         .map(|(first, last)| Some(ray(ends_px[0], first)?.cross(&ray(ends_px[1], last)?)))
         .collect();
-    let Some(corners) = corners else { return false };
-    scene.true_wall_directions_deg().into_iter().flat_map(|heading_deg| [heading_deg, heading_deg + 90.0]).any(
-        |heading_deg| {
-            let (sin, cos) = heading_deg.to_radians().sin_cos();
-            let wall = Vector3::new(cos, sin, 0.0);
-            let sides: Vec<bool> = corners.iter().map(|normal| normal.dot(&wall) > 0.0).collect();
-            sides.iter().any(|side| *side) && !sides.iter().all(|side| *side)
-        },
-    )
+    let corners = corners?;
+    let along_or_across = |heading_deg| [heading_deg, heading_deg + 90.0];
+    scene.true_wall_directions_deg().into_iter().flat_map(along_or_across).find(|heading_deg| {
+        let (sin, cos) = heading_deg.to_radians().sin_cos();
+        let wall = Vector3::new(cos, sin, 0.0);
+        let sides: Vec<bool> = corners.iter().map(|normal| normal.dot(&wall) > 0.0).collect();
+        sides.iter().any(|side| *side) && !sides.iter().all(|side| *side)
+    })
 }
 
 /// The landmark that is meant lies in the box, as seen from the robot's true pose.

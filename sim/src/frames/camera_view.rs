@@ -7,7 +7,7 @@ use image::{
 use localizer::{Claim, markers::GridPlace};
 
 use crate::{
-    check::is_true,
+    check::{is_true, wall_line_deg},
     run::{ImageRecord, RunRecord},
     scene::Scene,
 };
@@ -76,8 +76,9 @@ pub(super) fn draw(
                 if is_true(claim, scene, &record.drawn, &image.truth) { palette::SEEN } else { palette::FALSE };
             match claim {
                 Claim::FloorJoint { points_px, .. } => joint(canvas, points_px, place, colour),
-                Claim::WallLine { ends_px: [[u0, v0], [u1, v1]], .. } => {
-                    canvas.line(place(*u0, *v0), place(*u1, *v1), 2.5, colour);
+                Claim::WallLine { ends_px, bound_px } => {
+                    let direction_deg = wall_line_deg(*ends_px, *bound_px, scene, &record.drawn, &image.truth);
+                    edge(canvas, *ends_px, direction_deg, place, colour);
                 }
                 Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, colour),
                 // Not of an image.
@@ -114,6 +115,21 @@ fn marked(
     }
     if let Some([left, bottom]) = corner {
         canvas.text([left, bottom + 12.0], 18.0, colour, &format!("marker {id}"));
+    }
+}
+
+/// A level edge with the direction of the wall that it runs along.
+fn edge(
+    canvas: &mut Canvas,
+    [[u0, v0], [u1, v1]]: [[f64; 2]; 2],
+    direction_deg: Option<f64>,
+    place: impl Fn(f64, f64) -> [f64; 2],
+    colour: Rgb<u8>,
+) {
+    canvas.line(place(u0, v0), place(u1, v1), 2.5, colour);
+    if let Some(deg) = direction_deg {
+        let [left, top] = place(0.5 * (u0 + u1), 0.5 * (v0 + v1));
+        canvas.text([left, top + 4.0], 15.0, colour, &format!("{deg:.0}°"));
     }
 }
 

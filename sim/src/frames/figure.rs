@@ -79,7 +79,7 @@ fn header(canvas: &mut Canvas, file: &SceneFile, record: &RunRecord, image: &Ima
         Seen::Image { pixels, exposure_s } => {
             let tones = Tones::of(pixels);
             let light = format!(
-                "{} lx at the floor, exposed {:.1} ms, grey {} to {} shown black to white",
+                "{}, exposed {:.1} ms, grey {} to {} shown black to white",
                 lux_at(&file.scene, image.measured_s),
                 exposure_s * 1e3,
                 tones.black,
@@ -132,14 +132,18 @@ fn widths(image: &ImageRecord) -> String {
     )
 }
 
-/// Mean illuminance at the floor at an instant, switched lamps included.
-fn lux_at(scene: &Scene, time_s: f64) -> f64 {
+/// Mean illuminance at the floor at an instant, switched lamps included; or at the camera, where that is what the scene states.
+fn lux_at(scene: &Scene, time_s: f64) -> String {
     let switched = scene.events.iter().filter_map(|event| match event {
         Event::Light { at_s, illuminance_at_floor_lux } if *at_s <= time_s => Some((*at_s, *illuminance_at_floor_lux)),
         _ => None,
     });
     let latest = switched.max_by(|one, other| one.0.total_cmp(&other.0));
-    latest.map_or(scene.light.illuminance_at_floor_lux, |(_, lux)| lux)
+    match (latest, scene.light.illuminance_at_camera_lux) {
+        (None, Some(lux)) => format!("{lux} lx at the camera"),
+        (None, None) => format!("{} lx at the floor", scene.light.illuminance_at_floor_lux),
+        (Some((_, lux)), _) => format!("{lux} lx at the floor"),
+    }
 }
 
 fn frame(canvas: &mut Canvas, panel: Panel) {
