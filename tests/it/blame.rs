@@ -170,3 +170,19 @@ fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
     assert_eq!(verdict.methods["floor_tiles"].false_claims, 0);
     assert_eq!(counts(&verdict), [50, 0, 0, 51]);
 }
+
+#[test]
+fn two_misread_images_of_walls_are_declared_and_a_third_is_perceptions_fault() {
+    let scene = scene();
+    for (n_misread, blamed) in [(2, [50, 0, 0, 51]), (3, [50, 0, 51, 0])] {
+        let mut record = record(&scene);
+        for number in 0..n_misread {
+            // Without a forward camera no claim of it is true.
+            let ends_px = [[100.0, 100.0], [300.0, 120.0]];
+            let claims = vec![Claim::WallLine { ends_px, bound_px: 0.3 }];
+            record.images.push(ImageRecord { number, method: "wall_directions", claims, ..image(&record, Vec::new()) });
+        }
+        lose_the_truth(&mut record);
+        assert_eq!(counts(&check(&scene, &record)), blamed, "{n_misread} misread images");
+    }
+}

@@ -40,9 +40,10 @@ mod floor_tiles_geometry;
 mod wall_directions_geometry;
 /// Straight edges and features in pictures of known light.
 mod dark_vision;
+mod dark_runs;
+mod gyro_bias_learning;
 /// The flow sensor's enclosure against motion integrated much finer; the gyroscope's bias.
 mod flow_enclosure;
-mod gyro_bias_learning;
 /// Paper 2's slip decision, direction database and pose graph.
 mod dark_baselines;
 /// Ceiling markers to poses, against a camera and a ceiling of the tests' own.

@@ -145,6 +145,13 @@ fn a_replay_of_images_gives_the_same_estimates() {
 }
 
 #[test]
+fn a_replay_of_images_in_the_dark_gives_the_same_headings() {
+    let place = folder("replay_dark");
+    let run = recorded(&place, "dark/walls.toml", ["duration_s = 60.0", "duration_s = 1.2"], &["--record"]);
+    assert_same_estimates(&place, &run, "recording.mcap");
+}
+
+#[test]
 fn a_replay_of_stations_gives_the_same_estimates() {
     let place = folder("replay_stations");
     let run = recorded(&place, "stations.toml", ["description", "description"], &["--record"]);

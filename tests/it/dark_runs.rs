@@ -1,0 +1,100 @@
+//! Whole runs by `wall_directions` at 0.1 lx: soundness, what is judged of a claim, the bounds, exposures, the paper's chain.
+
+use std::fs;
+
+use localizer::{Claim, Reading};
+use sim::{
+    check::{Verdict, check, is_true},
+    frames::FramesPolicy,
+    run::{RunOptions, RunRecord, run},
+    scene::Scene,
+};
+
+use crate::{command::root, render_studio::renderer};
+
+/// The scene of the repository with some of its lines replaced, `setup` under `[localizer.wall_directions]`.
+fn scene(changes: &[[&str; 2]], setup: &str) -> Scene {
+    let mut text = fs::read_to_string(root().join("scenes/dark/walls.toml")).unwrap();
+    for [from, to] in changes {
+        assert!(text.contains(from), "no {from} in the scene");
+        text = text.replace(from, to);
+    }
+    let text = text.replace("[start]", &format!("[localizer.wall_directions]\n{setup}\n[start]"));
+    Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+}
+
+fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
+    let options = RunOptions { keep_images: FramesPolicy::All };
+    let record = run(scene, seed, Some(&mut renderer()), &options, &mut |_| {}).unwrap();
+    let verdict = check(scene, &record);
+    (record, verdict)
+}
+
+#[test]
+fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
+    let start = ["tolerance_deg = 0.5", "tolerance_deg = 1.0"];
+    let scene = scene(&[["duration_s = 60.0", "duration_s = 4.0"], start], "");
+    let (record, verdict) = judged(&scene, 4);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+    let metrics = &verdict.metrics;
+    assert!(metrics["wall_images"] >= 19.0 && metrics["wall_fix_share"] > 0.5, "{metrics:?}");
+    assert!(metrics["wall_fix_error_p95_deg"] < 0.5, "{metrics:?}");
+    // Ten images leave less than the start was known to.
+    let width_deg = |index: usize| record.estimates[index].pose.hull()[2].width().to_degrees();
+    assert!(width_deg(0) > 1.9 && width_deg(399) < 1.8, "{} to {}", width_deg(0), width_deg(399));
+    let mut n_claims = 0;
+    for image in &record.images {
+        for claim in &image.claims {
+            let Claim::WallLine { ends_px: [first, last], bound_px } = claim else { panic!("{claim:?}") };
+            let is_so = |claim: &Claim| is_true(claim, &scene, &record.drawn, &image.truth);
+            // Turned by ten degrees about its first end, no edge runs along a wall.
+            let [du, dv] = [last[0] - first[0], last[1] - first[1]];
+            let turned = [first[0] + du - 0.176 * dv, first[1] + dv + 0.176 * du];
+            n_claims += usize::from(is_so(claim));
+            let other = Claim::WallLine { ends_px: [*first, turned], bound_px: *bound_px };
+            assert!(!is_so(claim) || !is_so(&other), "image {}: {claim:?}", image.number);
+        }
+    }
+    assert!(n_claims > 40, "{n_claims} true claims");
+}
+
+#[test]
+fn a_direction_that_no_wall_has_is_named() {
+    let scene = scene(&[["duration_s = 60.0", "duration_s = 3.0"]], "mapped_deg = [1.5]");
+    let (_, verdict) = judged(&scene, 4);
+    let violation = &verdict.violations[0];
+    assert_eq!((verdict.violations.len(), violation.bound.as_str()), (1, "wall_directions.direction"));
+    assert!((violation.true_value.to_degrees() - 1.5).abs() < 1e-9, "{violation:?}");
+    let containment = &verdict.containment;
+    assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
+    assert!(containment.bound_broken > 0, "{containment:?}");
+}
+
+#[test]
+fn exposures_are_short_while_the_robot_turns() {
+    let to_the_left = ["heading_deg = 0", "heading_deg = -60"];
+    let (record, _) = judged(&scene(&[["duration_s = 60.0", "duration_s = 4.0"], to_the_left], ""), 4);
+    let (mut n_short, mut n_long) = (0, 0);
+    // Auto-exposure begins as for office light.
+    for image in record.images.iter().skip(3) {
+        let Some(Reading::Camera { exposure_s, .. }) = image.reading else { panic!() };
+        let turn_rad_per_s = image.truth.velocity[2].abs();
+        if turn_rad_per_s > 0.25 {
+            assert!((exposure_s - 0.033).abs() < 1e-9, "{exposure_s} s at {turn_rad_per_s} rad/s");
+            n_short += 1;
+        } else if turn_rad_per_s < 0.02 {
+            n_long += usize::from((exposure_s - 0.1).abs() < 1e-9);
+        }
+    }
+    assert!(n_short > 3 && n_long >= 3, "{n_short} short and {n_long} long exposures");
+}
+
+#[test]
+fn the_papers_chain_reads_the_same_images() {
+    let scene = scene(&[["duration_s = 60.0", "duration_s = 2.0"]], "chain = \"paper\"");
+    let (_, verdict) = judged(&scene, 4);
+    let counts = &verdict.methods["wall_directions"];
+    assert!(counts.readings >= 9 && counts.claims > 0, "{counts:?}");
+    assert_eq!(verdict.containment.unsound, 0, "{:?}", verdict.containment);
+}
