@@ -108,7 +108,7 @@ pub struct CeilingCameraModel {
     /// Principal point, `ceiling_camera.centre`.
     pub centre_px: [Interval; 2],
     /// Brown's coefficients k1, k2, p1, p2 of the lens, for coordinates in focal lengths.
-    pub distortion: [f64; 4],
+    pub distortion: [f64; 5],
     /// Greatest distance between a pixel and where the lens model puts it, `ceiling_camera.distortion`.
     pub distortion_px: f64,
     /// Optical centre above the floor at rest, `ceiling_camera.height`.

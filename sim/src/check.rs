@@ -13,6 +13,8 @@ mod wall_directions;
 pub use bounds::violations;
 pub use claims::{is_true, wall_line_deg};
 pub use errands::{distance_to_way_m, true_distance_m};
+pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
+pub(crate) use statistics::midpoint;
 pub use verdict::{
     AxisError, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable, FirstFailure,
     FixWidth, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
@@ -81,7 +83,7 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
         }
     }
     let fixed: (Vec<Pose>, Vec<Pose>) =
-        record.marker_baselines.answers.iter().filter_map(|answer| Some((answer.fix?.1, answer.truth))).unzip();
+        record.marker_baselines.answers.iter().filter_map(|answer| Some((answer.fix?.pose, answer.truth))).unzip();
     if !fixed.0.is_empty() {
         let error = Some(statistics::errors(&fixed.0, &fixed.1));
         baselines.insert("nearest_marker".to_owned(), Baseline { error, ..Baseline::default() });

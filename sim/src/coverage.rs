@@ -116,8 +116,10 @@ fn search(
     let half_m = [0.5 * (x_m[1] - x_m[0]), 0.5 * (y_m[1] - y_m[0])];
     let mut boxes = VecDeque::from([Poses { middle, half_m, half_rad: PI, near: places.into() }]);
     let (mut found, mut left) = (None, usize::MAX);
+    // Whoever asks for no more boxes asks for no better pose either: depth first comes upon some pose soon, breadth first upon it late.
+    let next = if more_boxes == 0 { VecDeque::pop_back } else { VecDeque::pop_front };
     while left > 0
-        && let Some(poses) = boxes.pop_front()
+        && let Some(poses) = next(&mut boxes)
     {
         left -= 1;
         let near: Rc<[Place]> = poses.near.iter().filter(|place| field.may_see(&poses, place)).copied().collect();

@@ -65,6 +65,8 @@ pub struct DrawnCamera {
     pub focal_px: [f64; 2],
     /// Where the optical axis meets the image.
     pub principal_point_px: [f64; 2],
+    /// Brown and Conrady's k1, k2, p1, p2, k3.
+    pub distortion: [f64; 5],
 }
 
 /// True mount and optics of the range camera.

@@ -8,6 +8,7 @@
 //! | `boxes.csv` | every branch of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
 //! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when there are any |
+//! | `marker_tables.md` | paper 5's Tables 1 to 3, of a run at stations under markers |
 //! | `recording.mcap` or `rosbag2/` | all that the localizer was told and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
@@ -26,6 +27,7 @@ use crate::{check::Verdict, frames, recording::Recording, run::RunRecord, scene:
 
 mod digest;
 mod errands;
+mod marker_tables;
 mod poses;
 mod summary;
 
@@ -156,6 +158,9 @@ pub(crate) fn fill(
     if let Some(log) = &record.errands {
         write("errands.csv", errands::errands_csv(record, log))?;
         frames::write_errands(partial, file, record)?;
+    }
+    if let Some(tables) = marker_tables::marker_tables(&file.scene, record) {
+        write("marker_tables.md", tables)?;
     }
     let shown = frames::write(partial, file, record)?;
     if shown == 0 && !verdict.verdict.passed {

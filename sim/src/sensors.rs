@@ -8,7 +8,7 @@ pub mod gyro;
 pub mod lens;
 pub mod proximity;
 pub mod range_camera;
-mod sight;
+pub(crate) mod sight;
 
 use localizer::{
     Reading,

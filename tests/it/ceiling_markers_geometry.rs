@@ -38,7 +38,7 @@ fn camera() -> CeilingCameraModel {
         height_px: 480,
         focal_px: [Interval::centred(755.139, 0.4), Interval::centred(753.926, 0.4)],
         centre_px: [Interval::centred(320.252, 0.4), Interval::centred(239.661, 0.4)],
-        distortion: [0.0; 4],
+        distortion: [0.0; 5],
         distortion_px: 0.0,
         height_m: Interval::centred(0.2, 0.001),
         position_m: [Interval::centred(-0.15, 0.0003), Interval::centred(0.02, 0.0003)],
@@ -160,8 +160,8 @@ impl Situation {
     fn project(&self, point: Point3<f64>) -> [f64; 2] {
         let seen = self.world_from_camera.inverse_transform_point(&point);
         let (x, y) = (seen.x / seen.z, seen.y / seen.z);
-        let ([k1, k2, p1, p2], r2) = (self.camera.distortion, x * x + y * y);
-        let radial = 1.0 + k1 * r2 + k2 * r2 * r2;
+        let ([k1, k2, p1, p2, k3], r2) = (self.camera.distortion, x * x + y * y);
+        let radial = 1.0 + k1 * r2 + k2 * r2 * r2 + k3 * r2 * r2 * r2;
         let bent = [
             x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
             y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
@@ -233,7 +233,7 @@ fn any_camera(rng: &mut ChaCha8Rng) -> CeilingCameraModel {
         camera.lean_rad = [lean * course.cos(), lean * course.sin()];
     }
     if rng.random::<bool>() {
-        camera.distortion = [rng.random_range(-0.2..0.1), rng.random_range(-0.05..0.05), 0.001, -0.0008];
+        camera.distortion = [rng.random_range(-0.2..0.1), rng.random_range(-0.05..0.05), 0.001, -0.0008, 0.02];
         camera.distortion_px = 0.02;
     }
     if rng.random::<bool>() {
@@ -354,5 +354,38 @@ fn a_prior_of_several_turns_keeps_one_branch_for_each() {
         let turns = ((branch[2].mid() - situation.pose[2]) / turn).round();
         assert!(branch.contains(&[situation.pose[0], situation.pose[1], situation.pose[2] + turns * turn]));
         assert!(branch.width(0) < 0.03 && branch.width(2) < 0.03);
+    }
+}
+
+#[test]
+fn a_marker_pasted_askew_by_its_tolerance_still_holds_the_heading() {
+    let mut rng = ChaCha8Rng::seed_from_u64(57);
+    for round in 0..100 {
+        let mut situation = Situation::new(&mut rng, camera(), 1);
+        situation.map.rotation_tolerance_rad = 0.01;
+        situation.pasted[0].1 = situation.map.markers[0].rotation_rad + [-0.01, 0.01][round % 2];
+        let seen = situation.seen(&mut rng, 0.02);
+        let union = situation.located(seen, &situation.prior(&mut rng, 0.5, 0.3));
+        assert!(situation.holds(&union), "round {round}");
+    }
+}
+
+#[test]
+fn a_tilt_about_a_leaning_axis_turns_the_picture_and_is_allowed_for() {
+    let mut rng = ChaCha8Rng::seed_from_u64(58);
+    for round in 0..200 {
+        let course: f64 = rng.random_range(0.0..std::f64::consts::TAU);
+        let lean = 20f64.to_radians();
+        // 1° about an axis that leans by 20° turns by 0.34°; all else is known ten times better.
+        let camera = CeilingCameraModel {
+            lean_rad: [lean * course.cos(), lean * course.sin()],
+            tilt_rad: 1f64.to_radians(),
+            yaw_rad: Interval::ZERO,
+            ..camera()
+        };
+        let situation = Situation::new(&mut rng, camera, 2);
+        let seen = situation.seen(&mut rng, 0.01);
+        let union = situation.located(seen, &situation.prior(&mut rng, 0.5, 0.3));
+        assert!(situation.holds(&union), "round {round}");
     }
 }

@@ -85,10 +85,11 @@ fn a_claim_is_true_of_its_own_marker_and_dots_alone() {
 
 #[test]
 fn every_bound_of_camera_and_markers_is_watched() {
-    let calibration = |position: f64, angle: f64, focal: f64, centre: f64| {
+    let calibration = |position: f64, angle: f64, focal: f64, centre: f64, distortion: f64| {
         format!(
             "[robot.ceiling_camera.calibration]\nposition_tolerance_m = {position:?}\nangle_tolerance_deg = {angle:?}\n\
-             focal_tolerance = {focal:?}\nprincipal_point_tolerance_px = {centre:?}\n"
+             focal_tolerance = {focal:?}\nprincipal_point_tolerance_px = {centre:?}\n\
+             distortion_tolerance_px = {distortion:?}\n"
         )
     };
     let with = |more: String, tolerances: &str, timing: &str| {
@@ -97,7 +98,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
         Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
     };
     let loose = with(
-        calibration(0.004, 0.4, 0.004, 2.0),
+        calibration(0.004, 0.4, 0.004, 2.0, 0.8),
         "placement_tolerance_m = 0.004\nrotation_tolerance_deg = 0.4\nprint_tolerance_m = 0.0006\n",
         "latency_tolerance_s = 0.004\nstamp_tolerance_s = 0.002\n",
     );
@@ -105,7 +106,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
     assert!(verdict.violations.is_empty(), "declared as drawn: {:?}", verdict.violations);
     assert_eq!(verdict.containment.contained, verdict.containment.checks);
     let mut tight = with(
-        calibration(0.003, 0.3, 0.003, 1.5),
+        calibration(0.003, 0.3, 0.003, 1.5, 0.6),
         "placement_tolerance_m = 0.003\nrotation_tolerance_deg = 0.3\nprint_tolerance_m = 0.0004\n",
         "latency_tolerance_s = 0.003\nstamp_tolerance_s = 0.001\n",
     );
@@ -118,6 +119,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
         "ceiling_camera.tilt",
         "ceiling_camera.focal",
         "ceiling_camera.centre",
+        "ceiling_camera.distortion",
         "ceiling_camera.stamp",
         "ceiling_camera.latency",
         "markers.placement",
@@ -168,4 +170,48 @@ fn a_ceiling_run_gives_the_same_bytes_twice() {
     scene.duration_s = 1.0;
     let digest = || judged(&scene, 7).0.readings_digest;
     assert_eq!(digest(), digest());
+}
+
+/// The cells of a table's rows, as numbers; those of a row with an empty cell are left out.
+fn rows(text: &str, heading: &str) -> Vec<Vec<f64>> {
+    let table = text.split(heading).nth(1).unwrap().split("\n**").next().unwrap();
+    let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().parse().ok()).collect();
+    table.lines().filter_map(cells).filter(|cells: &Vec<f64>| cells.len() > 5).collect()
+}
+
+#[test]
+fn the_papers_tables_agree_with_themselves_and_with_the_boxes() {
+    let place = folder("marker_tables");
+    let scene = crate::command::root().join("scenes/papers/ir_markers_angles.toml");
+    let (code, _, errors) = outcome(&mut wherein(&place, &["run", scene.to_str().unwrap(), "--out", "out"]));
+    assert_eq!(code, 0, "{errors}");
+    let run = place.join("out/papers/ir_markers_angles/0");
+    let text = fs::read_to_string(run.join("marker_tables.md")).unwrap();
+    let (angles, positions) = (rows(&text, "**Angle**"), rows(&text, "**Position**"));
+    assert_eq!((angles.len(), positions.len()), (13, 13), "{text}");
+    let (mut errors_m, mut confidences) = (Vec::new(), Vec::new());
+    for (angle, position) in angles.iter().zip(&positions) {
+        assert!((angle[1] - angle[2] - angle[3]).abs() < 0.02 && angle[5].abs() <= 0.5 * angle[6] + 1e-3, "{angle:?}");
+        for axis in 1..4 {
+            assert!((position[axis] - position[axis + 3] - position[axis + 6]).abs() < 0.02, "{position:?}");
+        }
+        for axis in 11..13 {
+            assert!(position[axis].abs() <= 0.5 * position[axis + 2] + 0.01, "{position:?}");
+        }
+        errors_m.push(position[7].hypot(position[8]) / 100.0);
+        confidences.push(position[10]);
+    }
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(run.join("summary.json")).unwrap()).unwrap();
+    let stated = summary["metrics"]["nearest_marker_confidence_position_correlation"].as_f64().unwrap();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (error_m, confidence) = (mean(&errors_m), mean(&confidences));
+    let product = |first: &[f64], second: &[f64], means: [f64; 2]| -> f64 {
+        first.iter().zip(second).map(|(a, b)| (a - means[0]) * (b - means[1])).sum()
+    };
+    let own = product(&errors_m, &confidences, [error_m, confidence])
+        / (product(&errors_m, &errors_m, [error_m; 2]) * product(&confidences, &confidences, [confidence; 2])).sqrt();
+    // P(S) is printed to two digits, where it varies by a tenth.
+    assert!((own - stated).abs() < 0.1, "{own} {stated}");
+    assert!(text.contains(&format!("position {stated:+.3}")), "{text}");
 }

@@ -76,10 +76,36 @@ fn a_marker_in_the_ceiling_is_refused() {
 }
 
 #[test]
+fn a_marker_at_or_below_the_camera_is_refused() {
+    let low = &format!("{ONE}height_m = 0.2\n");
+    assert_refused(low, &["`markers.marker[0].height_m = 0.2`", "too near to the ceiling camera at 0.3 m"]);
+}
+
+#[test]
+fn a_marker_cannot_have_been_moved_out_of_the_room() {
+    assert_refused(
+        &format!("{ONE}misplaced_m = [9.0, 0.0]\n"),
+        &["`markers.marker[0].misplaced_m = [9.0, 0.0]`", "moves it out of the room"],
+    );
+    assert!(parse(&format!("{ONE}misplaced_m = [1.0, 0.0]\n")).is_ok());
+}
+
+#[test]
 fn damage_to_what_is_not_there_is_refused() {
     // 125 has the dots [0, 1], [1, 0] to [1, 3] and [2, 0].
     assert_refused(&format!("{ONE}missing_dots = [[2, 1]]\n"), &["missing_dots", "no dot is printed at [2, 1]"]);
     assert_refused(&format!("{ONE}missing_dots = [[4, 1]]\n"), &["missing_dots", "[4, 1]"]);
     assert_refused(&format!("{ONE}extra_dots = [[0, 0]]\n"), &["extra_dots", "[0, 0] cannot be one", "without a dot"]);
     assert!(parse(&format!("{ONE}missing_dots = [[1, 3]]\nextra_dots = [[3, 3], [2, 1]]\n")).is_ok());
+}
+
+#[test]
+fn two_errands_of_one_name_are_refused() {
+    let errands =
+        "[[errand]]\nname = \"desk\"\nx_m = 1.0\ny_m = 1.0\n[[errand]]\nname = \"NAME\"\nx_m = 2.0\ny_m = 1.0\n";
+    let text = format!("[room]\nwidth_m = 3.0\ndepth_m = 2.0\n[start]\nx_m = 1.0\ny_m = 1.0\n{errands}");
+    let message = Scene::parse(&text.replace("NAME", "desk"), "room.toml").map(|_| ()).unwrap_err().to_string();
+    assert!(message.contains("`errand[1].name = \"desk\"`") && message.contains("errand[0] too"), "{message}");
+    assert!(Scene::parse(&text.replace("NAME", "door"), "room.toml").is_ok());
+    assert!(Scene::parse(&text.replace("name = \"desk\"\n", "").replace("NAME", "door"), "room.toml").is_ok());
 }

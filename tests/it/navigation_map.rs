@@ -222,7 +222,10 @@ fn a_map_that_cannot_be_is_refused_by_name() {
     }
     refused(&YAML.replace("0.196", "0.9"), &good, "0 ≤ free ≤ occupied ≤ 1");
     refused(&YAML.replace("2.0, 0.0]", "2.0, 0.5]"), &good, "yaw");
-    refused(&YAML.replace("resolution: 0.5", "resolution: 0"), &good, "above 0");
+    for resolution in ["0", "1e-300", "0.0001", "50"] {
+        let text = YAML.replace("resolution: 0.5", &format!("resolution: {resolution}"));
+        refused(&text, &good, "expected a number of metres from 0.01 to 1");
+    }
     refused(&YAML.replace("resolution: 0.5", "resolution: nan"), &good, "finite");
     refused(&format!("{YAML}mode: scale\n"), &good, "trinary");
     refused(&YAML.replace("m.pgm", "none.pgm"), &good, "none.pgm");

@@ -7,6 +7,7 @@
 
 mod dual;
 mod group;
+mod pairs;
 pub mod paper;
 mod pose_contractor;
 mod ray;

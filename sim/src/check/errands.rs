@@ -30,15 +30,19 @@ pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
         ("goals_reached".to_owned(), reached().count() as f64),
         ("goals_missed".to_owned(), (log.errands.len() - reached().count()) as f64),
         ("arrivals_off".to_owned(), reached().filter(is_off).count() as f64),
-        ("arrival_error_mean_m".to_owned(), true_m.iter().sum::<f64>() / true_m.len().max(1) as f64),
-        ("arrival_error_greatest_m".to_owned(), greatest(&true_m)),
-        ("arrival_estimate_greatest_m".to_owned(), estimated_m.fold(0.0, f64::max)),
         ("replans".to_owned(), total(|errand| errand.plans.saturating_sub(1) as f64)),
         ("waited_s".to_owned(), total(|errand| errand.waited_s)),
         ("collisions".to_owned(), collisions(record) as f64),
         ("path_deviation_p95_m".to_owned(), p95(&deviations_m)),
         ("path_deviation_greatest_m".to_owned(), greatest(&deviations_m)),
     ]);
+    if !true_m.is_empty() {
+        metrics.extend([
+            ("arrival_error_mean_m".to_owned(), true_m.iter().sum::<f64>() / true_m.len() as f64),
+            ("arrival_error_greatest_m".to_owned(), greatest(&true_m)),
+            ("arrival_estimate_greatest_m".to_owned(), estimated_m.fold(0.0, f64::max)),
+        ]);
+    }
     let least = |of: fn(&crate::run::Clearance) -> f64| record.clearances.iter().map(of).fold(f64::INFINITY, f64::min);
     let clearances = [
         ("clearance_least_m", least(|clearance| clearance.least_m())),

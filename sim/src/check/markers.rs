@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use localizer::{
-    Claim,
+    Claim, Pose,
     markers::{GridPlace, MarkerId, dot_in_marker_m},
 };
 use nalgebra::Point3;
@@ -12,9 +12,14 @@ use crate::{
     drawn::{Drawn, DrawnMarker, markers::DOT_RADIUS_M},
     run::{ImageRecord, PaperAnswer, RunRecord},
     scene::Scene,
-    sensors::lens::{Lens, world_from_camera},
+    sensors::{
+        lens::{Lens, world_from_camera},
+        sight::Obstacles,
+    },
     truth::Truth,
 };
+
+use super::statistics::correlation;
 
 /// Place in the grid, and u, v and their bound.
 type SeenDot = (GridPlace, [f64; 3]);
@@ -60,16 +65,19 @@ impl Sight {
         marker.dots.iter().any(|dot| self.pixel(&dot.centre_in_world).is_some_and(is_within))
     }
 
-    /// Whether a marker's whole grid, empty places too, is in the picture with the dots' rims and three pixels about them for soft edges.
-    fn shows(&self, marker: &DrawnMarker) -> bool {
+    /// Whether a marker's whole grid, empty places too, is in the picture with the dots' rims and three pixels about them for soft edges, and
+    /// no furniture stands before it. People may.
+    fn shows(&self, marker: &DrawnMarker, obstacles: &Obstacles) -> bool {
         let (sin, cos) = marker.rotation_rad.sin_cos();
         let [x_m, y_m] = marker.centre_m;
-        [[0, 0], [3, 0], [0, 3], [3, 3]].into_iter().map(dot_in_marker_m).all(|[along_m, across_m]| {
-            let corner = Point3::new(
-                x_m + cos * along_m - sin * across_m,
-                y_m + sin * along_m + cos * across_m,
-                marker.height_m,
-            );
+        let in_world = |[along_m, across_m]: [f64; 2]| {
+            Point3::new(x_m + cos * along_m - sin * across_m, y_m + sin * along_m + cos * across_m, marker.height_m)
+        };
+        let eye = Point3::from(self.camera_from_world.inverse().translation.vector);
+        [[0, 0], [3, 0], [0, 3], [3, 3]].into_iter().map(dot_in_marker_m).all(|corner_m| {
+            let corner = in_world(corner_m);
+            // Farther out by the dots' rims.
+            let rim = in_world(corner_m.map(|at_m| at_m + DOT_RADIUS_M.copysign(at_m)));
             let depth_m = (self.camera_from_world * corner).z;
             let margin_px = self.lens.focal_px[0].max(self.lens.focal_px[1]) * DOT_RADIUS_M / depth_m.max(0.01) + 3.0;
             let is_within = |at_px: [f64; 2]| {
@@ -78,7 +86,7 @@ impl Sight {
                     (margin_px..=last_px - margin_px).contains(&at_px[axis])
                 })
             };
-            self.pixel(&corner).is_some_and(is_within)
+            self.pixel(&corner).is_some_and(is_within) && obstacles.leave_free(eye, rim, &[])
         })
     }
 }
@@ -89,7 +97,7 @@ pub(super) fn is_marker(id: MarkerId, dots_px: &[SeenDot], scene: &Scene, drawn:
     on_map(scene, drawn).any(|marker| marker.id == id && sight.agrees(marker, dots_px, |bound_px| bound_px))
 }
 
-/// How many markers were wholly in view, read, and taken for something else; none without a marker.
+/// How many markers were wholly in view, read, and taken for something else; nothing without a marker.
 ///
 /// `markers_misread` counts claims of an identity that no marker there has; a claim whose identity is right and a dot of which is out of its
 /// bound is false, but not misread.
@@ -97,16 +105,9 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
     if record.drawn.markers.is_empty() {
         return BTreeMap::new();
     }
-    let mut counts = Counts::default();
-    let images = record.images.iter().filter(|image| image.method == "ceiling_markers");
-    // The paper's pipeline answered picture for picture.
-    for (image, paper) in images.zip(&record.marker_baselines.answers) {
-        if let Some(sight) = Sight::new(scene, &record.drawn, &image.truth) {
-            counts.add(scene, record, image, paper, &sight);
-        }
-    }
+    let counts = marker_counts(scene, record);
     let share = |part: usize, whole: usize| if whole == 0 { 0.0 } else { part as f64 / whole as f64 };
-    BTreeMap::from([
+    let mut metrics = BTreeMap::from([
         ("marker_images".to_owned(), counts.images as f64),
         ("marker_images_read_share".to_owned(), share(counts.images_read, counts.images_with_marker)),
         ("markers_in_view".to_owned(), counts.in_view as f64),
@@ -114,25 +115,72 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
         ("markers_misread".to_owned(), counts.misread as f64),
         ("nearest_marker_read_share".to_owned(), share(counts.paper_read, counts.images_with_marker)),
         ("nearest_marker_misread".to_owned(), counts.paper_misread as f64),
-    ])
+    ]);
+    let correlations = confidence_correlations(&record.marker_baselines.answers);
+    for (name, correlation) in ["position", "heading"].into_iter().zip(correlations) {
+        metrics.extend(correlation.map(|value| (format!("nearest_marker_confidence_{name}_correlation"), value)));
+    }
+    metrics
 }
 
-#[derive(Default)]
-struct Counts {
-    images: usize,
-    images_with_marker: usize,
-    images_read: usize,
-    in_view: usize,
-    read: usize,
-    misread: usize,
-    paper_read: usize,
-    paper_misread: usize,
+/// Correlation of P(S) with the distance by which the paper's pipeline errs, and with the size of its heading's error; the paper's own
+/// tables give −0.976 and −0.995. `None` where either does not vary.
+pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAnswer>) -> [Option<f64>; 2] {
+    let fixes: Vec<_> = answers.into_iter().filter_map(|answer| Some((answer.fix?, answer.truth))).collect();
+    let pairs = |error: fn(Pose, Pose) -> f64| -> Vec<[f64; 2]> {
+        fixes.iter().map(|(fix, truth)| [fix.confidence, error(fix.pose, *truth)]).collect()
+    };
+    let distance_m = |fix: Pose, truth: Pose| (fix.x_m - truth.x_m).hypot(fix.y_m - truth.y_m);
+    let turn_rad = |fix: Pose, truth: Pose| (fix.heading_rad - truth.heading_rad).abs();
+    [correlation(&pairs(distance_m)), correlation(&pairs(turn_rad))]
 }
 
-impl Counts {
-    fn add(&mut self, scene: &Scene, record: &RunRecord, image: &ImageRecord, paper: &PaperAnswer, sight: &Sight) {
+/// Counts over a run's pictures of the ceiling.
+pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
+    let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(scene));
+    let images = record.images.iter().filter(|image| image.method == "ceiling_markers");
+    // The paper's pipeline answered picture for picture.
+    for (image, paper) in images.zip(&record.marker_baselines.answers) {
+        if let Some(sight) = Sight::new(scene, &record.drawn, &image.truth) {
+            counts.add(scene, record, (image, paper), &sight, &obstacles);
+        }
+    }
+    counts
+}
+
+/// What was seen and read in a run's pictures of the ceiling.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MarkerCounts {
+    /// Pictures.
+    pub images: usize,
+    /// Pictures with a whole marker of the map in view.
+    pub images_with_marker: usize,
+    /// Those in which one at least was read.
+    pub images_read: usize,
+    /// Whole markers of the map in view, over all pictures.
+    pub in_view: usize,
+    /// Those that were read.
+    pub read: usize,
+    /// Claims of an identity that no marker there has.
+    pub misread: usize,
+    /// Pictures with a whole marker in view from which the paper's pipeline read a marker that is there.
+    pub paper_read: usize,
+    /// Pictures from which it read one that is not.
+    pub paper_misread: usize,
+}
+
+impl MarkerCounts {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        record: &RunRecord,
+        (image, paper): (&ImageRecord, &PaperAnswer),
+        sight: &Sight,
+        obstacles: &Obstacles,
+    ) {
         let claimed: Vec<MarkerId> = claims(image).map(|(id, _)| id).collect();
-        let shown: Vec<&DrawnMarker> = on_map(scene, &record.drawn).filter(|marker| sight.shows(marker)).collect();
+        let shown: Vec<&DrawnMarker> =
+            on_map(scene, &record.drawn).filter(|marker| sight.shows(marker, obstacles)).collect();
         let read = shown.iter().filter(|marker| claimed.contains(&marker.id)).count();
         self.images += 1;
         self.images_with_marker += usize::from(!shown.is_empty());
@@ -147,9 +195,9 @@ impl Counts {
         // The paper's pipeline names one marker; it may be one that is partly out of view.
         let nearby =
             |id: MarkerId| on_map(scene, &record.drawn).any(|marker| marker.id == id && sight.shows_some(marker));
-        if let Some((id, _)) = paper.fix {
-            self.paper_misread += usize::from(!nearby(id));
-            self.paper_read += usize::from(nearby(id) && !shown.is_empty());
+        if let Some(fix) = paper.fix {
+            self.paper_misread += usize::from(!nearby(fix.marker));
+            self.paper_read += usize::from(nearby(fix.marker) && !shown.is_empty());
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::run::RunRecord;
 use super::verdict::{AxisError, AxisWidth, ErrorTable, FixWidth, PositionError, WidthTable};
 
 /// Midpoint of a box; not a number when the box is empty.
-pub(super) fn midpoint(hull: &PoseBox) -> Pose {
+pub(crate) fn midpoint(hull: &PoseBox) -> Pose {
     let middle = |axis: usize| if hull.is_empty() { f64::NAN } else { hull[axis].mid() };
     Pose { x_m: middle(0), y_m: middle(1), heading_rad: middle(2) }
 }
@@ -109,4 +109,15 @@ fn axis_width(hulls: &[PoseBox], axis: usize) -> AxisWidth {
         mean_by_third,
         growth: if mean_by_third[1] > 0.0 { mean_by_third[2] / mean_by_third[1] } else { 1.0 },
     }
+}
+
+/// Pearson's correlation; `None` where either does not vary.
+pub(super) fn correlation(pairs: &[[f64; 2]]) -> Option<f64> {
+    let count = pairs.len() as f64;
+    let mean = [0, 1].map(|side| pairs.iter().map(|pair| pair[side]).sum::<f64>() / count);
+    let product = |first: usize, second: usize| -> f64 {
+        pairs.iter().map(|pair| (pair[first] - mean[first]) * (pair[second] - mean[second])).sum()
+    };
+    let spread = (product(0, 0) * product(1, 1)).sqrt();
+    (spread > 0.0).then(|| product(0, 1) / spread)
 }

@@ -93,6 +93,11 @@ impl Field {
         })
     }
 
+    /// Whether a marker is near enough to a place of the robot's origin to be in the image at all.
+    pub(super) fn reaches(&self, from_m: [f64; 2], place: &Place) -> bool {
+        (place[0] - from_m[0]).hypot(place[1] - from_m[1]) <= self.farthest_m
+    }
+
     /// Whether the middle of a marker is in the image without any error.
     pub fn sees_without_errors(&self, pose: &Pose, place: &Place) -> bool {
         let (along_m, rise_m) = self.seen_from(pose, place);

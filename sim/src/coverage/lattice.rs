@@ -59,40 +59,32 @@ const MOST: usize = 64;
 /// The smallest of the lattices tried that is proven to cover a ceiling; `None` if none of up to 64 × 64 markers is.
 ///
 /// Rows along x and along y are tried, as squares, as hexagons, and stretched; for each number of rows the fewest markers in a row are sought by
-/// halving on some poses, and what they let pass is proven.
+/// halving on some poses. What they let pass is proven, the smallest first: a proof takes seconds where a hall is large.
 pub fn smallest(field: &Field, ceiling: &Ceiling) -> Option<Vec<Place>> {
-    let (narrowed, mut rim) = (field.narrowed(TO_SPARE_M), rim(&ceiling.reach_m));
+    let (narrowed, mut rim) = (field.narrowed(TO_SPARE_M), Rim::new(&ceiling.reach_m));
+    let kinds = || {
+        let between = [Between::Same, Between::Shifted, Between::Fewer, Between::More];
+        [false, true].into_iter().flat_map(move |along_y| between.map(|between| (along_y, between)))
+    };
+    let of_rows = |n_rows: usize| {
+        kinds().map(move |(along_y, between)| Lattice { between, along_y, n_rows, first: 0, inset: [0.0; 2] })
+    };
+    let mut candidates: Vec<(Lattice, Vec<Place>)> =
+        (1..=MOST).flat_map(of_rows).filter_map(|rows| rows.fewest(&narrowed, ceiling, &mut rim)).collect();
+    candidates.sort_by_key(|(_, places)| places.len());
+    let is_proven = |places: &Vec<Place>| search(field, places, &ceiling.reach_m, ceiling.seen_at_once, 0).is_none();
     let mut best: Option<Vec<Place>> = None;
-    for n_rows in 1..=MOST {
-        for (along_y, between) in [false, true].into_iter().flat_map(|along_y| {
-            [Between::Same, Between::Shifted, Between::Fewer, Between::More].map(|between| (along_y, between))
-        }) {
-            let fewer_than = best.as_ref().map_or(usize::MAX, Vec::len);
-            let of = |first| Lattice { between, along_y, n_rows, first, inset: [0.0; 2] };
-            let Some(most) =
-                (1..=MOST).rev().find(|first| of(*first).count() < fewer_than && !of(*first).is_narrow(ceiling))
-            else {
-                continue;
-            };
-            let mut passes = |first: usize| of(first).passing(&narrowed, ceiling, &mut rim);
-            let mut found = passes(most);
-            let (mut failing, mut passing) = (0, most);
-            while found.is_some() && passing - failing > 1 {
-                let middle = (failing + passing) / 2;
-                match passes(middle) {
-                    Some(places) => (found, passing) = (Some(places), middle),
-                    None => failing = middle,
-                }
-            }
-            let is_proven =
-                |places: &Vec<Place>| search(field, places, &ceiling.reach_m, ceiling.seen_at_once, 0).is_none();
-            // What is proven at once or with one marker more a row; a bound that is still not met is not worth the search.
-            let next = |places: &Vec<Place>| is_proven(places).then(|| places.clone());
-            let proven = found.and_then(|places| next(&places).or_else(|| next(&passes(passing + 1)?)));
-            if let Some(places) = proven.filter(|places| places.len() < fewer_than) {
-                best = Some(places);
-            }
+    for (lattice, places) in candidates {
+        let fewer_than = best.as_ref().map_or(usize::MAX, Vec::len);
+        if places.len() >= fewer_than {
+            break;
         }
+        // What is proven at once or with one marker more a row; a bound that is still not met is not worth the search.
+        let proven = Some(places).filter(is_proven).or_else(|| {
+            let wider = Lattice { first: lattice.first + 1, ..lattice }.passing(&narrowed, ceiling, &mut rim);
+            wider.filter(|places| places.len() < fewer_than).filter(is_proven)
+        });
+        best = proven.or(best);
     }
     best
 }
@@ -107,24 +99,29 @@ impl Lattice {
         }
     }
 
-    fn count(&self) -> usize {
-        self.first * self.n_rows.div_ceil(2) + self.second() * (self.n_rows / 2)
+    /// With the fewest markers in its first row that pass, and its places then.
+    fn fewest(self, field: &Field, ceiling: &Ceiling, rim: &mut Rim) -> Option<(Lattice, Vec<Place>)> {
+        let of = |first| Lattice { first, ..self };
+        let most = (1..=MOST).rev().find(|first| !of(*first).is_narrow(ceiling))?;
+        let mut found = of(most).passing(field, ceiling, rim)?;
+        let (mut failing, mut passing) = (0, most);
+        while passing - failing > 1 {
+            let middle = (failing + passing) / 2;
+            match of(middle).passing(field, ceiling, rim) {
+                Some(places) => (found, passing) = (places, middle),
+                None => failing = middle,
+            }
+        }
+        Some((of(passing), found))
     }
 
     /// Its places with the first insets that let the camera see enough from some poses between four markers and along the rim.
-    fn passing(self, field: &Field, ceiling: &Ceiling, rim: &mut [Pose]) -> Option<Vec<Place>> {
+    fn passing(self, field: &Field, ceiling: &Ceiling, rim: &mut Rim) -> Option<Vec<Place>> {
         let insets = INSETS.iter().flat_map(|along| INSETS.iter().map(move |across| [*along, *across]));
         insets.map(|inset| Lattice { inset, ..self }).filter(|lattice| lattice.covers_inside(field, ceiling)).find_map(
             |lattice| {
                 let places = lattice.places(ceiling);
-                let refuting = rim.iter().position(|pose| !sees_enough(field, &places, pose, ceiling.seen_at_once));
-                if let Some(at) = refuting {
-                    // What refutes one comes first for the next.
-                    let to = at.min(REMEMBERED);
-                    rim.swap(to, at);
-                    rim[..=to].rotate_right(1);
-                }
-                refuting.is_none().then_some(places)
+                rim.is_covered(field, &places, ceiling.seen_at_once).then_some(places)
             },
         )
     }
@@ -225,18 +222,48 @@ fn spread_over([from_m, to_m]: [f64; 2], spacings: f64, inset: f64) -> [f64; 2] 
     }
 }
 
-/// Poses all along the rim of a rectangle.
-fn rim(reach_m: &[[f64; 2]; 2]) -> Vec<Pose> {
-    const STEP_M: f64 = 0.2;
-    let [x_m, y_m] = *reach_m;
-    let mut places = Vec::new();
-    for (axis, [from_m, to_m]) in reach_m.iter().copied().enumerate() {
-        let n_steps = ((to_m - from_m) / STEP_M).ceil().max(1.0);
-        for step in 0..=n_steps as usize {
-            let at_m = from_m + (to_m - from_m) * step as f64 / n_steps;
-            places.extend(if axis == 0 { y_m.map(|y_m| [at_m, y_m]) } else { x_m.map(|x_m| [x_m, at_m]) });
+/// Poses along the rim of what has to be covered.
+struct Rim {
+    places_m: Vec<[f64; 2]>,
+    /// Those that refuted a lattice not long ago, the last first.
+    refuting: Vec<Pose>,
+}
+
+impl Rim {
+    fn new(reach_m: &[[f64; 2]; 2]) -> Rim {
+        const STEP_M: f64 = 0.2;
+        let [x_m, y_m] = *reach_m;
+        let mut places_m = Vec::new();
+        for (axis, [from_m, to_m]) in reach_m.iter().copied().enumerate() {
+            let n_steps = ((to_m - from_m) / STEP_M).ceil().max(1.0);
+            for step in 0..=n_steps as usize {
+                let at_m = from_m + (to_m - from_m) * step as f64 / n_steps;
+                places_m.extend(if axis == 0 { y_m.map(|y_m| [at_m, y_m]) } else { x_m.map(|x_m| [x_m, at_m]) });
+            }
         }
+        Rim { places_m, refuting: Vec::new() }
     }
-    let at = |[x_m, y_m]: [f64; 2]| headings().map(move |heading_rad| Pose { x_m, y_m, heading_rad });
-    places.into_iter().flat_map(at).collect()
+
+    /// Whether enough is seen from all of them.
+    fn is_covered(&mut self, field: &Field, places: &[Place], seen_at_once: usize) -> bool {
+        let near = |at_m: [f64; 2]| -> Vec<Place> {
+            places.iter().filter(|place| field.reaches(at_m, place)).copied().collect()
+        };
+        let refutes = |pose: &Pose, places: &[Place]| !sees_enough(field, places, pose, seen_at_once);
+        if let Some(at) = self.refuting.iter().position(|pose| refutes(pose, &near([pose.x_m, pose.y_m]))) {
+            self.refuting[..=at].rotate_right(1);
+            return false;
+        }
+        let found = self.places_m.iter().find_map(|[x_m, y_m]| {
+            // Whatever the heading, few of them are in view.
+            let near = near([*x_m, *y_m]);
+            let mut poses = headings().map(|heading_rad| Pose { x_m: *x_m, y_m: *y_m, heading_rad });
+            poses.find(|pose| refutes(pose, &near))
+        });
+        if let Some(pose) = found {
+            self.refuting.insert(0, pose);
+            self.refuting.truncate(REMEMBERED);
+        }
+        found.is_none()
+    }
 }

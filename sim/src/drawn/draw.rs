@@ -8,7 +8,7 @@ use crate::{
     navigation::Planner,
     randomness::stream,
     scene::{Calibration, CeilingCamera, Distribution, FloorCamera, ForwardCamera, Gyro, RangeCamera, Scene},
-    sensors::lens,
+    sensors::lens::{self, Lens},
 };
 
 use super::{Drawn, DrawnCamera, DrawnFloorCamera, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, draw_within};
@@ -32,11 +32,19 @@ impl Drawn {
                 .map(|camera| draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"))),
             forward_camera: robot.forward_camera.as_ref().map(|camera| {
                 let nominal = DrawnCamera::forward(camera);
-                draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "forward_camera.mount"))
+                let drawn =
+                    draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "forward_camera.mount"));
+                let tolerance_px = camera.calibration.distortion_tolerance_px;
+                let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "forward_camera.distortion"));
+                DrawnCamera { distortion: Lens::forward(camera, &drawn).bent_further(off_px), ..drawn }
             }),
             ceiling_camera: robot.ceiling_camera.as_ref().map(|camera| {
                 let nominal = DrawnCamera::ceiling(camera);
-                draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "ceiling_camera.mount"))
+                let drawn =
+                    draw_camera(nominal, &camera.calibration, errors, &mut stream(seed, "ceiling_camera.mount"));
+                let tolerance_px = camera.calibration.distortion_tolerance_px;
+                let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "ceiling_camera.distortion"));
+                DrawnCamera { distortion: Lens::ceiling(camera, &drawn).bent_further(off_px), ..drawn }
             }),
             range_camera: robot
                 .range_camera
@@ -58,6 +66,7 @@ impl DrawnCamera {
             body_from_camera: lens::body_from_forward_camera(camera),
             focal_px: [lens::forward_focal_px(camera); 2],
             principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
+            distortion: camera.lens.distortion,
         }
     }
 
@@ -67,6 +76,7 @@ impl DrawnCamera {
             body_from_camera: lens::body_from_ceiling_camera(camera),
             focal_px: camera.focal_px,
             principal_point_px: camera.principal_point_px,
+            distortion: camera.lens.distortion,
         }
     }
 }
@@ -160,5 +170,6 @@ fn draw_camera(
         body_from_camera: lens::misplaced(nominal.body_from_camera, tilt_rad, yaw_rad, shift_m),
         focal_px: nominal.focal_px.map(|focal_px| focal_px * scale),
         principal_point_px: nominal.principal_point_px.map(|at_px| at_px + draw_within(tolerance_px, errors, rng)),
+        ..nominal
     }
 }

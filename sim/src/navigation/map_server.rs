@@ -6,6 +6,7 @@
 
 use std::{
     fs, io,
+    ops::RangeInclusive,
     path::{Path, PathBuf},
 };
 
@@ -15,6 +16,9 @@ use super::{Cell, OccupancyGrid};
 const FREE: u8 = 254;
 const UNKNOWN: u8 = 205;
 const OCCUPIED: u8 = 0;
+
+/// Sizes of cells that are planned on: finer ones are slower and not better, coarser ones have no room for a robot.
+const RESOLUTIONS_M: RangeInclusive<f64> = 0.01..=1.0;
 
 /// What the YAML file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,8 +152,9 @@ fn parse_header(text: &str) -> Result<Header, String> {
         return Err(format!("`mode: {mode}`, expected trinary, the only mode that is read"));
     }
     let resolution_m = number("resolution")?;
-    if resolution_m <= 0.0 {
-        return Err(format!("`resolution: {resolution_m}`, expected metres above 0"));
+    if !RESOLUTIONS_M.contains(&resolution_m) {
+        let (least_m, most_m) = (RESOLUTIONS_M.start(), RESOLUTIONS_M.end());
+        return Err(format!("`resolution: {resolution_m}`, expected a number of metres from {least_m} to {most_m}"));
     }
     let origin = wanted("origin")?;
     let parts: Option<Vec<f64>> = origin.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).and_then(|list| {

@@ -52,18 +52,18 @@ impl NominalCamera {
     }
 
     fn of(scene: &Scene, name: Camera) -> Option<NominalCamera> {
-        let (mount, size_px, distortion) = match name {
+        let (mount, size_px) = match name {
             Camera::Floor => return NominalCamera::floor(scene),
             Camera::Forward => {
                 let camera = scene.robot.forward_camera.as_ref()?;
-                (DrawnCamera::forward(camera), [camera.width_px, camera.height_px], camera.lens.distortion)
+                (DrawnCamera::forward(camera), [camera.width_px, camera.height_px])
             }
             Camera::Ceiling => {
                 let camera = scene.robot.ceiling_camera.as_ref()?;
-                (DrawnCamera::ceiling(camera), [camera.width_px, camera.height_px], camera.lens.distortion)
+                (DrawnCamera::ceiling(camera), [camera.width_px, camera.height_px])
             }
         };
-        let DrawnCamera { body_from_camera: robot_from_camera, focal_px, principal_point_px } = mount;
+        let DrawnCamera { body_from_camera: robot_from_camera, focal_px, principal_point_px, distortion } = mount;
         Some(NominalCamera { name, size_px, focal_px, principal_point_px, distortion, robot_from_camera })
     }
 

@@ -3,7 +3,10 @@
 use std::{f64::consts::TAU, time::Instant};
 
 use image::GrayImage;
-use localizer::{Map, Pose, RobotModel, markers::MarkerId, methods::ceiling_markers::paper};
+use localizer::{
+    Map, Pose, RobotModel,
+    methods::ceiling_markers::paper::{self, PaperFix},
+};
 
 /// What the paper's pipeline made of a run's pictures.
 #[derive(Clone, Debug, Default)]
@@ -19,8 +22,8 @@ pub struct MarkerBaselines {
 pub struct PaperAnswer {
     /// Where the robot truly was.
     pub truth: Pose,
-    /// The marker it read and where that puts the robot, heading in the turn of the truth; none without a marker of the map.
-    pub fix: Option<(MarkerId, Pose)>,
+    /// What it read and where that puts the robot, heading in the turn of the truth; none without a marker of the map.
+    pub fix: Option<PaperFix>,
 }
 
 impl MarkerBaselines {
@@ -32,7 +35,7 @@ impl MarkerBaselines {
         self.spent_s += began.elapsed().as_secs_f64();
         let fix = fix.map(|fix| {
             let turns = ((fix.pose.heading_rad - truth.heading_rad) / TAU).round();
-            (fix.marker, Pose { heading_rad: fix.pose.heading_rad - turns * TAU, ..fix.pose })
+            PaperFix { pose: Pose { heading_rad: fix.pose.heading_rad - turns * TAU, ..fix.pose }, ..fix }
         });
         self.answers.push(PaperAnswer { truth, fix });
     }

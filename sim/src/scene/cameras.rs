@@ -164,7 +164,7 @@ pub struct Calibration {
     /// The principal point, along u and v.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub principal_point_tolerance_px: f64,
-    /// Anywhere in the image, the place of a pixel by the lens's coefficients. The simulator's lenses do as their coefficients say.
+    /// Anywhere in the image, the place of a pixel by the lens's coefficients: the true k1 is another.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub distortion_tolerance_px: f64,
 }

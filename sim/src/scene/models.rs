@@ -160,7 +160,6 @@ fn forward_camera_model(camera: &ForwardCamera) -> ForwardCameraModel {
 
 fn ceiling_camera_model(camera: &CeilingCamera) -> CeilingCameraModel {
     let (calibration, sensor) = (&camera.calibration, camera.sensor_model());
-    let [k1, k2, p1, p2, _] = camera.lens.distortion;
     let angle_rad = calibration.angle_tolerance_deg.to_radians();
     let place = |nominal_m: f64| Interval::centred(nominal_m, calibration.position_tolerance_m);
     // Fixed or not, no image has more gain than the greatest; a fixed one has the least.
@@ -172,7 +171,7 @@ fn ceiling_camera_model(camera: &CeilingCamera) -> CeilingCameraModel {
         centre_px: camera
             .principal_point_px
             .map(|at_px| Interval::centred(at_px, calibration.principal_point_tolerance_px)),
-        distortion: [k1, k2, p1, p2],
+        distortion: camera.lens.distortion,
         distortion_px: calibration.distortion_tolerance_px,
         height_m: place(camera.height_m),
         position_m: [place(camera.forward_m), place(camera.left_m)],

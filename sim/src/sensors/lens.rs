@@ -70,7 +70,7 @@ impl Lens {
         Lens {
             focal_px: drawn.focal_px,
             principal_point_px: drawn.principal_point_px,
-            distortion: keys.distortion,
+            distortion: drawn.distortion,
             vignetting: keys.vignetting,
             defocus_px: keys.defocus_px,
             row_time_s: keys.row_time_s,
@@ -104,6 +104,22 @@ impl Lens {
             y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
         ];
         [0, 1].map(|axis| self.focal_px[axis] * bent[axis] + self.principal_point_px[axis])
+    }
+
+    /// Coefficients of a lens that puts what a corner of the image shows at most `off_px` farther out, and all else less.
+    pub fn bent_further(&self, off_px: f64) -> [f64; 5] {
+        let [k1, k2, p1, p2, k3] = self.distortion;
+        let farthest = self.corners().into_iter().map(|[x, y]| x.hypot(y)).fold(0.0, f64::max);
+        let change =
+            if off_px == 0.0 { 0.0 } else { off_px / (self.focal_px[0].max(self.focal_px[1]) * farthest.powi(3)) };
+        [k1 + change, k2, p1, p2, k3]
+    }
+
+    /// What the corners of the image show, in the plane at depth 1; those where the polynomial folds back are left out.
+    pub fn corners(&self) -> Vec<[f64; 2]> {
+        let [width, height] = self.size_px.map(f64::from);
+        let corners = [[-0.5, -0.5], [width - 0.5, -0.5], [-0.5, height - 0.5], [width - 0.5, height - 0.5]];
+        corners.into_iter().filter_map(|corner| self.ray(corner)).collect()
     }
 
     /// The point of the plane at depth 1 that a pixel shows, by Newton's method; `None` where the polynomial folds back.

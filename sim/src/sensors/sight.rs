@@ -15,14 +15,14 @@ use crate::{scene::Scene, world::Bystander};
 const ON_SURFACE_M: f64 = 0.005;
 
 /// Everything in a scene that hides what is behind it and stays where it is.
-pub(super) struct Obstacles {
+pub(crate) struct Obstacles {
     room_m: [f64; 2],
     boxes: Vec<(Pose, SharedShape)>,
 }
 
 impl Obstacles {
     /// Walls and furniture of a scene.
-    pub(super) fn new(scene: &Scene) -> Self {
+    pub(crate) fn new(scene: &Scene) -> Self {
         let boxes = scene
             .furniture
             .iter()
@@ -37,7 +37,7 @@ impl Obstacles {
     }
 
     /// Whether the way from an eye to a landmark is free.
-    pub(super) fn leave_free(&self, eye: Point3<f64>, landmark: Point3<f64>, people: &[Bystander]) -> bool {
+    pub(crate) fn leave_free(&self, eye: Point3<f64>, landmark: Point3<f64>, people: &[Bystander]) -> bool {
         let inside = |point: &Point3<f64>| {
             (0..2).all(|axis| (-ON_SURFACE_M..=self.room_m[axis] + ON_SURFACE_M).contains(&point[axis]))
         };

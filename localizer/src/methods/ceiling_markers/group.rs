@@ -9,6 +9,7 @@ use crate::{
     contractor::{LinearPose, RigidPlanar},
 };
 
+use super::pairs;
 use super::ray::{BODY_TILT, DOT_HEIGHT, MOUNT_TILT, N_PARAMETERS, PIXEL, Sight};
 
 /// A dot as seen and where it is in the world, but for what the group shares.
@@ -22,6 +23,8 @@ pub(super) struct SeenDot {
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     motion: RigidPlanar,
+    /// Apparent headings, up to whole turns, that the pairs of dots allow.
+    heading: Option<Interval>,
     /// Common slopes of the parameters with their half-widths: boxes, and pairs that lie in a disc.
     boxes: Vec<([f64; 2], f64)>,
     discs: Vec<([[f64; 2]; 2], f64)>,
@@ -32,7 +35,7 @@ pub(super) struct Group {
 impl Group {
     /// One marker's dots when `is_one_marker`: they share their height and, as a disc, their placement.
     pub(super) fn new(dots: &[SeenDot], is_one_marker: bool, placement_m: f64) -> Group {
-        let own = |parameter: usize| PIXEL.contains(&parameter) || (parameter == DOT_HEIGHT && !is_one_marker);
+        let own = |parameter: usize| is_own(parameter, is_one_marker);
         let mut common = [[0.0; 2]; N_PARAMETERS];
         for (parameter, slopes) in common.iter_mut().enumerate().filter(|(parameter, _)| !own(*parameter)) {
             for (axis, slope) in slopes.iter_mut().enumerate() {
@@ -49,6 +52,7 @@ impl Group {
         let disc = |tilt: [usize; 2]| (tilt.map(|k| common[k]), deviation(tilt[0]));
         Group {
             motion: RigidPlanar::new(&landmarks),
+            heading: pairs::heading(dots, is_one_marker),
             boxes,
             discs: vec![disc(BODY_TILT), disc(MOUNT_TILT)],
             placement_m: if is_one_marker { placement_m } else { 0.0 },
@@ -77,7 +81,14 @@ impl Group {
         let pose_contractor = LinearPose { motion: self.motion.clone(), n_slices: 0 };
         let shifted = self.shifted(pose, pose[2]);
         let found = pose_contractor.branches(&shifted);
-        found.iter().map(|branch| self.unshifted(branch, pose)).filter(|branch| !branch.is_empty()).collect()
+        let turned = found.into_iter().map(|mut branch| {
+            if let Some(heading) = self.heading.filter(|_| branch[2].width() < std::f64::consts::PI) {
+                branch[2] = pairs::same_turn(branch[2], heading);
+            }
+            branch
+        });
+        let kept = turned.filter(|branch| !branch[2].is_empty()).map(|branch| self.unshifted(&branch, pose));
+        kept.filter(|branch| !branch.is_empty()).collect()
     }
 
     /// The same for a thin slice of heading, in one pass.
@@ -95,6 +106,11 @@ impl Group {
     fn unshifted(&self, shifted: &IntervalBox<3>, pose: &IntervalBox<3>) -> IntervalBox<3> {
         self.shifted(shifted, shifted[2]).intersect(pose)
     }
+}
+
+/// Whether an error is each dot's own: that of its pixel, and the height of its marker where there are several.
+pub(super) fn is_own(parameter: usize, is_one_marker: bool) -> bool {
+    PIXEL.contains(&parameter) || (parameter == DOT_HEIGHT && !is_one_marker)
 }
 
 /// Where a dot is in the apparent frame, less the common part of the parameters' effects.

@@ -33,7 +33,7 @@ pub(super) struct Optics {
     parameters: [Interval; N_PARAMETERS],
     lean: [[Interval; 3]; 3],
     yaw: [Interval; 2],
-    distortion: [f64; 4],
+    distortion: [f64; 5],
     distortion_px: f64,
     heave_m: f64,
 }
@@ -127,15 +127,15 @@ impl Optics {
     ///
     /// Brown's D(x) = x + b(x), where b is Lipschitz with constant L on the picture, so that D⁻¹ is with 1/(1 − L).
     fn undistorted(&self, [u, v, bound_px]: [f64; 3]) -> Option<[f64; 3]> {
-        let [k1, k2, p1, p2] = self.distortion;
-        if self.distortion == [0.0; 4] {
+        let [k1, k2, p1, p2, k3] = self.distortion;
+        if self.distortion == [0.0; 5] {
             return Some([u, v, bound_px + self.distortion_px]);
         }
         let (focal, centre) = (FOCAL.map(|k| self.parameters[k]), CENTRE.map(|k| self.parameters[k]));
         let seen = [(u - centre[0].mid()) / focal[0].mid(), (v - centre[1].mid()) / focal[1].mid()];
         let bend = |[x, y]: [f64; 2]| {
             let square = x * x + y * y;
-            let radial = k1 * square + k2 * square * square;
+            let radial = square * (k1 + square * (k2 + square * k3));
             [
                 x * radial + 2.0 * p1 * x * y + p2 * (square + 2.0 * x * x),
                 y * radial + p1 * (square + 2.0 * y * y) + 2.0 * p2 * x * y,
@@ -149,8 +149,8 @@ impl Optics {
         let (bent, reach) = (bend(point), 1.1 * point[0].hypot(point[1]) + 0.02);
         let residual = (point[0] + bent[0] - seen[0]).hypot(point[1] + bent[1] - seen[1]);
         let square = reach * reach;
-        let lipschitz =
-            3.0 * k1.abs() * square + 5.0 * k2.abs() * square * square + 6.0 * (p1.abs() + p2.abs()) * reach;
+        let radial = square * (3.0 * k1.abs() + square * (5.0 * k2.abs() + square * 7.0 * k3.abs()));
+        let lipschitz = radial + 6.0 * (p1.abs() + p2.abs()) * reach;
         if lipschitz > 0.8 {
             return None;
         }

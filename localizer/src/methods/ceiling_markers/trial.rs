@@ -54,7 +54,7 @@ fn bench() -> RobotModel {
             height_px: 480,
             focal_px: [Interval::centred(755.139, 0.1), Interval::centred(753.926, 0.1)],
             centre_px: [Interval::centred(320.252, 0.02), Interval::centred(239.661, 0.02)],
-            distortion: [0.0; 4],
+            distortion: [0.0; 5],
             distortion_px: 0.0,
             height_m: Interval::centred(CAMERA_M, 0.001),
             position_m: [Interval::centred(0.0, 0.0001); 2],

@@ -7,7 +7,8 @@ use crate::{
     check::verdict::Violation,
     drawn::{DrawnCamera, DrawnMarker},
     run::RunRecord,
-    scene::{Marker, Scene},
+    scene::{CeilingCamera, Marker, Scene},
+    sensors::lens::Lens,
 };
 
 use super::{Monitor, constant, deliveries};
@@ -37,6 +38,7 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
             calibration.principal_point_tolerance_px,
             apart(drawn.principal_point_px, nominal.principal_point_px),
         ),
+        constant(record, "ceiling_camera.distortion", calibration.distortion_tolerance_px, bent_px(camera, drawn)),
     ]
     .into_iter()
     .flatten()
@@ -45,6 +47,18 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     found.extend(markers(scene, record));
     found.extend(deliveries(record, "ceiling_markers", names, &camera.timing()));
     found
+}
+
+/// Greatest distance, along u or v, between what the true coefficients and the declared ones make of the same ray: at a corner, as the error
+/// grows with the third power of the distance from the middle.
+fn bent_px(camera: &CeilingCamera, drawn: &DrawnCamera) -> f64 {
+    let lens = Lens::ceiling(camera, drawn);
+    let declared = Lens { distortion: camera.lens.distortion, ..lens.clone() };
+    let off_px = lens.corners().into_iter().flat_map(|ray| {
+        let (seen, stated) = (lens.pixel(ray), declared.pixel(ray));
+        [0, 1].map(|axis| (seen[axis] - stated[axis]).abs())
+    });
+    off_px.fold(0.0, f64::max)
 }
 
 /// Markers that are claimed in an image: where they were pasted, how they were turned, printed and hung.

@@ -13,6 +13,12 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     if !scene.has_errands() || !found.is_empty() || is_map_missing {
         return;
     }
+    for (index, errand) in scene.errands.iter().enumerate().filter(|(_, errand)| !errand.name.is_empty()) {
+        if let Some(first) = scene.errands[..index].iter().position(|other| other.name == errand.name) {
+            let expected = format!("{:?} is errand[{first}] too, expected a name of its own, or none", errand.name);
+            found.push(Contradiction { key: format!("errand[{index}].name"), expected });
+        }
+    }
     let planner = Planner::of(scene);
     let start_m = [scene.start.x_m, scene.start.y_m];
     let Some(reach) = planner.reach(start_m) else {

@@ -19,6 +19,8 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             outside(marker, scene),
             overlap(marker, earlier),
             too_high(marker, markers, scene),
+            too_low(marker, markers, scene),
+            misplaced_outside(marker, scene),
             wrong_dots(marker),
         ];
         found.extend(
@@ -93,6 +95,26 @@ fn too_high(marker: &Marker, markers: &Markers, scene: &Scene) -> Problem {
         let (most_m, tolerance_m) = (super::short(most_m), markers.height_tolerance_m);
         ("height_m", format!("in the ceiling, expected at most {most_m}, as heights are drawn within {tolerance_m} m"))
     })
+}
+
+/// A marker has to hang above the camera, with some decimetres between them for a picture of it.
+fn too_low(marker: &Marker, markers: &Markers, scene: &Scene) -> Problem {
+    const LEAST_RISE_M: f64 = 0.1;
+    let camera = scene.robot.ceiling_camera.as_ref()?;
+    let least_m = camera.height_m + camera.calibration.position_tolerance_m + markers.height_tolerance_m + LEAST_RISE_M;
+    let is_too_low = markers.height_m(marker, scene) < least_m;
+    is_too_low.then(|| {
+        let (least_m, above_m) = (super::short(least_m), camera.height_m);
+        ("height_m", format!("too near to the ceiling camera at {above_m} m, expected at least {least_m}"))
+    })
+}
+
+/// What was moved since the survey is still on the ceiling.
+fn misplaced_outside(marker: &Marker, scene: &Scene) -> Problem {
+    let moved =
+        Marker { x_m: marker.x_m + marker.misplaced_m[0], y_m: marker.y_m + marker.misplaced_m[1], ..marker.clone() };
+    let (_, expected) = outside(&moved, scene).filter(|_| marker.misplaced_m != [0.0; 2])?;
+    Some(("misplaced_m", format!("moves it out of the room: {expected} for its place then")))
 }
 
 fn wrong_dots(marker: &Marker) -> Problem {
