@@ -137,7 +137,8 @@ fn the_papers_chain_tells_the_azimuth_of_a_room_and_a_wrong_tilt_sign_does_not()
         let ray = |[u, v]: [f64; 2]| vector![(u - 319.5) / focal_px, (v - 239.5) / focal_px, 1.0];
         let points = vanishing_points(&segments, ray).unwrap();
         let error = |tilt_deg: f64| azimuth_rad(&points, f64::to_radians(tilt_deg)).to_degrees() - heading_deg;
-        assert!(error(8.7).abs() < 0.3, "off by {}° at {heading_deg}°", error(8.7));
+        // Edges without noise are stairs of pixels; the paper states 1°.
+        assert!(error(8.7).abs() < 0.5, "off by {}° at {heading_deg}°", error(8.7));
         let [a, b, c]: [Vector3<f64>; 3] = points.directions;
         assert!(a.dot(&b).abs() + b.dot(&c).abs() + c.dot(&a).abs() < 1e-9);
         // Levelled the wrong way, level directions rise: note A2 tells 1.3° at the corner of 45°.

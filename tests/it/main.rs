@@ -41,6 +41,7 @@ mod wall_directions_geometry;
 /// Straight edges and features in pictures of known light.
 mod dark_vision;
 mod dark_runs;
+mod gyro_bias_learning;
 /// The flow sensor's enclosure against motion integrated much finer; the gyroscope's bias.
 mod flow_enclosure;
 /// Paper 2's slip decision, direction database and pose graph.

@@ -163,12 +163,11 @@ impl WallDirections {
         let q_items = wrong_lines(seen.azimuths_rad.len());
         let alone =
             of_image(&seen.azimuths_rad, &directions_rad, about).into_iter().fold(Interval::EMPTY, Interval::hull);
-        if alone.is_empty() && !self.learns {
+        if is_enough && !alone.is_empty() {
+            self.seen.push_back(seen);
+        } else if !self.learns {
             // Edges that agree on no heading near the prior's: more of them are wrong than declared, and it shows.
             return None;
-        }
-        if is_enough {
-            self.seen.push_back(seen);
         }
         if self.seen.len() > IMAGES {
             self.seen.pop_front();

@@ -65,7 +65,7 @@ pub fn detect(picture: &Picture) -> Vec<EdgeLine> {
     let even = stabilise::stabilised(picture);
     let binned = even.binned();
     // Binning four pixels halves the noise.
-    let filtered = guidance_filter::rolling_guidance(&binned, GUIDANCE_PX, 0.5, ROUNDS);
+    let filtered = guidance_filter::rolling_guidance_at_speed(&binned, GUIDANCE_PX, 0.5, ROUNDS);
     let mut lines: Vec<EdgeLine> = segments::segments(&filtered, segments::NOISE_FLOOR)
         .iter()
         .filter_map(|segment| segment.unbinned().within(picture.width, picture.height, BORDER_PX)?.trimmed(TRIM_PX))

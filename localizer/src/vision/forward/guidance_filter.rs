@@ -7,27 +7,39 @@ use super::Picture;
 
 /// The filter with a spatial standard deviation in pixels, a range standard deviation in the picture's values, and rounds.
 pub fn rolling_guidance(input: &Picture, spatial_px: f32, range: f32, rounds: usize) -> Picture {
+    filtered(input, spatial_px, range, rounds, |off| (-0.5 * off * off).exp())
+}
+
+/// The same with range weights (1 − d²/16)⁸ in place of exp(−d²/2): within 0.04 of them, and several at a time on every processor.
+pub fn rolling_guidance_at_speed(input: &Picture, spatial_px: f32, range: f32, rounds: usize) -> Picture {
+    filtered(input, spatial_px, range, rounds, |off| {
+        let base = (1.0 - off * off * (1.0 / 16.0)).max(0.0);
+        let square = base * base;
+        let fourth = square * square;
+        fourth * fourth
+    })
+}
+
+fn filtered(
+    input: &Picture,
+    spatial_px: f32,
+    range: f32,
+    rounds: usize,
+    range_weight: impl Fn(f32) -> f32 + Copy,
+) -> Picture {
     let taps: Vec<f32> = (0..=(2.0 * spatial_px).ceil() as usize)
         .map(|distance| (-0.5 * (distance as f32 / spatial_px).powi(2)).exp())
         .collect();
     // A constant guide makes every range weight 1.
     let mut guide = Picture::filled(input.width, input.height, 0.0);
     for _ in 0..rounds {
-        let rows = along_rows(input, &guide, &taps, 1.0 / range);
-        guide = along_columns(&rows, &guide, &taps, 1.0 / range);
+        let rows = along_rows(input, &guide, &taps, |off| range_weight(off / range));
+        guide = along_columns(&rows, &guide, &taps, |off| range_weight(off / range));
     }
     guide
 }
 
-/// exp(−d²/2) as (1 − d²/16)⁸, which is within 0.04 of it, ends at 4 and takes no table.
-fn range_weight(off: f32) -> f32 {
-    let base = (1.0 - off * off * (1.0 / 16.0)).max(0.0);
-    let square = base * base;
-    let fourth = square * square;
-    fourth * fourth
-}
-
-fn along_rows(input: &Picture, guide: &Picture, taps: &[f32], per_range: f32) -> Picture {
+fn along_rows(input: &Picture, guide: &Picture, taps: &[f32], weighed: impl Fn(f32) -> f32) -> Picture {
     let width = input.width;
     let (mut values, mut total, mut weights) =
         (Vec::with_capacity(input.values.len()), vec![0.0; width], vec![0.0; width]);
@@ -37,7 +49,7 @@ fn along_rows(input: &Picture, guide: &Picture, taps: &[f32], per_range: f32) ->
         for (distance, tap) in taps.iter().enumerate().skip(1).take_while(|(distance, _)| *distance < width) {
             let pairs = width - distance;
             for ((weight, near), far) in weights.iter_mut().zip(guide).zip(&guide[distance..]) {
-                *weight = tap * range_weight((near - far) * per_range);
+                *weight = tap * weighed(near - far);
             }
             add(&mut sum[..pairs], &mut total[..pairs], &weights, &source[distance..]);
             add(&mut sum[distance..], &mut total[distance..], &weights, &source[..pairs]);
@@ -47,7 +59,7 @@ fn along_rows(input: &Picture, guide: &Picture, taps: &[f32], per_range: f32) ->
     Picture { values, ..*input }
 }
 
-fn along_columns(input: &Picture, guide: &Picture, taps: &[f32], per_range: f32) -> Picture {
+fn along_columns(input: &Picture, guide: &Picture, taps: &[f32], weighed: impl Fn(f32) -> f32) -> Picture {
     let (width, height) = (input.width, input.height);
     let row = |of: &Picture, v: usize| v * of.width..(v + 1) * of.width;
     let mut sum: Vec<f32> = input.values.iter().map(|value| value * taps[0]).collect();
@@ -57,7 +69,7 @@ fn along_columns(input: &Picture, guide: &Picture, taps: &[f32], per_range: f32)
             let (near, far) = (row(input, v), row(input, v + distance));
             for ((weight, a), b) in weights.iter_mut().zip(&guide.values[near.clone()]).zip(&guide.values[far.clone()])
             {
-                *weight = tap * range_weight((a - b) * per_range);
+                *weight = tap * weighed(a - b);
             }
             add(&mut sum[near.clone()], &mut total[near.clone()], &weights, &input.values[far.clone()]);
             add(&mut sum[far.clone()], &mut total[far], &weights, &input.values[near]);

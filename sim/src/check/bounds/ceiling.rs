@@ -7,7 +7,7 @@ use crate::{
     check::verdict::Violation,
     drawn::{DrawnCamera, DrawnMarker},
     run::RunRecord,
-    scene::{CeilingCamera, Marker, Scene},
+    scene::{Marker, Scene},
     sensors::lens::Lens,
 };
 
@@ -38,7 +38,12 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
             calibration.principal_point_tolerance_px,
             apart(drawn.principal_point_px, nominal.principal_point_px),
         ),
-        constant(record, "ceiling_camera.distortion", calibration.distortion_tolerance_px, bent_px(camera, drawn)),
+        constant(
+            record,
+            "ceiling_camera.distortion",
+            calibration.distortion_tolerance_px,
+            bent_px(&Lens::ceiling(camera, drawn), camera.lens.distortion),
+        ),
     ]
     .into_iter()
     .flatten()
@@ -51,9 +56,8 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
 
 /// Greatest distance, along u or v, between what the true coefficients and the declared ones make of the same ray: at a corner, as the error
 /// grows with the third power of the distance from the middle.
-fn bent_px(camera: &CeilingCamera, drawn: &DrawnCamera) -> f64 {
-    let lens = Lens::ceiling(camera, drawn);
-    let declared = Lens { distortion: camera.lens.distortion, ..lens.clone() };
+pub(super) fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
+    let declared = Lens { distortion: declared, ..lens.clone() };
     let off_px = lens.corners().into_iter().flat_map(|ray| {
         let (seen, stated) = (lens.pixel(ray), declared.pixel(ray));
         [0, 1].map(|axis| (seen[axis] - stated[axis]).abs())

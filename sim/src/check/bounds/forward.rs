@@ -5,9 +5,13 @@ use crate::{
     drawn::DrawnCamera,
     run::RunRecord,
     scene::{MethodName, Scene},
+    sensors::lens::Lens,
 };
 
-use super::{ceiling::tilt_and_yaw, constant, deliveries};
+use super::{
+    ceiling::{bent_px, tilt_and_yaw},
+    constant, deliveries,
+};
 
 /// Violations of the bounds of mount, lens, clock and mapped directions.
 pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
@@ -29,8 +33,12 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
         constant(record, "forward_camera.tilt", angle_rad, tilt_rad),
         constant(record, "forward_camera.focal", calibration.focal_tolerance, farthest(focal_share, [1.0; 2])),
         constant(record, "forward_camera.principal_point", calibration.principal_point_tolerance_px, principal_px),
-        // Lenses do as their coefficients say.
-        constant(record, "forward_camera.distortion", calibration.distortion_tolerance_px, 0.0),
+        constant(
+            record,
+            "forward_camera.distortion",
+            calibration.distortion_tolerance_px,
+            bent_px(&Lens::forward(camera, drawn), camera.lens.distortion),
+        ),
         mapped_directions(scene, record),
     ]
     .into_iter()

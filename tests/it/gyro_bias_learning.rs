@@ -1,0 +1,109 @@
+//! The gyroscope's bias, learnt by the localizer between fixes of the heading, and unlearnt with a doubt.
+
+use localizer::{
+    Constraint, Contractor, Interval, Localizer, Map, Method, Outcome, PoseBox, PoseUnion, Reading,
+    method::{Assumption, Twist},
+    robot::GyroModel,
+};
+
+use crate::range_landmarks_setup::robot;
+
+const BIAS_RAD_PER_S: f64 = 0.0042;
+const FIX_RAD: f64 = 0.002;
+const NOISE_RAD_PER_S: f64 = 0.0005;
+
+/// Says at each range reading that the heading is near 0, from `wrong_from_s` on that it is near 0.3.
+struct Compass {
+    wrong_from_s: f64,
+}
+
+struct Heading(Interval);
+
+impl Contractor<3> for Heading {
+    fn contract(&self, domain: &mut PoseBox) -> Outcome {
+        domain[2] = domain[2].intersect(self.0);
+        if domain.is_empty() { Outcome::Empty("another heading") } else { Outcome::Feasible }
+    }
+}
+
+impl Method for Compass {
+    fn name(&self) -> &'static str {
+        "compass"
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Range { .. })
+    }
+
+    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+        let says_rad = if reading.measured_s() < self.wrong_from_s { 0.0 } else { 0.3 };
+        Some(Constraint {
+            method: self.name(),
+            stamp_s: reading.measured_s(),
+            on_pose: Box::new(Heading(Interval::centred(says_rad, FIX_RAD))),
+            relies_on: Vec::<Assumption>::new(),
+            claims: Vec::new(),
+            q_items: 0,
+            rejected_px: Vec::new(),
+            decides: true,
+            alone_heading_rad: None,
+        })
+    }
+}
+
+/// A robot that stands still, with a fix every second from a stamp that no gyroscope's period ends at.
+fn biases(lasts_s: f64, wrong_from_s: f64, wander_rad_per_s2: Option<f64>) -> Vec<Interval> {
+    let mut robot = robot(0, 1);
+    robot.gyro = Some(GyroModel {
+        bias_rad_per_s: Interval::centred(0.0, 0.01),
+        scale: Interval::centred(1.0, 0.002),
+        noise_rad_per_s: NOISE_RAD_PER_S,
+        period_s: 0.01,
+    });
+    // Wheels that slip at will: only fixes tell of the turn.
+    robot.wheels.slip_floor_m = 0.01;
+    let room = Interval::new(-5.0, 5.0);
+    let map = Map { room_m: [room, room], tiles: None, markers: None, wall_directions_rad: Vec::new() };
+    let start = PoseBox::from([Interval::ZERO, Interval::ZERO, Interval::centred(0.0, FIX_RAD)]);
+    let mut localizer = Localizer::new(map, robot, vec![Box::new(Compass { wrong_from_s })], start);
+    if let Some(wander) = wander_rad_per_s2 {
+        localizer = localizer.learning_gyro_bias(wander);
+    }
+    let mut known = Vec::new();
+    for step in 1..=(lasts_s * 100.0) as usize {
+        let time_s = step as f64 * 0.01;
+        let noise = if step % 3 == 0 { NOISE_RAD_PER_S } else { -0.9 * NOISE_RAD_PER_S };
+        let rate_rad_per_s = BIAS_RAD_PER_S + noise;
+        localizer.observe(&Reading::Gyro { measured_s: time_s, arrived_s: time_s, rate_rad_per_s });
+        localizer.observe(&Reading::Wheels { measured_s: time_s, arrived_s: time_s, ticks: [0; 2] });
+        if step % 100 == 0 {
+            let measured_s = time_s - 0.0043;
+            localizer.observe(&Reading::Range { measured_s, arrived_s: time_s, sightings: Vec::new() });
+            known.push(localizer.gyro_bias_rad_per_s().unwrap());
+        }
+    }
+    known
+}
+
+#[test]
+fn fixes_of_the_heading_narrow_the_bias_to_noise_and_width_over_time() {
+    let known = biases(20.0, f64::INFINITY, Some(0.0));
+    assert!(known.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{known:?}");
+    // From the first fix to the last 19 s pass: noise, and half a fix at either end, each way; a little for parts of periods.
+    let expected = 2.0 * (NOISE_RAD_PER_S + 2.0 * FIX_RAD / 19.0);
+    let width = known[19].width();
+    assert!(width <= 1.05 * expected && width > 0.5 * expected, "{width} rad/s wide, expected {expected}");
+    assert_eq!(biases(3.0, f64::INFINITY, None)[2], Interval::centred(0.0, 0.01));
+    // A bias that wanders is known no better than it wanders since.
+    let wandering = biases(20.0, f64::INFINITY, Some(1e-4));
+    assert!(wandering.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)) && wandering[19].width() > 1.3 * width);
+}
+
+#[test]
+fn a_doubt_takes_back_what_the_last_seconds_taught_of_the_bias() {
+    let known = biases(20.0, 19.5, Some(0.0));
+    // The doubt at 20 s goes 3 s back.
+    assert!(known[19].width() > known[18].width(), "{known:?}");
+    assert!(known[19].width() <= known[15].width() + 1e-12, "{known:?}");
+    assert!(known.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{known:?}");
+}
