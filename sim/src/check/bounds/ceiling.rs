@@ -103,12 +103,15 @@ fn errors_of(marker: &Marker, drawn: &DrawnMarker, nominal_height_m: f64) -> [f6
         let [dot_x_m, dot_y_m] = [x_m + cos * along_m - sin * across_m, y_m + sin * along_m + cos * across_m];
         (dot.centre_in_world.x - dot_x_m).hypot(dot.centre_in_world.y - dot_y_m)
     });
-    [
+    // A tolerance of 0 is one: what rounding leaves is not beyond it.
+    const ROUNDING: f64 = 1e-12;
+    let errors = [
         (x_m - marker.x_m).hypot(y_m - marker.y_m),
         turned.sin().atan2(turned.cos()).abs(),
         off_m.fold(0.0, f64::max),
         (drawn.height_m - nominal_height_m).abs(),
-    ]
+    ];
+    errors.map(|error| (error - ROUNDING).max(0.0))
 }
 
 /// The two parts of a small turn: by how much it tips the vertical, and by how much it turns about it.
