@@ -222,7 +222,8 @@ fn an_error_before_the_lean_turns_by_no_more_than_the_heading_allows_for() {
             ..camera
         });
         let room = Interval::new(-20.0, 20.0);
-        let map = Map { room_m: [room, room], tiles: None, markers: Some(paper_map()) };
+        let map =
+            Map { room_m: [room, room], tiles: None, markers: Some(paper_map()), wall_directions_rad: Vec::new() };
         let allowed = CeilingMarkers::new(&map, &robot).expect("a camera and a marker").yaw_error();
         let about = random.between(-3.2, 3.2);
         let error = Rotation3::new(Vector3::new(about.cos(), about.sin(), 0.0) * tilt_rad);
