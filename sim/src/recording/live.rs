@@ -47,6 +47,8 @@ impl LiveServer {
             .name("wherein")
             .bind(address.ip().to_string(), address.port())
             .capabilities([Capability::Time])
+            // A viewer that is slow for some seconds misses nothing.
+            .message_backlog_size(8192)
             .context(&context);
         let handle = server.start_blocking().map_err(|source| LiveError { address, source })?;
         let address = SocketAddr::new(address.ip(), handle.port());

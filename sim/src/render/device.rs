@@ -157,7 +157,7 @@ mod tests {
         @compute @workgroup_size(64)
         fn count(@builtin(global_invocation_id) id: vec3<u32>) {
             var word = id.x;
-            for (var round = 0u; round < 3000000u; round++) {
+            for (var round = 0u; round < 30000000u; round++) {
                 word = word * 1664525u + words[(word + round) % 64u];
             }
             words[id.x % 64u] = word;
