@@ -36,9 +36,8 @@ pub const RELIES_ON: [Assumption; 8] = [
 pub const IMAGES: usize = 10;
 /// Of which as many may have more wrong edges than their q.
 pub const WRONG_IMAGES: usize = 2;
-/// Fewer edges say nothing. Two that agree to a degree or two hardly do so by chance, as clutter is left out and images of two that
-/// do not agree are too.
-const FEWEST_LINES: usize = 2;
+/// Fewer edges say nothing: of two neither may be wrong, and where people walk two agree by chance now and then.
+const FEWEST_LINES: usize = 3;
 /// An edge that would turn the robot by more beyond what the prior allows is clutter: no claim is made of it.
 const CLUTTER_RAD: f64 = 0.1745;
 /// A new direction needs as many edges that agree.
