@@ -156,7 +156,8 @@ impl WallDirections {
             }
         }
         let is_enough = seen.azimuths_rad.len() >= FEWEST_LINES;
-        if !is_enough && !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
+        let may_learn = self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN;
+        if !(is_enough || may_learn) {
             return None;
         }
         let q_items = wrong_lines(seen.azimuths_rad.len());
@@ -212,7 +213,7 @@ impl Method for WallDirections {
                 motion(seen.stamp_s, stamp_s).map(|moved| moved[2])
             };
             if let Some(turn) = turn.filter(|turn| !turn.is_empty()) {
-                seen.azimuths_rad.iter_mut().for_each(|azimuth| *azimuth = *azimuth - turn);
+                seen.azimuths_rad.iter_mut().for_each(|azimuth| *azimuth -= turn);
                 seen.stamp_s = stamp_s;
                 self.seen.push_back(seen);
             }

@@ -21,7 +21,7 @@ pub use segments::Segment;
 use nalgebra::Vector3;
 use vanishing::Equalisation;
 
-/// Rounds of the rolling guidance filter; the paper's reference [41] finds that four suffice.
+/// Rounds of the rolling guidance filter; the paper's reference 41 finds that four suffice.
 pub const ROUNDS: usize = 4;
 /// Spatial standard deviation of the filter in pixels of the picture it is given.
 const GUIDANCE_PX: f32 = 2.5;

@@ -68,6 +68,9 @@ impl Edges {
     }
 }
 
+/// A corner and the two sides from it.
+type Rectangle = (Point3<f64>, Vector3<f64>, Vector3<f64>);
+
 /// Edges of all panels and lamps, cut as their faces are, so that a rolling shutter bends both alike. What stands out from
 /// walls comes last: its edges hide those just behind it.
 pub(super) fn of_building(building: &Building, lighting: &Lighting) -> (Vec<EdgeOnDevice>, Edges) {
@@ -79,7 +82,7 @@ pub(super) fn of_building(building: &Building, lighting: &Lighting) -> (Vec<Edge
         }
         Shape::Point { .. } => None,
     });
-    let of_rectangle = |(panel, (corner, along, up)): (Option<usize>, (Point3<f64>, Vector3<f64>, Vector3<f64>))| {
+    let of_rectangle = |(panel, (corner, along, up)): (Option<usize>, Rectangle)| {
         let sides = [(corner, along), (corner + along, up), (corner + along + up, -along), (corner + up, -up)];
         sides.into_iter().flat_map(move |(start, side)| {
             let count = cells_along(side.norm());
