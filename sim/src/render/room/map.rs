@@ -41,11 +41,16 @@ impl LensMap {
         }
         // Interpolation looks one pixel further, and defocus its radius.
         let margin_px = 2.0 + (0.5 * lens.defocus_px).ceil();
-        let size = [0, 1].map(|axis| (high[axis] - low[axis] + 2.0 * margin_px).ceil() + 1.0);
+        // At the principal point pixels of the plate lie on pixels of the sensor. What interpolation does where the plate is stretched is then
+        // the same on both sides of it, as a lens's own bend is, and not like a lens that is off its centre.
+        let centre_px = [0, 1].map(|axis| {
+            let at_px = lens.principal_point_px[axis];
+            at_px + (margin_px - low[axis] - at_px).ceil()
+        });
+        let size = [0, 1].map(|axis| (centre_px[axis] + high[axis] + margin_px).ceil() + 1.0);
         if (0..2).any(|axis| size[axis] > WIDEST_PLATE * f64::from(lens.size_px[axis]) + 100.0) {
             return Err(RenderError::BadView("its lens distorts so much that the image's edges look sideways"));
         }
-        let centre_px = [0, 1].map(|axis| margin_px - low[axis]);
         let on_plate = |place: &[f64; 2]| [0, 1].map(|axis| (place[axis] + centre_px[axis]) as f32);
         Ok(LensMap {
             size_px: size.map(|side| side as u32),
