@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use crate::{drawn::Drawn, render::Renderer, scene::Scene, still::views_at};
 
-    /// A loop whose length only the device knows: some seconds of work.
+    /// A long loop. Software drivers end a loop after 65 535 rounds, so that many workgroups make it last: 0.7 s on two cores.
     const SLOW: &str = "
         @group(0) @binding(0) var<storage, read_write> words: array<u32>;
         @compute @workgroup_size(64)
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_driver_that_does_not_answer_ends_in_an_error_in_time() {
-        let graphics = Graphics { patience: Duration::from_millis(50), ..Graphics::open(None).unwrap() };
+        let graphics = Graphics { patience: Duration::from_millis(1), ..Graphics::open(None).unwrap() };
         let device = &graphics.device;
         let source = wgpu::ShaderSource::Wgsl(SLOW.into());
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -191,14 +191,14 @@ mod tests {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &bindings, &[]);
-        pass.dispatch_workgroups(8, 1, 1);
+        pass.dispatch_workgroups(256, 1, 1);
         drop(pass);
         let submission = graphics.queue.submit([encoder.finish()]);
         let began = Instant::now();
         let outcome = graphics.wait(submission);
-        assert!(began.elapsed() < Duration::from_secs(1), "{:?}", began.elapsed());
+        assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
         let message = outcome.unwrap_err().to_string();
-        assert_eq!(message, "draw a picture: the graphics driver did not answer within 0.05 s");
+        assert_eq!(message, "draw a picture: the graphics driver did not answer within 0.001 s");
     }
 
     #[test]
