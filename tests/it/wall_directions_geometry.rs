@@ -225,3 +225,51 @@ fn images_are_carried_by_the_turn_between_them() {
     assert!(branches.iter().any(|branch| branch[2].contains(1.0)), "{branches:?}");
     assert!(branches.iter().map(|branch| branch[2].width()).sum::<f64>() < 0.06, "{branches:?}");
 }
+
+/// The ends of a level edge of the world from one place to another, seen without error.
+fn rail(truth: &TrueCamera, heading_rad: f64, from: [f64; 3], to: [f64; 2]) -> EdgeLine {
+    let seen = |[x, y, z]: [f64; 3]| {
+        let in_robot = Rotation3::from_axis_angle(&Vector3::z_axis(), -heading_rad) * Vector3::new(x, y, z);
+        truth.pixel(in_robot).unwrap()
+    };
+    EdgeLine { ends_px: [seen(from), seen([to[0], to[1], from[2]])], bound_px: BOUND_PX }
+}
+
+#[test]
+fn both_rims_of_a_board_that_hangs_askew_are_one_wrong_edge_not_two() {
+    let truth = TrueCamera::draw(&mut ChaCha8Rng::seed_from_u64(6));
+    // The foot and the head of a wall 3 m ahead, a shelf at its right, and the two rims of a board in its middle, 2 degrees askew.
+    let wall = |z: f64| rail(&truth, 0.0, [3.0, 1.2, z], [3.0, -1.2]);
+    let shelf = rail(&truth, 0.0, [2.0, -0.9, 0.9], [3.0, -0.9]);
+    let rim = |z: f64| rail(&truth, 0.0, [2.95 - 0.6 * 0.035, 0.6, z], [2.95 + 0.6 * 0.035, -0.6]);
+    let edges = [wall(1.9), wall(1.3), shelf, rim(0.66), rim(0.70)];
+    let mut walls = method(&[0.0], false);
+    let constraint = walls.constraint(0.0, &edges, &union(0.0, 0.05)).unwrap();
+    let claimed = |edge: &EdgeLine| {
+        let is_it = |claim: &Claim| matches!(claim, Claim::WallLine { ends_px, .. } if *ends_px == edge.ends_px);
+        constraint.claims.iter().any(is_it)
+    };
+    assert_eq!(edges.map(|edge| claimed(&edge))[..3], [true; 3], "{:?}", constraint.claims);
+    assert_eq!(usize::from(claimed(&edges[3])) + usize::from(claimed(&edges[4])), 1, "{:?}", constraint.claims);
+    // With both of them and q = 1 of 5, two wrong edges would have been more than declared.
+    let headings = fixed(&mut method(&[0.0], false), &edges, &union(0.0, 0.05)).unwrap();
+    assert!(holds(&headings, 0.0), "{headings:?}");
+}
+
+#[test]
+fn edges_a_little_askew_are_clutter_unless_hardly_any_other_is_there() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let truth = TrueCamera::draw(&mut rng);
+    let ahead =
+        |heading_rad: f64, heights: [f64; 5]| heights.map(|z| rail(&truth, heading_rad, [4.0, 1.0, z], [4.0, -1.0]));
+    let (straight, askew) = (ahead(0.0, [0.7, 1.1, 1.5, 1.9, 2.3]), ahead(0.13, [0.9, 1.3, 1.7, 2.1, 2.5]));
+    let n_claims = |edges: &[EdgeLine]| {
+        let claims = method(&[0.0], false).constraint(0.0, edges, &union(0.0, 0.01)).map(|found| found.claims);
+        claims.map_or(0, |claims| claims.len())
+    };
+    assert_eq!(n_claims(&straight), 5);
+    assert_eq!(n_claims(&[&straight[..], &askew[..2]].concat()), 5);
+    // Where all that is seen stands seven degrees off, the prior may be what is wrong.
+    assert_eq!(n_claims(&askew[..4]), 0, "four are too few");
+    assert_eq!(n_claims(&askew), 5);
+}

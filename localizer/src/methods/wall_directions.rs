@@ -6,6 +6,7 @@
 //! an image's edges may run along none of the directions, and at most [`WRONG_IMAGES`] of the last [`IMAGES`] images may have
 //! more such edges. Directions that no map tells of are learnt as intervals, as wide as the heading was when they were seen.
 
+mod distinct;
 mod headings;
 mod sight;
 
@@ -39,7 +40,16 @@ pub const WRONG_IMAGES: usize = 2;
 /// Fewer edges say nothing: of two neither may be wrong, and where people walk two agree by chance now and then.
 const FEWEST_LINES: usize = 3;
 /// An edge that would turn the robot by more beyond what the prior allows is clutter: no claim is made of it.
-const CLUTTER_RAD: f64 = 0.1745;
+const CLUTTER_RAD: f64 = 0.0524;
+/// Where fewer than [`FEWEST_LINES`] edges are as near as that, a prior that is wrong itself shows in edges up to this far off,
+const FAR_RAD: f64 = 0.1745;
+/// if they are so many.
+const FEWEST_FAR: usize = 5;
+/// An image from where the last one held was taken shows the same edges, the wrong ones too, and says nothing new: the robot has to
+/// have moved so far,
+const NEW_PLACE_M: f64 = 0.03;
+/// or to have turned so far.
+const NEW_PLACE_RAD: f64 = 0.05;
 /// A new direction needs as many edges that agree.
 const FEWEST_TO_LEARN: usize = 5;
 /// A direction is learnt when it is known so well, and no known one is as near.
@@ -99,6 +109,8 @@ struct Seen {
     stamp_s: f64,
     /// Directions from robot forward, as the robot stands at the latest stamp.
     azimuths_rad: Vec<Interval>,
+    /// How the robot has moved since, in the middle: forward, left, and turned.
+    moved: [f64; 3],
 }
 
 impl WallDirections {
@@ -134,16 +146,23 @@ impl WallDirections {
 
     /// What edges found in an image of `stamp_s` say of the pose; `None` when they are too few.
     pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
-        let heading = prior.hull()[2];
-        let about = Interval::centred(heading.mid(), heading.radius() + CLUTTER_RAD);
         let directions_rad = self.directions_rad();
+        let azimuth = |line: &EdgeLine| {
+            let azimuth = sight::azimuth(line, &self.camera, self.body_tilt_rad)?;
+            Some(azimuth.inflate(self.stamp_turn_rad))
+        };
+        let mut sighted: Vec<(EdgeLine, Option<Interval>)> = lines.iter().map(|line| (*line, azimuth(line))).collect();
+        let kept = distinct::distinct(&sighted, self.camera.focal_px.mid());
+        for ((_, azimuth), kept) in sighted.iter_mut().zip(kept) {
+            *azimuth = azimuth.filter(|_| kept);
+        }
+        let about = about(prior.hull()[2], &sighted, &directions_rad);
         let (mut used, mut rejected_px, mut seen) =
-            (Vec::new(), Vec::new(), Seen { stamp_s, azimuths_rad: Vec::new() });
+            (Vec::new(), Vec::new(), Seen { stamp_s, azimuths_rad: Vec::new(), moved: [0.0; 3] });
         self.strange_rad.clear();
         self.latest_s = stamp_s;
-        for line in lines {
-            let azimuth = sight::azimuth(line, &self.camera, self.body_tilt_rad);
-            match azimuth.map(|azimuth| azimuth.inflate(self.stamp_turn_rad)) {
+        for (line, azimuth) in &sighted {
+            match *azimuth {
                 Some(azimuth) if headings::of_line(azimuth, &directions_rad, about).is_empty() => {
                     self.strange_rad.push(azimuth);
                     rejected_px.push(segment_px(line));
@@ -189,6 +208,14 @@ impl WallDirections {
         })
     }
 
+    /// Whether the robot stands elsewhere than at the last image held.
+    fn is_new_place(&self) -> bool {
+        self.seen.back().is_none_or(|last| {
+            let [forward_m, left_m, turned_rad] = last.moved;
+            forward_m.hypot(left_m) >= NEW_PLACE_M || turned_rad.abs() >= NEW_PLACE_RAD
+        })
+    }
+
     /// The building's directions as known now, modulo quarter turns.
     pub fn directions_rad(&self) -> Vec<Interval> {
         self.directions.iter().map(|direction| direction.direction_rad).collect()
@@ -207,13 +234,16 @@ impl Method for WallDirections {
     fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
         for mut seen in std::mem::take(&mut self.seen) {
             // An image that the memory of motion does not reach is given up.
-            let turn = if seen.stamp_s == stamp_s {
-                Some(Interval::ZERO)
+            let moved = if seen.stamp_s == stamp_s {
+                Some([Interval::ZERO; 3])
             } else {
-                motion(seen.stamp_s, stamp_s).map(|moved| moved[2])
+                motion(seen.stamp_s, stamp_s).map(|moved| [moved[0], moved[1], moved[2]])
             };
-            if let Some(turn) = turn.filter(|turn| !turn.is_empty()) {
-                seen.azimuths_rad.iter_mut().for_each(|azimuth| *azimuth -= turn);
+            if let Some(moved) = moved.filter(|moved| !moved.iter().any(|part| part.is_empty())) {
+                seen.azimuths_rad.iter_mut().for_each(|azimuth| *azimuth -= moved[2]);
+                for (sum, part) in seen.moved.iter_mut().zip(moved) {
+                    *sum += part.mid();
+                }
                 seen.stamp_s = stamp_s;
                 self.seen.push_back(seen);
             }
@@ -222,6 +252,9 @@ impl Method for WallDirections {
 
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Forward, image, .. } = reading else { return None };
+        if !self.is_new_place() {
+            return None;
+        }
         let picture = Picture::from(image);
         let by_paper =
             |equalisation| forward::detect_as_printed(&picture, equalisation, |pixel| sight::ray(pixel, &self.camera));
@@ -270,6 +303,17 @@ impl Method for WallDirections {
 fn segment_px(line: &EdgeLine) -> [f64; 4] {
     let [[u0, v0], [u1, v1]] = line.ends_px;
     [u0, v0, u1, v1]
+}
+
+/// The headings at which edges are claimed: near the prior's, or farther off where hardly any edge is near and many are not.
+fn about(heading: Interval, sighted: &[(EdgeLine, Option<Interval>)], directions_rad: &[Interval]) -> Interval {
+    let within = |beyond_rad: f64| Interval::centred(heading.mid(), heading.radius() + beyond_rad);
+    let count = |about: Interval| {
+        let azimuths = sighted.iter().filter_map(|(_, azimuth)| *azimuth);
+        azimuths.filter(|azimuth| !headings::of_line(*azimuth, directions_rad, about).is_empty()).count()
+    };
+    let (near, far) = (within(CLUTTER_RAD), within(FAR_RAD));
+    if count(near) < FEWEST_LINES && count(far) >= FEWEST_FAR { far } else { near }
 }
 
 /// At most this many of an image's edges run along none of the directions: on rendered rooms with people and boxes at odd angles,
