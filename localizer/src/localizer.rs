@@ -252,7 +252,7 @@ impl Localizer {
                 accounts.push(Account::absent(self.methods[idx].name(), prior.clone()));
                 continue;
             };
-            let mut account = self.hang(constraint);
+            let mut account = self.hang(constraint, prior.clone());
             if self.doubt.is_none() {
                 let (wheels, robot, slip) = (&self.wheels, &self.robot, &self.slip);
                 self.methods[idx].learn(&account.posterior, &|from_s, to_s| {
@@ -301,10 +301,10 @@ impl Localizer {
         Some(self.inside_room(moved_union(union, &motion)))
     }
 
-    /// Hangs a constraint on its stamp and brings every later slot up to date.
-    fn hang(&mut self, constraint: Constraint) -> Account {
+    /// Hangs a constraint on its stamp, where `prior` was known, and brings every later slot up to date.
+    fn hang(&mut self, constraint: Constraint, prior: PoseUnion) -> Account {
         let stamp_s = constraint.stamp_s;
-        let mut account = Account::of(&constraint);
+        let mut account = Account::of(&constraint, prior);
         for assumption in &constraint.relies_on {
             if !self.relies_on.contains(assumption) {
                 self.relies_on.push(assumption);

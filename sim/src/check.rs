@@ -6,6 +6,7 @@ mod errands;
 mod judge;
 mod landmarks;
 mod markers;
+mod methods;
 mod statistics;
 mod verdict;
 mod wall_directions;
@@ -17,20 +18,14 @@ pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use statistics::midpoint;
 pub use verdict::{
     AxisError, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable, FirstFailure,
-    FixWidth, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
+    FixWidth, Halvings, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
 };
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
-use localizer::{
-    Pose, Status,
-    methods::wall_directions::{IMAGES, WRONG_IMAGES},
-};
+use localizer::{Pose, Status};
 
-use crate::{
-    run::{ImageRecord, RunRecord},
-    scene::Scene,
-};
+use crate::{run::RunRecord, scene::Scene};
 
 /// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
 pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
@@ -40,7 +35,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let (containment, judgements) = judge::containment(
         record,
         &violations,
-        &misperceived(record, &false_claims),
+        &methods::misperceived(record, &false_claims),
         &false_claims,
         &landmarks::misled(scene, record),
     );
@@ -58,7 +53,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
         },
         width: statistics::widths(record),
         availability: availability(scene, record),
-        methods: method_counts(record, &false_claims),
+        methods: methods::counts(record, &false_claims),
         baselines,
         metrics: metrics(scene, record),
         verdict: Passed::default(),
@@ -114,19 +109,6 @@ fn availability(scene: &Scene, record: &RunRecord) -> f64 {
     share(available.count(), record.estimates.len())
 }
 
-fn method_counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<String, MethodCounts> {
-    let mut counts: BTreeMap<String, MethodCounts> = BTreeMap::new();
-    for (image, &n_false) in record.images.iter().zip(false_claims) {
-        let count = counts.entry(image.method.to_string()).or_default();
-        count.readings += 1;
-        count.constraints += usize::from(image.constrained);
-        count.empty += usize::from(image.emptied);
-        count.claims += image.claims.len();
-        count.false_claims += n_false;
-    }
-    counts
-}
-
 /// What helps to understand a run besides: how far it drove, how many branches there were, how long it was in doubt or outside.
 fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     let distance_m: f64 = record
@@ -165,27 +147,6 @@ fn longest_outside_s(record: &RunRecord) -> f64 {
         }
     }
     longest_s
-}
-
-/// For each image whether its method's declaration of wrong claims is broken with it: too many in the image, or for `wall_directions`
-/// too many such images of those that it holds together.
-fn misperceived(record: &RunRecord, false_claims: &[usize]) -> Vec<bool> {
-    let too_many = |image: &ImageRecord, n_false: usize| n_false > image.q_items;
-    let mut held: VecDeque<bool> = VecDeque::new();
-    let judged = record.images.iter().zip(false_claims).map(|(image, &n_false)| {
-        if image.method != "wall_directions" {
-            return too_many(image, n_false);
-        }
-        if !image.constrained {
-            return false;
-        }
-        held.push_back(too_many(image, n_false));
-        if held.len() > IMAGES {
-            held.pop_front();
-        }
-        held.back() == Some(&true) && held.iter().filter(|wrong| **wrong).count() > WRONG_IMAGES
-    });
-    judged.collect()
 }
 
 fn share(part: usize, whole: usize) -> f64 {

@@ -354,6 +354,7 @@ impl<'a> Recorder<'a> {
                 alone_heading_rad: account.alone_heading_rad,
                 constrained: account.constrained,
                 emptied: account.emptied,
+                prior: account.prior.hull(),
                 posterior: account.posterior,
                 landmarks: account.landmarks,
                 codes: codes.clone(),

@@ -1,4 +1,5 @@
-//! The result table: a line for each run, one for all seeds of a scene, one for each baseline.
+//! The result table: a line for each run, one for all seeds of a scene, one for each method where several share the work, and one for each
+//! baseline.
 
 use serde_json::Value;
 
@@ -30,9 +31,9 @@ pub struct Outcome {
 pub struct Line {
     /// Name of the scene.
     pub scene: String,
-    /// Seed, number of seeds, or name of a baseline.
+    /// Seed, number of seeds, or name of a method or baseline.
     pub run: String,
-    /// `passed`, `FAILED`, or how many passed; empty for a baseline.
+    /// `passed`, `FAILED`, or how many passed; empty for a method or baseline.
     pub verdict: String,
     /// What the cells show.
     pub figures: Figures,
@@ -79,12 +80,12 @@ fn scene_lines(scene: &str, runs: &[&Outcome], each_seed: bool) -> Vec<Line> {
         }));
     }
     let pooled = pool(&runs.iter().map(|run| &run.figures).collect::<Vec<_>>());
-    let baselines = pool::baselines(&pooled);
+    let parts = pool::methods(&pooled).into_iter().chain(pool::baselines(&pooled)).collect::<Vec<_>>();
     if runs.len() > 1 {
         let passed = runs.iter().filter(|run| run.passed).count();
         let verdict = format!("{passed}/{} passed", runs.len());
         lines.push(line(format!("{} seeds", runs.len()), verdict, pooled));
     }
-    lines.extend(baselines.into_iter().map(|(name, figures)| line(name, String::new(), figures)));
+    lines.extend(parts.into_iter().map(|(name, figures)| line(name, String::new(), figures)));
     lines
 }

@@ -136,11 +136,35 @@ fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
         rejected_px: Vec::new(),
         constrained: true,
         emptied: false,
+        prior: record.estimates[40].pose.hull(),
         posterior: record.estimates[40].pose.clone(),
         landmarks: Vec::new(),
         codes: Vec::new(),
         reading: None,
     }
+}
+
+#[test]
+fn what_a_method_halves_is_counted_at_its_readings() {
+    let scene = scene();
+    let mut record = record(&scene);
+    let wide = |x_m: f64, y_m: f64, heading_rad: f64| {
+        PoseBox::from([x_m, y_m, heading_rad].map(|r| Interval::centred(0.0, r)))
+    };
+    let seen = |constrained: bool, prior: PoseBox, posterior: PoseBox| ImageRecord {
+        constrained,
+        prior,
+        posterior: PoseUnion::single(posterior),
+        ..image(&record, Vec::new())
+    };
+    let fix = seen(true, wide(0.4, 0.4, f64::INFINITY), wide(0.1, 0.2, 0.01));
+    let none = seen(false, wide(0.4, 0.4, 0.4), wide(0.1, 0.1, 0.1));
+    let emptied =
+        ImageRecord { posterior: PoseUnion::default(), ..seen(true, wide(1.0, 1.0, 1.0), wide(1.0, 1.0, 1.0)) };
+    record.images = vec![fix, none, emptied];
+    let halved = &check(&scene, &record).methods["floor_tiles"].halved;
+    assert!((halved.x_m - 2.0).abs() < 1e-9 && (halved.y_m - 1.0).abs() < 1e-9, "{halved:?}");
+    assert_eq!(halved.heading_rad, 0.0, "what was unbounded is not counted");
 }
 
 #[test]

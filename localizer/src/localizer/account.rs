@@ -19,6 +19,8 @@ pub struct Account {
     pub constrained: bool,
     /// Whether it left nothing of the union.
     pub emptied: bool,
+    /// Union at the stamp without this reading.
+    pub prior: PoseUnion,
     /// Union at the stamp, just after.
     pub posterior: PoseUnion,
     /// Landmarks as the method knows them now: code, and box of world x and y.
@@ -26,7 +28,7 @@ pub struct Account {
 }
 
 impl Account {
-    pub(super) fn absent(method: &'static str, union: PoseUnion) -> Self {
+    pub(super) fn absent(method: &'static str, prior: PoseUnion) -> Self {
         Account {
             method,
             claims: Vec::new(),
@@ -35,12 +37,13 @@ impl Account {
             alone_heading_rad: None,
             constrained: false,
             emptied: false,
-            posterior: union,
+            posterior: prior.clone(),
+            prior,
             landmarks: Vec::new(),
         }
     }
 
-    pub(super) fn of(constraint: &Constraint) -> Self {
+    pub(super) fn of(constraint: &Constraint, prior: PoseUnion) -> Self {
         Account {
             method: constraint.method,
             claims: constraint.claims.clone(),
@@ -49,6 +52,7 @@ impl Account {
             alone_heading_rad: constraint.alone_heading_rad,
             constrained: true,
             emptied: false,
+            prior,
             posterior: PoseUnion::default(),
             landmarks: Vec::new(),
         }

@@ -240,6 +240,19 @@ pub struct MethodCounts {
     pub claims: usize,
     /// Claims that were false.
     pub false_claims: usize,
+    /// How many times over it halved the hull's width at its readings' stamps.
+    pub halved: Halvings,
+}
+
+/// How many times over widths were halved: the sum of log₂ of the width before over the width after.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Halvings {
+    /// Along world x.
+    pub x_m: f64,
+    /// Along world y.
+    pub y_m: f64,
+    /// Of the heading.
+    pub heading_rad: f64,
 }
 
 /// Whether the scene's expectations were met.

@@ -1,6 +1,6 @@
 //! What a run leaves for the check and the record.
 
-use localizer::{Claim, Estimate, Interval, Pose, PoseUnion, Reading, reading::LandmarkId};
+use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, reading::LandmarkId};
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth};
 
@@ -71,6 +71,8 @@ pub struct ImageRecord {
     pub constrained: bool,
     /// Whether the constraint emptied the union.
     pub emptied: bool,
+    /// Hull at the stamp without it.
+    pub prior: PoseBox,
     /// Union at the stamp just after the constraint.
     pub posterior: PoseUnion,
     /// Landmarks as the method knew them then: code, and box of world x and y.

@@ -25,8 +25,9 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 }
 
 /// All columns, from left to right. Errors are those of the worst third of a run; widths are full widths, the wider of
-/// x and y, averaged over the run and just after a fix.
-pub(super) const COLUMNS: [Column; 22] = [
+/// x and y, averaged over the run and just after a fix. A method's
+/// share of position and heading is of how often widths were halved.
+pub(super) const COLUMNS: [Column; 26] = [
     text("scene", |line| line.scene.clone()),
     text("run", |line| line.run.clone()),
     number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
@@ -42,6 +43,10 @@ pub(super) const COLUMNS: [Column; 22] = [
     number("at fix", "mm", |line| fixed(line, wider(&line.figures, "width.at_fix"))),
     number("at fix", "°", |line| fixed(line, show(line, "width.at_fix.heading_rad.mean", DEGREES, 2))),
     number("available", "%", |line| share(line.figures.get("availability"))),
+    number("readings", "", |line| show(line, "method.readings", 1.0, 0)),
+    number("fixes", "", |line| show(line, "method.constraints", 1.0, 0)),
+    number("of position", "%", |line| show(line, "method.position_share", 1e2, 1)),
+    number("of heading", "%", |line| show(line, "method.heading_share", 1e2, 1)),
     number("goals reached", "%", |line| share(goals_reached(&line.figures).as_ref())),
     number("arrival", "mm", |line| show(line, "metrics.arrival_error_mean_m", 1e3, 1)),
     number("off path p95", "mm", |line| show(line, "metrics.path_deviation_p95_m", 1e3, 1)),

@@ -32,6 +32,33 @@ pub(super) fn baselines(figures: &Figures) -> BTreeMap<String, Figures> {
     baselines
 }
 
+/// By name of each method in `figures`, its fixes and its share of all that was halved, where several methods share it.
+pub(super) fn methods(figures: &Figures) -> BTreeMap<String, Figures> {
+    let names = figures.keys().filter_map(|name| name.strip_prefix("methods.")?.strip_suffix(".constraints"));
+    let names: Vec<&str> = names.collect();
+    if names.len() < 2 {
+        return BTreeMap::new();
+    }
+    let halved = |method: &str, axes: &[&str]| -> f64 {
+        axes.iter().filter_map(|axis| figures.get(&format!("methods.{method}.halved.{axis}"))).sum()
+    };
+    let share = |method: &str, axes: &[&str]| {
+        let all: f64 = names.iter().map(|name| halved(name, axes)).sum();
+        if all > 0.0 { halved(method, axes) / all } else { 0.0 }
+    };
+    let part = |method: &&str| {
+        let count = |what: &str| figures.get(&format!("methods.{method}.{what}")).copied().unwrap_or(0.0);
+        let shares = [
+            ("method.readings", count("readings")),
+            ("method.constraints", count("constraints")),
+            ("method.position_share", share(method, &["x_m", "y_m"])),
+            ("method.heading_share", share(method, &["heading_rad"])),
+        ];
+        ((*method).to_owned(), shares.map(|(name, value)| (name.to_owned(), value)).into())
+    };
+    names.iter().map(part).collect()
+}
+
 fn combine(name: &str, values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let sum: f64 = values.iter().sum();
