@@ -248,7 +248,7 @@ struct TableArguments {
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
     /// Replace what stands between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document; in `<!-- results:begin
-    /// floor papers/floor -->` only scenes whose names begin so.
+    /// floor papers/floor --no-baselines -->` only scenes whose names begin so, without what others made of the same readings.
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
 }

@@ -9,7 +9,7 @@ mod columns;
 mod layout;
 mod pool;
 
-pub(crate) use pool::pool;
+pub(crate) use pool::{methods, pool};
 
 pub use layout::{as_markdown, as_text};
 
@@ -26,11 +26,24 @@ pub struct Outcome {
     pub figures: Figures,
 }
 
+/// What a line of the table is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One run, or all of a scene.
+    Runs,
+    /// A method's part in them.
+    Method,
+    /// What others made of the same readings.
+    Baseline,
+}
+
 /// One line of the table.
 #[derive(Clone, Debug)]
 pub struct Line {
     /// Name of the scene.
     pub scene: String,
+    /// What the line is about.
+    pub kind: Kind,
     /// Seed, number of seeds, or name of a method or baseline.
     pub run: String,
     /// `passed`, `FAILED`, or how many passed; empty for a method or baseline.
@@ -71,21 +84,29 @@ pub fn lines(outcomes: &[Outcome], each_seed: bool) -> Vec<Line> {
 }
 
 fn scene_lines(scene: &str, runs: &[&Outcome], each_seed: bool) -> Vec<Line> {
-    let line = |run: String, verdict: String, figures: Figures| Line { scene: scene.to_owned(), run, verdict, figures };
+    let line = |kind: Kind, run: String, verdict: String, figures: Figures| Line {
+        scene: scene.to_owned(),
+        kind,
+        run,
+        verdict,
+        figures,
+    };
     let mut lines = Vec::new();
     if each_seed || runs.len() == 1 {
         lines.extend(runs.iter().map(|run| {
             let verdict = if run.passed { "passed" } else { "FAILED" };
-            line(format!("seed {}", run.seed), verdict.to_owned(), run.figures.clone())
+            line(Kind::Runs, format!("seed {}", run.seed), verdict.to_owned(), run.figures.clone())
         }));
     }
     let pooled = pool(&runs.iter().map(|run| &run.figures).collect::<Vec<_>>());
-    let parts = pool::methods(&pooled).into_iter().chain(pool::baselines(&pooled)).collect::<Vec<_>>();
+    let (methods, baselines) = (pool::methods(&pooled), pool::baselines(&pooled));
     if runs.len() > 1 {
         let passed = runs.iter().filter(|run| run.passed).count();
         let verdict = format!("{passed}/{} passed", runs.len());
-        lines.push(line(format!("{} seeds", runs.len()), verdict, pooled));
+        lines.push(line(Kind::Runs, format!("{} seeds", runs.len()), verdict, pooled));
     }
-    lines.extend(parts.into_iter().map(|(name, figures)| line(name, String::new(), figures)));
+    for (kind, parts) in [(Kind::Method, methods), (Kind::Baseline, baselines)] {
+        lines.extend(parts.into_iter().map(|(name, figures)| line(kind, name, String::new(), figures)));
+    }
     lines
 }

@@ -7,13 +7,17 @@ use std::{
 
 use crate::{
     record::{self, naming},
-    table::{Outcome, as_markdown, lines},
+    table::{Kind, Outcome, as_markdown, lines},
 };
 
 use super::{CommandError, TableArguments, print};
 
-/// The line of a document after which a table stands begins so; before its `-->` it may name the beginnings of scenes' names.
+/// The line of a document after which a table stands begins so; before its `-->` it may name the beginnings of scenes' names,
+/// and say [`NO_BASELINES`].
 pub(super) const BEGIN: &str = "<!-- results:begin";
+
+/// Leaves the lines of baselines out.
+const NO_BASELINES: &str = "--no-baselines";
 
 /// The line of a document before which the table stands.
 pub(super) const END: &str = "<!-- results:end -->";
@@ -58,14 +62,17 @@ fn with_tables(text: &str, outcomes: &[Outcome]) -> Option<String> {
     for piece in pieces {
         let (beginnings, rest) = piece.split_once("-->")?;
         let (old, after) = rest.split_once(END)?;
-        let beginnings: Vec<&str> = beginnings.split_whitespace().collect();
+        let words: Vec<&str> = beginnings.split_whitespace().collect();
+        let (options, beginnings): (Vec<&str>, Vec<&str>) = words.iter().partition(|word| **word == NO_BASELINES);
         let is_wanted = |outcome: &&Outcome| {
             beginnings.is_empty() || beginnings.iter().any(|beginning| outcome.scene.starts_with(beginning))
         };
         let wanted: Vec<Outcome> = outcomes.iter().filter(is_wanted).cloned().collect();
         // A table of runs that are not here stays as it is.
-        let table = if wanted.is_empty() { old } else { &format!("\n\n{}\n", as_markdown(&lines(&wanted, false))) };
-        let marker = [BEGIN].into_iter().chain(beginnings).collect::<Vec<_>>().join(" ");
+        let mut shown = lines(&wanted, false);
+        shown.retain(|line| options.is_empty() || line.kind != Kind::Baseline);
+        let table = if wanted.is_empty() { old } else { &format!("\n\n{}\n", as_markdown(&shown)) };
+        let marker = [BEGIN].into_iter().chain(words).collect::<Vec<_>>().join(" ");
         updated += &format!("{marker} -->{table}{END}{after}");
         n_tables += 1;
     }

@@ -29,7 +29,7 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 /// share of position and heading is of how often widths were halved.
 pub(super) const COLUMNS: [Column; 26] = [
     text("scene", |line| line.scene.clone()),
-    text("run", |line| line.run.clone()),
+    text(RUN, |line| line.run.clone()),
     number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
     number("contained", "%", |line| share(line.figures.get("containment.contained_share"))),
     number("bound broken", "", |line| show(line, "containment.bound_broken", 1.0, 0)),
@@ -55,6 +55,9 @@ pub(super) const COLUMNS: [Column; 26] = [
     number("solved in", "µs", |line| show(line, "timing.solve_us", 1.0, 1)),
     text("verdict", |line| line.verdict.clone()),
 ];
+
+/// Heading of the column that names runs.
+pub(super) const RUN: &str = "run";
 
 /// Index of the column that names the scene.
 pub(super) const SCENE: usize = 0;

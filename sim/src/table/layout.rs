@@ -1,17 +1,33 @@
 //! The table as text for a terminal and as Markdown.
 
 use super::{
-    Line,
-    columns::{COLUMNS, Column, SCENE},
+    Kind, Line,
+    columns::{COLUMNS, Column, RUN, SCENE},
 };
 
-/// Aligned columns under a heading of two lines, with each scene's name above its lines.
+/// Aligned columns under a heading of two lines, with each scene's name above its lines: runs first, then methods, then baselines.
 pub fn as_text(lines: &[Line]) -> String {
-    let rows: Vec<Vec<String>> = lines.iter().map(cells).collect();
+    tables(lines).into_iter().map(|(kind, lines)| aligned(kind, &lines)).collect::<Vec<_>>().join("\n")
+}
+
+/// The same as Markdown tables.
+pub fn as_markdown(lines: &[Line]) -> String {
+    tables(lines).into_iter().map(|(kind, lines)| markdown(kind, &lines)).collect::<Vec<_>>().join("\n")
+}
+
+/// The lines of each kind, which fill other columns.
+fn tables(lines: &[Line]) -> Vec<(Kind, Vec<&Line>)> {
+    let of = |kind: Kind| (kind, lines.iter().filter(|line| line.kind == kind).collect::<Vec<_>>());
+    [Kind::Runs, Kind::Method, Kind::Baseline].map(of).into_iter().filter(|(_, lines)| !lines.is_empty()).collect()
+}
+
+fn aligned(kind: Kind, lines: &[&Line]) -> String {
+    let rows: Vec<Vec<String>> = lines.iter().map(|line| cells(line)).collect();
     // The scene has a line of its own, and a column that no line fills only takes room.
     let is_shown = |column: usize| column != SCENE && rows.iter().any(|row| !row[column].is_empty());
     let shown: Vec<usize> = (0..COLUMNS.len()).filter(|column| is_shown(*column)).collect();
-    let (upper, lower): (Vec<String>, Vec<String>) = COLUMNS.iter().map(heading_lines).unzip();
+    let (upper, lower): (Vec<String>, Vec<String>) =
+        COLUMNS.iter().map(|column| heading_lines(heading(column, kind), column.unit)).unzip();
     let width = |column: usize| {
         let texts = [&upper, &lower].into_iter().chain(&rows).map(|row| row[column].chars().count());
         texts.max().unwrap_or(0)
@@ -34,15 +50,14 @@ pub fn as_text(lines: &[Line]) -> String {
     text
 }
 
-/// A Markdown table.
-pub fn as_markdown(lines: &[Line]) -> String {
+fn markdown(kind: Kind, lines: &[&Line]) -> String {
     let row = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let heading = |column: &Column| match column.unit {
-        "" => column.heading.to_owned(),
-        unit => format!("{}, {unit}", column.heading),
+    let heading = |column: &Column| match (heading(column, kind), column.unit) {
+        (heading, "") => heading.to_owned(),
+        (heading, unit) => format!("{heading}, {unit}"),
     };
     let rule = |column: &Column| if column.is_text { ":--" } else { "--:" }.to_owned();
-    let rows: Vec<Vec<String>> = lines.iter().map(cells).collect();
+    let rows: Vec<Vec<String>> = lines.iter().map(|line| cells(line)).collect();
     let shown: Vec<usize> =
         (0..COLUMNS.len()).filter(|column| rows.iter().any(|row| !row[*column].is_empty())).collect();
     let shown_of = |cell: &dyn Fn(usize) -> String| row(shown.iter().map(|column| cell(*column)).collect());
@@ -52,11 +67,20 @@ pub fn as_markdown(lines: &[Line]) -> String {
     text
 }
 
+/// What a column is called: that of the runs' names holds names of methods or baselines in their tables.
+fn heading(column: &Column, kind: Kind) -> &'static str {
+    match (column.heading, kind) {
+        (RUN, Kind::Method) => "method",
+        (RUN, Kind::Baseline) => "baseline",
+        (heading, _) => heading,
+    }
+}
+
 /// A heading above its unit, or in two lines when it has several words and no unit.
-fn heading_lines(column: &Column) -> (String, String) {
-    match (column.unit, column.heading.split_once(' ')) {
+fn heading_lines(heading: &str, unit: &str) -> (String, String) {
+    match (unit, heading.split_once(' ')) {
         ("", Some((first, second))) => (first.to_owned(), second.to_owned()),
-        (unit, _) => (column.heading.to_owned(), unit.to_owned()),
+        (unit, _) => (heading.to_owned(), unit.to_owned()),
     }
 }
 

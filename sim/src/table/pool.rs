@@ -33,7 +33,7 @@ pub(super) fn baselines(figures: &Figures) -> BTreeMap<String, Figures> {
 }
 
 /// By name of each method in `figures`, its fixes and its share of all that was halved, where several methods share it.
-pub(super) fn methods(figures: &Figures) -> BTreeMap<String, Figures> {
+pub(crate) fn methods(figures: &Figures) -> BTreeMap<String, Figures> {
     let names = figures.keys().filter_map(|name| name.strip_prefix("methods.")?.strip_suffix(".constraints"));
     let names: Vec<&str> = names.collect();
     if names.len() < 2 {
