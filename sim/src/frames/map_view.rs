@@ -60,6 +60,10 @@ impl MapView {
                 // Joints are laid beyond the walls.
                 canvas.clipped(self.visible(&room), |canvas| self.draw_joints(canvas, tiles, laid));
             }
+            // What covers the floor hides its joints.
+            for region in scene.floor.regions.iter().filter(|region| region.covering.is_some()) {
+                canvas.fill(&self.rectangle(region.x_m, region.y_m), palette::REGION, 1.0);
+            }
             for stray in &scene.floor.strays {
                 let width_px = (stray.width_m * self.pixels_per_m).max(1.0);
                 canvas.line(self.place(stray.from_m), self.place(stray.to_m), width_px, palette::FAINT_INK);
