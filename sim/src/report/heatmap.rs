@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use maud::{Markup, PreEscaped, html};
 
-use super::{Group, MEASURES, Measure, Overview};
+use super::{Group, Measure, Overview};
 
 const WIDTH: f64 = 360.0;
 const LEFT: f64 = 74.0;
@@ -24,10 +24,10 @@ struct Axis {
     values: Vec<String>,
 }
 
-/// Heatmaps of containment, width and error over the first two keys that vary; nothing when none varies.
+/// Heatmaps of containment, width, error and goals reached over the first two keys that vary; nothing when none varies.
 pub(super) fn heatmaps(overview: &Overview) -> Option<Markup> {
     let plane = plane(overview)?;
-    let shown = ["contained", "width", "error"];
+    let shown = ["contained", "width", "error", "goals"];
     let others: Vec<&String> = overview.keys.iter().skip(2).collect();
     Some(html! {
         h2 { "Where" }
@@ -41,7 +41,7 @@ pub(super) fn heatmaps(overview: &Overview) -> Option<Markup> {
             "."
         }
         div.plots {
-            @for measure in MEASURES.iter().filter(|measure| shown.contains(&measure.name)) {
+            @for measure in overview.measures().filter(|measure| shown.contains(&measure.name)) {
                 figure {
                     figcaption { strong { (measure.name) } ", " (measure.unit) " " span { "– " (measure.meaning) } }
                     (PreEscaped(heatmap(overview, &plane, measure)))
@@ -116,14 +116,19 @@ fn value(overview: &Overview, plane: &Plane, measure: &Measure, column: usize, r
     }
 }
 
-/// Colour and its share, from 0 to 1. What is not contained stands out; other figures grow darker with their size.
+/// Colour and its share, from 0 to 1. What is not contained stands out, and so do goals missed; other figures grow darker with their size.
 fn tone(measure: &Measure, value: Option<f64>, all: &[Option<f64>]) -> Option<(&'static str, f64)> {
     let value = value?;
-    if measure.name == "contained" {
+    let worst_lacks = match measure.name {
+        "contained" => Some(10.0),
+        "goals" => Some(100.0),
+        _ => None,
+    };
+    if let Some(worst_lacks) = worst_lacks {
         return Some(if value >= 100.0 {
             ("--contained", 0.28)
         } else {
-            ("--unsound", 0.45 + 0.55 * ((100.0 - value) / 10.0).min(1.0))
+            ("--unsound", 0.45 + 0.55 * ((100.0 - value) / worst_lacks).min(1.0))
         });
     }
     let known = || all.iter().flatten().copied().filter(|value| *value > 0.0);

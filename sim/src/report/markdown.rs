@@ -2,7 +2,7 @@
 
 use crate::results::{CaseResult, Replay, Results};
 
-use super::{Group, MEASURES, Overview, text::first_outside};
+use super::{Group, Overview, text::first_outside};
 
 /// A job's summary may have a megabyte; nobody reads more rows than this.
 const MOST_GROUPS: usize = 100;
@@ -44,14 +44,14 @@ fn table(overview: &Overview) -> String {
     headings.extend(overview.has_scenes.then(|| "scene".to_owned()));
     headings.extend(overview.keys.iter().cloned());
     headings.push("passed".to_owned());
-    headings.extend(MEASURES.iter().map(|measure| format!("{}, {}", measure.name, measure.unit)));
+    headings.extend(overview.measures().map(|measure| format!("{}, {}", measure.name, measure.unit)));
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let row = |group: &Group| {
         let mut cells: Vec<String> = Vec::new();
         cells.extend(overview.has_scenes.then(|| inline(&group.scene)));
         cells.extend(overview.keys.iter().map(|key| inline(&group.value(key))));
         cells.push(format!("{}/{}", group.n_passed, group.n_cases));
-        cells.extend(MEASURES.iter().map(|measure| measure.of(&group.figures)));
+        cells.extend(overview.measures().map(|measure| measure.of(&group.figures)));
         line(cells)
     };
     let rule = headings.iter().map(|_| "--:".to_owned()).collect();

@@ -17,8 +17,8 @@ pub struct Measure {
     pub digits: usize,
 }
 
-/// What is contained, how wide the boxes are, how far off their midpoints, and how often they are good enough.
-pub const MEASURES: [Measure; 4] = [
+/// What is contained, how wide the boxes are, how far off their midpoints, how often they are good enough, and what came of errands.
+pub const MEASURES: [Measure; 5] = [
     Measure {
         name: "contained",
         unit: "%",
@@ -49,6 +49,16 @@ pub const MEASURES: [Measure; 4] = [
         meaning: "share of steps that are sound and narrower than the scene declares",
         value: |figures| scaled(figures, "availability", 1e2),
         digits: 2,
+    },
+    Measure {
+        name: "goals",
+        unit: "%",
+        meaning: "share of the errands' goals that were reached",
+        value: |figures| {
+            let errands = figures.get("metrics.errands").filter(|errands| **errands > 0.0)?;
+            Some(scaled(figures, "metrics.goals_reached", 1e2)? / errands)
+        },
+        digits: 1,
     },
 ];
 

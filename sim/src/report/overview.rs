@@ -1,5 +1,6 @@
 //! Counts, combinations and the order of badness.
 
+use super::{MEASURES, Measure};
 use crate::{
     figures::Figures,
     results::{CaseResult, Results},
@@ -102,6 +103,11 @@ impl Overview {
         ];
         let told: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
         format!("Of {n_cases} {cases}, {}", told.join(", "))
+    }
+
+    /// The measures that any case has.
+    pub fn measures(&self) -> impl Iterator<Item = &'static Measure> + '_ {
+        MEASURES.iter().filter(|measure| (measure.value)(&self.figures).is_some())
     }
 
     /// Steps judged, and those that were not contained by their cause.

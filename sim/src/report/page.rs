@@ -6,11 +6,13 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::{
     check::Judgement,
+    figures::Figures,
     results::{CaseResult, Replay, Results},
+    table,
 };
 
 use super::{
-    MEASURES, Overview, corridor,
+    Overview, corridor,
     diagram::Diagram,
     heatmap::heatmaps,
     picture,
@@ -47,6 +49,7 @@ pub fn as_html(overview: &Overview, results: &Results) -> String {
                 (diagrams(results))
                 (worst_cases(overview, results))
                 (groups(overview))
+                (methods(overview))
                 (cases(overview, results))
                 (origin(results))
             }
@@ -59,7 +62,7 @@ fn key_figures(overview: &Overview) -> Markup {
     let number = |name: &str| overview.figures.get(name).copied().unwrap_or_default();
     html! {
         dl.figures {
-            @for measure in &MEASURES {
+            @for measure in overview.measures() {
                 div title=(measure.meaning) {
                     dt { (measure.name) }
                     dd { (measure.of(&overview.figures)) " " small { (measure.unit) } }
@@ -196,15 +199,37 @@ fn groups(overview: &Overview) -> Markup {
                 @if overview.has_scenes { th.text { "scene" } }
                 @for key in &overview.keys { th.text { (key) } }
                 th { "passed" }
-                @for measure in &MEASURES { th { (measure.name) ", " (measure.unit) } }
+                @for measure in overview.measures() { th { (measure.name) ", " (measure.unit) } }
             } }
             tbody id="combinations" { @for group in overview.groups.iter().take(MOST_ROWS) { tr {
                 @if overview.has_scenes { td.text { (group.scene) } }
                 @for key in &overview.keys { td.text { (group.value(key)) } }
                 td.bad[group.n_passed < group.n_cases] { (group.n_passed) "/" (group.n_cases) }
-                @for measure in &MEASURES { td { (measure.of(&group.figures)) } }
+                @for measure in overview.measures() { td { (measure.of(&group.figures)) } }
             } } }
         } }
+    }
+}
+
+/// What each method has to do with it, where several share the work.
+fn methods(overview: &Overview) -> Markup {
+    let parts = table::methods(&overview.figures);
+    let count = |part: &Figures, name: &str| part.get(name).copied().unwrap_or_default();
+    html! {
+        @if !parts.is_empty() {
+            h2 { "Which method did it" }
+            p.note { "A fix halves the width of the box so many times; a method's share is of all those halvings, in all cases." }
+            div.table { table {
+                thead { tr { th.text { "method" } th { "readings" } th { "fixes" } th { "of position, %" } th { "of heading, %" } } }
+                tbody id="methods" { @for (name, part) in &parts { tr {
+                    td.text { (name) }
+                    td { (count(part, "method.readings")) }
+                    td { (count(part, "method.constraints")) }
+                    td { (format!("{:.1}", 1e2 * count(part, "method.position_share"))) }
+                    td { (format!("{:.1}", 1e2 * count(part, "method.heading_share"))) }
+                } } }
+            } }
+        }
     }
 }
 
@@ -222,7 +247,7 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
                     @if overview.has_scenes { th.text { "scene" } }
                     @for key in &overview.keys { th.text { (key) } }
                     th { "seed" } th { "verdict" }
-                    @for measure in &MEASURES { th { (measure.name) ", " (measure.unit) } }
+                    @for measure in overview.measures() { th { (measure.name) ", " (measure.unit) } }
                     th.text { "blame" }
                 } }
                 tbody id="cases" { @for case in results.cases.iter().take(MOST_ROWS) {
@@ -232,7 +257,7 @@ fn cases(overview: &Overview, results: &Results) -> Markup {
                         @for key in &overview.keys { td.text { (case.value(key)) } }
                         td { (case.seed) }
                         td.bad[case.passed() != Some(true)] { (verdict(case)) }
-                        @for measure in &MEASURES { td { (measure.of(&figures)) } }
+                        @for measure in overview.measures() { td { (measure.of(&figures)) } }
                         td.text { (case.first_failure()["blame"].as_str().unwrap_or_default()) }
                     }
                 } }

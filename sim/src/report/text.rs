@@ -2,7 +2,7 @@
 
 use crate::results::{CaseResult, Replay, Results};
 
-use super::{Group, MEASURES, Overview};
+use super::{Group, Overview};
 
 /// Combinations that a terminal shows; a sweep with more has its report and its CSV.
 const MOST_GROUPS: usize = 60;
@@ -63,13 +63,13 @@ fn table(overview: &Overview) -> String {
     headings.extend(overview.keys.iter().cloned());
     let n_texts = headings.len();
     headings.push("passed".to_owned());
-    headings.extend(MEASURES.iter().map(|measure| format!("{}, {}", measure.name, measure.unit)));
+    headings.extend(overview.measures().map(|measure| format!("{}, {}", measure.name, measure.unit)));
     let row = |group: &Group| {
         let mut cells: Vec<String> = Vec::new();
         cells.extend(overview.has_scenes.then(|| group.scene.clone()));
         cells.extend(overview.keys.iter().map(|key| group.value(key)));
         cells.push(format!("{}/{}", group.n_passed, group.n_cases));
-        cells.extend(MEASURES.iter().map(|measure| measure.of(&group.figures)));
+        cells.extend(overview.measures().map(|measure| measure.of(&group.figures)));
         cells
     };
     let mut rows = vec![headings];
