@@ -3,7 +3,7 @@
 
 WHEREIN = target/debug/wherein
 PYTHON ?= python3
-DEMO_SCENE = scenes/papers/floor_vision_odometry.toml
+DEMO_SCENE = scenes/home.toml
 # Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
 export NODEVICE_SELECT = 1
 
@@ -24,8 +24,8 @@ help:
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 
 demo: driver build
-	$(WHEREIN) run $(DEMO_SCENE) --frames every=100 --out renders
-	@echo "Pictures: renders/papers/floor_vision_odometry/0/figure_*.png"
+	$(WHEREIN) run $(DEMO_SCENE) --frames every=25 --out renders
+	@echo "Pictures: renders/home/0/errands.png and renders/home/0/figure_*.png"
 
 test: driver
 	cargo test --workspace
