@@ -144,8 +144,8 @@ pub enum RenderError {
     },
 }
 
-/// The graphics device with its pipelines. Make one per process, and siblings of it for further threads: several instances
-/// on one driver may abort.
+/// The graphics device with its pipelines. Make one per process, and siblings of it for further threads: contexts of OpenGL abort when
+/// threads share them.
 pub struct Renderer {
     graphics: Graphics,
     floor_pass: FloorPass,
@@ -172,12 +172,13 @@ impl Renderer {
         Renderer::on(Graphics::open(adapter)?)
     }
 
-    /// Another renderer on the same device, for another thread; none when the device does not allow several threads.
+    /// Another renderer for another thread: on the same device, or with a software driver on one of its own; none when the driver does not
+    /// allow several threads.
     ///
     /// # Errors
     /// If the driver reported an error.
     pub fn sibling(&self) -> Result<Option<Renderer>, RenderError> {
-        if self.graphics.allows_threads() { Renderer::on(self.graphics.clone()).map(Some) } else { Ok(None) }
+        self.graphics.for_another_thread()?.map(Renderer::on).transpose()
     }
 
     fn on(graphics: Graphics) -> Result<Renderer, RenderError> {

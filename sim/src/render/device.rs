@@ -56,14 +56,20 @@ impl Graphics {
         Ok(Graphics { device, queue, info, patience: PATIENCE, reported })
     }
 
+    /// What another thread draws with, if any may: this device, or of a software adapter a device of its own, as one instance of such a
+    /// driver draws for one thread after the other.
+    pub(super) fn for_another_thread(&self) -> Result<Option<Graphics>, RenderError> {
+        match (self.info.backend, self.info.device_type) {
+            // Contexts of OpenGL abort when several threads use them.
+            (wgpu::Backend::Gl, _) => Ok(None),
+            (_, DeviceType::Cpu) => Graphics::open(Some(&self.adapter_name())).map(Some),
+            _ => Ok(Some(self.clone())),
+        }
+    }
+
     /// Name, driver and backend.
     pub(super) fn adapter_name(&self) -> String {
         describe(&self.info)
-    }
-
-    /// Whether several threads may use the device at once: contexts of OpenGL abort.
-    pub(super) fn allows_threads(&self) -> bool {
-        self.info.backend != wgpu::Backend::Gl
     }
 
     /// The first error that the driver reported, if any.

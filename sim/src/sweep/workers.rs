@@ -1,4 +1,4 @@
-//! Cases run by several threads that share one graphics device.
+//! Cases run by several threads that share one graphics adapter.
 
 use std::{
     any::Any,
@@ -80,7 +80,7 @@ pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(
     first_error.map_or(Ok(()), Err)
 }
 
-/// One renderer a worker, all on one device; fewer workers where the device does not allow several threads.
+/// One renderer a worker; fewer workers where the driver does not allow several threads.
 fn renderers(first: Option<Renderer>, jobs: usize) -> Result<Vec<Option<Renderer>>, SweepError> {
     let Some(first) = first else { return Ok((0..jobs).map(|_| None).collect()) };
     let mut all = Vec::new();
