@@ -3,6 +3,7 @@
 mod account;
 mod bias;
 mod doubt;
+mod moves;
 mod ring;
 mod slip;
 
@@ -10,12 +11,13 @@ use crate::{
     Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     contractor::Contractor,
     method::Assumption,
-    motion::{Agreement, Motion, WheelHistory, WheelIntegral, agree, greatest_change_rad_per_s2, moved_union},
+    motion::{Agreement, WheelHistory, WheelIntegral, agree, greatest_change_rad_per_s2, moved_union},
 };
 
 pub use account::Account;
 use bias::BiasLearner;
 use doubt::Doubt;
+use moves::{GYRO_WANDER, REACH, assumptions, motion_between, motion_history};
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
 
@@ -23,19 +25,6 @@ use slip::CertifiedSlip;
 const REMEMBER_S: f64 = 3.0;
 /// Times closer than this are the same instant: periods are decimal, stamps binary.
 const SAME_S: f64 = 1e-9;
-/// The bounds that a prediction by wheels stands on.
-const WHEELS: [Assumption; 6] =
-    ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
-/// The bounds that a prediction by reach stands on.
-const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "room.walls"];
-/// What a gyroscope adds to both.
-const GYRO: [Assumption; 3] = ["gyro.bias", "gyro.scale", "gyro.noise"];
-/// What a bias that is learnt adds to that.
-const GYRO_WANDER: Assumption = "gyro.wander";
-/// What a flow sensor adds to the wheels.
-const FLOW: [Assumption; 6] =
-    ["flow.position", "flow.yaw", "flow.scale", "flow.back_and_forth", "reach.speed", "reach.turn_rate"];
-
 /// Whether the estimate stands on its declared assumptions alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
@@ -370,47 +359,6 @@ impl Localizer {
         let [x, y] = self.map.room_m.map(|range| Interval::new(range.lo() + keep_m, range.hi() - keep_m));
         IntervalBox::from([x, y, Interval::ENTIRE])
     }
-}
-
-/// The memory of what moves this robot.
-fn motion_history(robot: &RobotModel) -> WheelHistory {
-    let wheels = WheelHistory::new(REMEMBER_S);
-    let wheels = match robot.gyro {
-        Some(model) => wheels.with_gyro(model),
-        None => wheels,
-    };
-    match robot.flow {
-        Some(model) => wheels.with_flow(model),
-        None => wheels,
-    }
-}
-
-/// Motion between two stamps of the memory, by reach alone while the wheels are doubted.
-fn motion_between(
-    wheels: &WheelHistory,
-    robot: &RobotModel,
-    slip: &CertifiedSlip,
-    doubted: bool,
-    [from_s, to_s]: [f64; 2],
-) -> Option<Motion> {
-    if doubted {
-        return Some(wheels.reach_motion(from_s, to_s, &robot.reach));
-    }
-    let rolled = wheels.motion(from_s, to_s, &robot.wheels, &robot.reach);
-    let flow = wheels.flow_motion(from_s, to_s, &robot.wheels, &robot.reach);
-    slip.motion([from_s, to_s], rolled, flow, wheels, robot)
-}
-
-/// The bounds that a prediction without doubt stands on.
-fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
-    let mut names = WHEELS.to_vec();
-    if robot.gyro.is_some() {
-        names.extend(GYRO);
-    }
-    if robot.flow.is_some() && robot.gyro.is_some() {
-        names.extend(FLOW);
-    }
-    names
 }
 
 /// Every branch, contracted and cut.

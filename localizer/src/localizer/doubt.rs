@@ -2,7 +2,11 @@
 
 use crate::{Constraint, PoseUnion, motion::moved_union};
 
-use super::{Localizer, REACH, REMEMBER_S, WHEELS, contract_union, ring::Slot};
+use super::{
+    Localizer, REMEMBER_S, contract_union,
+    moves::{REACH, WHEELS},
+    ring::Slot,
+};
 
 /// What was unlearnt gets so long to show whether it was enough.
 const UNLEARN_PAUSE_S: f64 = 2.0;

@@ -1,0 +1,63 @@
+//! How the robot moved between two stamps, and which declared bounds that stands on.
+
+use crate::{
+    RobotModel,
+    method::Assumption,
+    motion::{Motion, WheelHistory},
+};
+
+use super::{REMEMBER_S, slip::CertifiedSlip};
+
+/// The bounds that a prediction by wheels stands on.
+pub(super) const WHEELS: [Assumption; 6] =
+    ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
+/// The bounds that a prediction by reach stands on.
+pub(super) const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "room.walls"];
+/// What a gyroscope adds to both.
+const GYRO: [Assumption; 3] = ["gyro.bias", "gyro.scale", "gyro.noise"];
+/// What a bias that is learnt adds to that.
+pub(super) const GYRO_WANDER: Assumption = "gyro.wander";
+/// What a flow sensor adds to the wheels.
+const FLOW: [Assumption; 6] =
+    ["flow.position", "flow.yaw", "flow.scale", "flow.back_and_forth", "reach.speed", "reach.turn_rate"];
+
+/// The memory of what moves this robot.
+pub(super) fn motion_history(robot: &RobotModel) -> WheelHistory {
+    let wheels = WheelHistory::new(REMEMBER_S);
+    let wheels = match robot.gyro {
+        Some(model) => wheels.with_gyro(model),
+        None => wheels,
+    };
+    match robot.flow {
+        Some(model) => wheels.with_flow(model),
+        None => wheels,
+    }
+}
+
+/// Motion between two stamps of the memory, by reach alone while the wheels are doubted.
+pub(super) fn motion_between(
+    wheels: &WheelHistory,
+    robot: &RobotModel,
+    slip: &CertifiedSlip,
+    doubted: bool,
+    [from_s, to_s]: [f64; 2],
+) -> Option<Motion> {
+    if doubted {
+        return Some(wheels.reach_motion(from_s, to_s, &robot.reach));
+    }
+    let rolled = wheels.motion(from_s, to_s, &robot.wheels, &robot.reach);
+    let flow = wheels.flow_motion(from_s, to_s, &robot.wheels, &robot.reach);
+    slip.motion([from_s, to_s], rolled, flow, wheels, robot)
+}
+
+/// The bounds that a prediction without doubt stands on.
+pub(super) fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
+    let mut names = WHEELS.to_vec();
+    if robot.gyro.is_some() {
+        names.extend(GYRO);
+    }
+    if robot.flow.is_some() && robot.gyro.is_some() {
+        names.extend(FLOW);
+    }
+    names
+}

@@ -1,0 +1,177 @@
+//! Writes a run's history down while it happens.
+
+use std::time::Instant;
+
+use localizer::{Localizer, Map, Pose, Reading, RobotModel, motion::PointOdometry, reading::Camera};
+use sha2::{Digest, Sha256};
+
+use crate::{drawn::Drawn, frames::FramesPolicy, scene::Scene, sensors::Observation, truth::Truth, world::World};
+
+use super::{Clearance, ImageRecord, MotionBaselines, RunOptions, RunRecord, STEP_S, Timing, Witness};
+
+/// Writes the run's history down while it happens.
+pub(super) struct Recorder<'a> {
+    pub(super) history: RunRecord,
+    odometry: PointOdometry,
+    map: Map,
+    robot: RobotModel,
+    readings: Sha256,
+    keep_images: FramesPolicy,
+    /// Time at which the present drive began.
+    pub(super) offset_s: f64,
+    /// Where the localizer is told that it began, in the middle.
+    start: Pose,
+    pub(super) witness: &'a mut dyn Witness,
+}
+
+impl<'a> Recorder<'a> {
+    pub(super) fn new(
+        scene: &Scene,
+        seed: u64,
+        drawn: Drawn,
+        adapter: Option<String>,
+        options: &RunOptions,
+        witness: &'a mut dyn Witness,
+    ) -> Self {
+        // Odometry alone knows no better start than the middle of the box that the localizer is given.
+        let odometry = PointOdometry::new(scene.nominal_start());
+        Recorder {
+            history: RunRecord {
+                motion_baselines: MotionBaselines::new(scene, &scene.robot_model()),
+                ..RunRecord::new(seed, adapter, drawn)
+            },
+            odometry,
+            map: scene.map(),
+            robot: scene.robot_model(),
+            readings: Sha256::new(),
+            keep_images: options.keep_images,
+            offset_s: 0.0,
+            witness,
+            start: scene.nominal_start(),
+        }
+    }
+
+    /// Begins the drive of a station after those before it.
+    pub(super) fn restart(&mut self, index: usize, lasts_s: f64, here: &Scene) {
+        self.offset_s = index as f64 * (lasts_s + STEP_S);
+        self.start = here.nominal_start();
+        self.odometry = PointOdometry::new(self.start);
+        self.history.range_baselines.restart();
+        self.history.motion_sensors.restart();
+        self.history.restarts.push(self.history.truths.len());
+        self.witness.start(self.offset_s, Some(index));
+    }
+
+    /// Runs `work` and adds its wall-clock time to a stage.
+    pub(super) fn timed<T>(&mut self, stage: impl FnOnce(&mut Timing) -> &mut f64, work: impl FnOnce() -> T) -> T {
+        let began = Instant::now();
+        let answer = work();
+        *stage(&mut self.history.timing) += began.elapsed().as_secs_f64();
+        answer
+    }
+
+    /// Notes a reading on its way into the localizer.
+    pub(super) fn sense(&mut self, observation: &Observation) {
+        let reading = &observation.reading;
+        self.witness.sense(reading);
+        self.history.motion_baselines.sense(reading);
+        self.history.motion_sensors.note(observation, self.offset_s);
+        self.readings.update(reading.measured_s().to_le_bytes());
+        self.readings.update(reading.arrived_s().to_le_bytes());
+        match reading {
+            Reading::Wheels { ticks, .. } => {
+                ticks.iter().for_each(|count| self.readings.update(count.to_le_bytes()));
+                self.odometry.advance(*ticks, &self.robot.wheels);
+            }
+            Reading::Camera { exposure_s, image, .. } => {
+                self.readings.update(exposure_s.to_le_bytes());
+                self.readings.update(image.as_raw());
+            }
+            Reading::Gyro { rate_rad_per_s, .. } => self.readings.update(rate_rad_per_s.to_le_bytes()),
+            Reading::Flow { counts, blind_periods, .. } => {
+                counts.iter().for_each(|count| self.readings.update(count.to_le_bytes()));
+                self.readings.update(blind_periods.to_le_bytes());
+            }
+            Reading::Range { sightings, .. } => {
+                for sighting in sightings {
+                    self.readings.update(sighting.landmark.0.to_le_bytes());
+                    self.readings.update(sighting.left_px.to_le_bytes());
+                    self.readings.update(sighting.right_px.to_le_bytes());
+                }
+            }
+        }
+    }
+
+    /// Notes what the methods made of a reading.
+    pub(super) fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
+        let Observation { reading, mut truth, codes, .. } = observation;
+        self.witness.account(&reading, &accounts);
+        truth.time_s += self.offset_s;
+        let number = self.history.images.last().map_or(0, |image| image.number + 1);
+        if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, false) = (&reading, accounts.is_empty()) {
+            self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
+        }
+        if let (Reading::Camera { camera: Camera::Forward, image, .. }, false) = (&reading, accounts.is_empty()) {
+            self.history.forward_baselines.observe(image, &self.map, &self.robot, truth.pose.heading_rad);
+        }
+        for account in accounts {
+            if matches!(reading, Reading::Range { .. }) {
+                // Odometry stands still until the stamp's own step has been recorded.
+                let step = (self.history.odometry.len() as f64 - 1.0).min((truth.time_s / STEP_S).round());
+                let odometry = self.history.odometry.get(step.max(0.0) as usize).copied().unwrap_or(self.start);
+                let (start, truth, restarted) = (self.start, truth.pose, !self.history.restarts.is_empty());
+                self.history.range_baselines.observe(&account, start, odometry, truth, restarted);
+            }
+            let failed = account.emptied || !account.posterior.contains(truth.pose);
+            let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());
+            if self.keep_images == FramesPolicy::Failures {
+                self.history.keep_widest(&reading, &account.posterior);
+            }
+            self.history.images.push(ImageRecord {
+                number,
+                measured_s: reading.measured_s() + self.offset_s,
+                arrived_s: reading.arrived_s() + self.offset_s,
+                truth,
+                method: account.method,
+                claims: account.claims,
+                q_items: account.q_items,
+                rejected_px: account.rejected_px,
+                alone_heading_rad: account.alone_heading_rad,
+                constrained: account.constrained,
+                emptied: account.emptied,
+                prior: account.prior.hull(),
+                posterior: account.posterior,
+                landmarks: account.landmarks,
+                codes: codes.clone(),
+                reading: kept,
+            });
+        }
+    }
+
+    /// Notes truth and estimate, apart from each other.
+    pub(super) fn step(&mut self, truth: &Truth, localizer: &Localizer) {
+        let mut estimate = localizer.estimate_at(truth.time_s);
+        estimate.time_s += self.offset_s;
+        let truth = Truth { time_s: truth.time_s + self.offset_s, ..*truth };
+        self.witness.step(&truth, &estimate, self.odometry.pose());
+        self.history.truths.push(truth);
+        self.history.estimates.push(estimate);
+        self.history.odometry.push(self.odometry.pose());
+        self.history.motion_baselines.step();
+        self.history.range_baselines.step(self.odometry.pose());
+    }
+
+    /// Notes how much room the true robot has on an errand.
+    pub(super) fn room_left(&mut self, scene: &Scene, world: &World) {
+        if scene.has_errands() {
+            self.history.clearances.push(Clearance::of(scene, &world.truth(), &world.people()));
+        }
+    }
+
+    pub(super) fn finish(mut self, began: Instant) -> RunRecord {
+        let digest = self.readings.finalize();
+        self.history.readings_digest = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+        self.history.timing.wall_s = began.elapsed().as_secs_f64();
+        self.history
+    }
+}

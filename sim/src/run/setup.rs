@@ -1,0 +1,71 @@
+//! The localizer and its methods as a scene sets them up.
+
+use localizer::{
+    Localizer, Method,
+    methods::{
+        ceiling_markers::CeilingMarkers,
+        floor_tiles::{Chain, FloorTiles},
+        range_landmarks::{Freedom, RangeLandmarks, Solver},
+        wall_directions::{self, WallDirections},
+    },
+};
+
+use crate::scene::{
+    FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene, WallDirectionsChain,
+};
+
+/// The localizer that the scene asks for, told what the scene tells it.
+pub(crate) fn localizer(scene: &Scene) -> Localizer {
+    let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    match scene.localizer.gyro_bias_wander_deg_per_s2 {
+        Some(wander_deg_per_s2) => localizer.learning_gyro_bias(wander_deg_per_s2.to_radians()),
+        None => localizer,
+    }
+}
+
+/// The methods that the scene asks for; a new method is one line here.
+fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
+    let (map, robot) = (scene.map(), scene.robot_model());
+    let chain = match scene.localizer.floor_tiles_chain {
+        FloorTilesChain::Direct => Chain::Direct,
+        FloorTilesChain::Paper => Chain::Paper,
+    };
+    let freedom = match scene.localizer.range_landmarks_freedom {
+        RangeLandmarksFreedom::Line => Freedom::Line,
+        RangeLandmarksFreedom::Translation => Freedom::Translation,
+        RangeLandmarksFreedom::Full => Freedom::Full,
+    };
+    let solver = match scene.localizer.range_landmarks_solver {
+        RangeLandmarksSolver::OneShot => Solver::OneShot,
+        RangeLandmarksSolver::Polar => Solver::Polar,
+        RangeLandmarksSolver::TableIv => Solver::TableIv,
+        RangeLandmarksSolver::Sivia => Solver::Sivia { resolution: 0.05 },
+    };
+    let setup = scene.localizer.wall_directions();
+    let walls = wall_directions::Setup {
+        chain: match setup.chain {
+            WallDirectionsChain::Direct => wall_directions::Chain::Direct,
+            WallDirectionsChain::Paper => wall_directions::Chain::Paper,
+            WallDirectionsChain::PaperByTiles => wall_directions::Chain::PaperByTiles,
+        },
+        learns: setup.learns,
+        decides: scene.localizer.methods == [MethodName::WallDirections],
+    };
+    let build = |name: &MethodName| -> Option<Box<dyn Method>> {
+        match name {
+            MethodName::FloorTiles => {
+                FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+            MethodName::RangeLandmarks => {
+                RangeLandmarks::new(&robot, freedom, solver).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+            MethodName::CeilingMarkers => {
+                CeilingMarkers::new(&map, &robot).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+            MethodName::WallDirections => {
+                WallDirections::new(&map, &robot, walls).map(|method| Box::new(method) as Box<dyn Method>)
+            }
+        }
+    };
+    scene.localizer.methods.iter().filter_map(build).collect()
+}
