@@ -20,7 +20,7 @@ help:
 	@echo "make allan         analyse the gyroscope by the package allantools where Python has it; PYTHON=…"
 	@echo "make golden        take the pictures anew against which tests compare; look at them"
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
-	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine: 45 minutes"
+	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P: 50 minutes"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 
 demo: driver build
@@ -64,6 +64,7 @@ experiments: driver build allan
 falsify:
 	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
 		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
+	WHEREIN_P3P_PROBLEMS=10000000 cargo test -p wherein-localizer --lib -- --nocapture p3p
 
 driver:
 	@scripts/driver

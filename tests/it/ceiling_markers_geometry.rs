@@ -249,7 +249,7 @@ fn any_camera(rng: &mut ChaCha8Rng) -> CeilingCameraModel {
 #[test]
 fn no_pose_is_lost_whatever_the_mount_and_the_errors() {
     let mut rng = ChaCha8Rng::seed_from_u64(51);
-    let rounds = std::env::var("CEILING_POSES").ok().and_then(|text| text.parse().ok()).unwrap_or(2500);
+    let rounds = std::env::var("WHEREIN_CEILING_POSES").ok().and_then(|text| text.parse().ok()).unwrap_or(2500);
     for round in 0..rounds {
         let camera = any_camera(&mut rng);
         let n_markers = rng.random_range(1..5);

@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn the_true_pose_is_found_and_every_solution_is_one() {
-        let rounds = std::env::var("P3P_PROBLEMS").ok().and_then(|text| text.parse().ok()).unwrap_or(100_000);
+        let rounds = std::env::var("WHEREIN_P3P_PROBLEMS").ok().and_then(|text| text.parse().ok()).unwrap_or(100_000);
         let mut random = Random::new(5);
         let (mut missed, mut wrong, mut repeated, mut counts) = (0, 0, 0, [0usize; 5]);
         for _ in 0..rounds {

@@ -9,9 +9,9 @@ use super::{FloorLines, FloorView, line_fit};
 /// The chain under trial.
 pub(super) type Chain = fn(&image::GrayImage, &FloorView, [f64; 2], f64) -> FloorLines;
 
-/// Pictures per kind of floor; a long trial sets `VISION_FRAMES`.
+/// Pictures per kind of floor; a long trial sets `WHEREIN_VISION_FRAMES`.
 pub(super) fn frames(usual: usize) -> usize {
-    std::env::var("VISION_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+    std::env::var("WHEREIN_VISION_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
 /// What came of a number of pictures.
@@ -215,9 +215,9 @@ fn stray_strip(floor: &Floor, random: &mut Random) -> Strip {
     }
 }
 
-/// Writes a picture with its lines (points white or black, rejected segments grey) to the folder named by `VISION_SAVE`.
+/// Writes a picture with its lines (points white or black, rejected segments grey) to the folder named by `WHEREIN_VISION_SAVE`.
 pub(super) fn save(name: &str, picture: &image::GrayImage, found: &FloorLines, floor: &Floor) {
-    let Ok(folder) = std::env::var("VISION_SAVE") else { return };
+    let Ok(folder) = std::env::var("WHEREIN_VISION_SAVE") else { return };
     let mut canvas =
         image::RgbImage::from_fn(picture.width(), picture.height(), |u, v| image::Rgb([picture.get_pixel(u, v)[0]; 3]));
     for line in &found.lines {

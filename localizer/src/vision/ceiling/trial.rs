@@ -9,14 +9,14 @@ use super::{CeilingView, PictureMotion, detect, paper};
 use crate::markers::{Coding, GridPlace, MarkerId};
 use crate::vision::synthetic::Random;
 
-/// Pictures of a trial; a long one sets `CEILING_FRAMES`.
+/// Pictures of a trial; a long one sets `WHEREIN_CEILING_FRAMES`.
 pub(crate) fn frames(usual: usize) -> usize {
-    std::env::var("CEILING_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+    std::env::var("WHEREIN_CEILING_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
 /// Seed of a trial; tuning and checking use different ones.
 pub(crate) fn seed(usual: u64) -> u64 {
-    std::env::var("CEILING_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
+    std::env::var("WHEREIN_CEILING_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
 /// What came of a number of pictures.
@@ -120,9 +120,9 @@ fn is_in_view(pasted: &Pasted, eye: &Eye, ceiling: &Ceiling) -> bool {
     })
 }
 
-/// Writes a picture with what was read to the folder named by `CEILING_SAVE`.
+/// Writes a picture with what was read to the folder named by `WHEREIN_CEILING_SAVE`.
 pub(crate) fn save(name: &str, picture: &image::GrayImage, found: &super::CeilingMarkers) {
-    let Ok(folder) = std::env::var("CEILING_SAVE") else { return };
+    let Ok(folder) = std::env::var("WHEREIN_CEILING_SAVE") else { return };
     let mut canvas =
         image::RgbImage::from_fn(picture.width(), picture.height(), |u, v| image::Rgb([picture.get_pixel(u, v)[0]; 3]));
     for (_, dot) in found.markers.iter().flat_map(|marker| &marker.dots) {
