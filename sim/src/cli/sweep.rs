@@ -112,7 +112,7 @@ impl std::fmt::Display for Ran<'_> {
         let (ran, recorded) = (self.todo.len(), self.n_meant - self.todo.len());
         write!(f, "{} run in {took_s:.1} s", plural(ran, "case"))?;
         if ran > 0 {
-            write!(f, " ({:.1} cases/s, {:.1} × real time)", ran as f64 / took_s, simulated_s / took_s)?;
+            write!(f, " ({:.1} cases/min, {:.1} × real time)", 60.0 * ran as f64 / took_s, simulated_s / took_s)?;
         }
         if recorded > 0 {
             write!(f, ", {recorded} recorded earlier")?;
