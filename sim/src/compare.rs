@@ -7,8 +7,8 @@
 //! heavier than Student's (Efron, J. Am. Stat. Assoc. 64, 1969). All intervals hold together with the stated confidence,
 //! by Bonferroni's division, so that a long list of figures does not make chance look like a finding.
 //!
-//! Containment is a guarantee besides, and a guarantee is refuted by one case: where one side contained the truth at every
-//! step of every pair and the other did not, no statistics are asked.
+//! What is promised is refuted by one case, and no statistics are asked: a case that loses the truth where the first side kept it, that is
+//! unsound or misperceives more often, that misses an expectation which was met, or that is not there any more.
 
 mod load;
 mod student;
@@ -42,11 +42,12 @@ pub struct Compared {
 }
 
 /// What is compared: few figures that do not repeat each other, as each one more widens the intervals of all.
-pub const COMPARED: [Compared; 6] = [
+pub const COMPARED: [Compared; 7] = [
     figure("containment.contained_share", "contained", "%", 1e2, false),
     figure("error.position_m.mean", "position error", "mm", 1e3, true),
     figure("error.heading_rad.rmse", "heading error", "°", DEGREES, true),
     figure("width.x_m.mean", "width in x", "mm", 1e3, true),
+    figure("width.y_m.mean", "width in y", "mm", 1e3, true),
     figure("width.heading_rad.mean", "width in heading", "°", DEGREES, true),
     figure("availability", "available", "%", 1e2, false),
 ];
@@ -100,8 +101,14 @@ pub struct Comparison {
     pub lost: Vec<String>,
     /// See `lost`.
     pub won: Vec<String>,
+    /// Cases with more unsound steps, or more that perception is to blame for, than the first side had.
+    pub graver: Vec<String>,
+    /// Cases that met the scene's expectations in the first side and do not in the second.
+    pub missed: Vec<String>,
     /// Cases that the first side ran and the second was to run and could not.
     pub failed: Vec<String>,
+    /// Figures that one side has of a pair and the other has not.
+    pub half_known: Vec<&'static str>,
     /// One line for each figure.
     pub lines: Vec<Line>,
     /// How sure all intervals together are.
@@ -120,6 +127,16 @@ pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
     };
     let lost = named(&|one, other| keeps(one) && !keeps(other));
     let won = named(&|one, other| !keeps(one) && keeps(other));
+    let count = |case: &load::Case, cause: &str| case.figures.get(cause).copied().unwrap_or(0.0);
+    let grew = |one: &load::Case, other: &load::Case, cause: &str| count(other, cause) > count(one, cause);
+    let graver = named(&|one, other| {
+        ["containment.unsound", "containment.perception"].iter().any(|cause| grew(one, other, cause))
+    });
+    let missed = named(&|one, other| one.passed == Some(true) && other.passed == Some(false));
+    let is_half_known = |figure: &str| {
+        pairs.iter().any(|(_, one, other)| one.figures.contains_key(figure) != other.figures.contains_key(figure))
+    };
+    let half_known = COMPARED.iter().map(|compared| compared.figure).filter(|figure| is_half_known(figure)).collect();
     let lines = COMPARED.iter().filter_map(|compared| line(*compared, &pairs, confidence)).collect();
     let mut seeds: Vec<u64> = pairs.iter().map(|(_, case, _)| case.seed).collect();
     seeds.sort_unstable();
@@ -130,33 +147,35 @@ pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
         unpaired: [only(first, second), only(second, first)],
         lost,
         won,
+        graver,
+        missed,
         failed: second.not_run.iter().filter(|name| first.cases.contains_key(*name)).cloned().collect(),
+        half_known,
         lines,
         confidence,
     };
-    comparison.hold_to_the_guarantee(&pairs, &keeps);
+    comparison.hold_to_the_guarantee();
     comparison
 }
 
 impl Comparison {
-    /// Whether anything is worse, or could not run any more.
+    /// Whether anything is worse, or is not there any more.
     pub fn is_worse(&self) -> bool {
-        !self.failed.is_empty() || self.lines.iter().any(|line| line.finding == Finding::Worse)
+        let refuting = [&self.lost, &self.graver, &self.missed, &self.failed, &self.unpaired[0]];
+        refuting.iter().any(|cases| !cases.is_empty())
+            || !self.half_known.is_empty()
+            || self.lines.iter().any(|line| line.finding == Finding::Worse)
     }
 
-    /// One side that never lost the truth stands above one that did.
-    fn hold_to_the_guarantee(
-        &mut self,
-        pairs: &[(&String, &load::Case, &load::Case)],
-        keeps: &dyn Fn(&load::Case) -> bool,
-    ) {
-        let all = [pairs.iter().all(|(_, one, _)| keeps(one)), pairs.iter().all(|(_, _, other)| keeps(other))];
+    /// One case that lost the truth is worse, whatever the mean; cases that keep it now are better if none is lost.
+    fn hold_to_the_guarantee(&mut self) {
+        let finding = match (self.lost.is_empty(), self.won.is_empty()) {
+            (false, _) => Finding::Worse,
+            (true, false) => Finding::Better,
+            (true, true) => return,
+        };
         let contained = self.lines.iter_mut().find(|line| line.compared.figure == "containment.contained_share");
-        match (all, contained) {
-            ([true, false], Some(line)) => line.finding = Finding::Worse,
-            ([false, true], Some(line)) => line.finding = Finding::Better,
-            _ => {}
-        }
+        contained.into_iter().for_each(|line| line.finding = finding);
     }
 }
 

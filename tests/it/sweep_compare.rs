@@ -91,7 +91,7 @@ fn identical_versions_are_not_distinguishable_in_twenty_of_twenty_trials() {
         }
         let (code, stdout, _) = outcome(&mut wherein(&folder, &["compare", "one/results.csv", "two"]));
         assert_eq!(code, 0, "{stdout}");
-        assert_eq!(stdout.matches("not distinguishable").count(), 6, "{stdout}");
+        assert_eq!(stdout.matches("not distinguishable").count(), 7, "{stdout}");
         assert!(stdout.contains("10 pairs of 5 seeds"), "{stdout}");
     }
 }
@@ -99,10 +99,10 @@ fn identical_versions_are_not_distinguishable_in_twenty_of_twenty_trials() {
 /// A table with one case for each seed, all figures of a side about 1.
 fn noisy(noise: &mut dyn FnMut() -> f64, seeds: u64) -> Side {
     let figures = "containment.contained_share,error.position_m.mean,error.heading_rad.rmse,\
-                   width.x_m.mean,width.heading_rad.mean,availability";
+                   width.x_m.mean,width.y_m.mean,width.heading_rad.mean,availability";
     let mut text = format!("scene,seed,status,{figures}\n");
     for seed in 0..seeds {
-        let values: Vec<String> = (0..6).map(|_| (0.5 + 0.1 * noise()).to_string()).collect();
+        let values: Vec<String> = (0..7).map(|_| (0.5 + 0.1 * noise()).to_string()).collect();
         text += &format!("scene,{seed},done,{}\n", values.join(","));
     }
     Side::parse(&text).unwrap()
@@ -144,8 +144,8 @@ fn settings_that_share_a_seed_are_one_witness() {
     // witnesses would have called it certain.
     assert_eq!(finding(&comparison, "width in x"), Finding::NotDistinguishable);
     let half_width_m = 0.5 * (comparison.lines[0].difference[1] - comparison.lines[0].difference[0]);
-    // t(1 − 0.01/12, 1) = tan(π (1/2 − 0.01/12)), as the distribution of one degree is Cauchy's.
-    let expected_m = 0.00045 * (std::f64::consts::PI * (0.5 - 0.01 / 12.0)).tan();
+    // t(1 − 0.01/14, 1) = tan(π (1/2 − 0.01/14)), as the distribution of one degree is Cauchy's.
+    let expected_m = 0.00045 * (std::f64::consts::PI * (0.5 - 0.01 / 14.0)).tan();
     assert!((half_width_m / expected_m - 1.0).abs() < 1e-6, "{half_width_m} {expected_m}");
 }
 
@@ -187,4 +187,52 @@ fn results_without_a_common_case_cannot_be_compared() {
     let (code, _, stderr) = outcome(&mut wherein(&folder, &["compare", "one", "two"]));
     assert_eq!(code, 2);
     assert!(stderr.starts_with("wherein: failed to compare one and two: no case ran in both"), "{stderr}");
+}
+
+/// Ten seeds, of which `changed` has other figures from `from` on.
+fn table(from: u64, changed: &str) -> Side {
+    let mut text = "scene,seed,status,passed,containment.contained_share,containment.unsound,containment.perception,\
+                    containment.bound_broken,width.x_m.mean,width.y_m.mean\n"
+        .to_owned();
+    for seed in 0..10 {
+        let same = "true,1,0,0,0,0.01,0.01";
+        text += &format!("scene,{seed},done,{}\n", if seed < from { same } else { changed });
+    }
+    Side::parse(&text).unwrap()
+}
+
+#[test]
+fn one_case_that_breaks_a_promise_is_worse_whatever_the_means_say() {
+    // The first side is not spotless itself: the last seed breaks a bound at some steps.
+    let first = table(9, "true,0.9,0,0,100,0.01,0.01");
+    assert!(!compare(&first, &first, 0.99).is_worse());
+    let unsound = compare(&first, &table(9, "true,0.9,100,0,0,0.01,0.01"), 0.99);
+    assert!(unsound.is_worse() && unsound.graver == ["scene seed 9"] && unsound.lost.is_empty());
+    assert!(compare(&first, &table(9, "true,0.9,0,1,99,0.01,0.01"), 0.99).is_worse(), "perception");
+    let lost = compare(&first, &table(8, "true,0.9,0,0,100,0.01,0.01"), 0.99);
+    assert_eq!((lost.lost.as_slice(), finding(&lost, "contained")), (&["scene seed 8".to_owned()][..], Finding::Worse));
+    let missed = compare(&first, &table(9, "false,0.9,0,0,100,0.01,0.01"), 0.99);
+    assert!(missed.is_worse() && missed.missed == ["scene seed 9"]);
+    assert!(!compare(&table(9, "false,0.9,0,1,99,0.01,0.01"), &first, 0.99).is_worse(), "the other way round");
+}
+
+#[test]
+fn a_box_that_is_wider_in_y_alone_is_worse() {
+    let wider = compare(&table(10, ""), &table(0, "true,1,0,0,0,0.01,0.02"), 0.99);
+    assert_eq!(
+        (finding(&wider, "width in x"), finding(&wider, "width in y")),
+        (Finding::NotDistinguishable, Finding::Worse)
+    );
+}
+
+#[test]
+fn what_is_not_told_any_more_is_not_taken_for_unchanged() {
+    let (whole, nan) = (table(10, ""), table(9, "true,1,0,0,0,NaN,0.01"));
+    let comparison = compare(&whole, &nan, 0.99);
+    assert!(comparison.is_worse() && comparison.half_known == ["width.x_m.mean"]);
+    let mut fewer = table(10, "");
+    fewer.cases.pop_last();
+    let comparison = compare(&whole, &fewer, 0.99);
+    assert!(comparison.is_worse() && comparison.unpaired[0] == ["scene seed 9"]);
+    assert!(!compare(&fewer, &whole, 0.99).is_worse());
 }

@@ -29,7 +29,9 @@ pub struct Side {
 pub struct Case {
     /// Its seed.
     pub seed: u64,
-    /// Its figures.
+    /// Whether it met its scene's expectations; not known of a table that does not say.
+    pub passed: Option<bool>,
+    /// Its figures, those that are finite numbers.
     pub figures: Figures,
 }
 
@@ -69,6 +71,7 @@ impl Side {
         let (columns, rows) = from_csv(text)?;
         let column = |name: &str| columns.iter().position(|column| column == name).ok_or(format!("no column `{name}`"));
         let (scene, seed, status) = (column("scene")?, column("seed")?, column("status")?);
+        let passed = columns.iter().position(|column| column == "passed");
         let settings: Vec<usize> = (0..columns.len()).filter(|index| columns[*index].starts_with("set.")).collect();
         let mut side = Side::default();
         for row in &rows {
@@ -80,8 +83,13 @@ impl Side {
                 side.not_run.insert(name);
                 continue;
             }
-            let number = |(name, text): (&String, &String)| Some((name.clone(), text.parse().ok()?));
-            side.cases.insert(name, Case { seed, figures: columns.iter().zip(row).filter_map(number).collect() });
+            let number = |(name, text): (&String, &String)| {
+                let value: f64 = text.parse().ok()?;
+                value.is_finite().then(|| (name.clone(), value))
+            };
+            let figures = columns.iter().zip(row).filter_map(number).collect();
+            let passed = passed.and_then(|column| row[column].parse().ok());
+            side.cases.insert(name, Case { seed, passed, figures });
         }
         Ok(side)
     }

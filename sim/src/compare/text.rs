@@ -22,10 +22,14 @@ pub fn as_text(comparison: &Comparison) -> String {
     }
     text += &named("lost containment, which the first side kept", &comparison.lost);
     text += &named("won containment, which the first side lost", &comparison.won);
+    text += &named("unsound or misperceiving more often than in the first side", &comparison.graver);
+    text += &named("missing an expectation that the first side met", &comparison.missed);
     text += &named("could not run or are missing in the second, which the first ran", &comparison.failed);
     let [first, second] = &comparison.unpaired;
-    text += &named("only in the first", first);
+    text += &named("only in the first side, so that nothing speaks for them", first);
     text += &named("only in the second", second);
+    let half_known: Vec<String> = comparison.half_known.iter().map(|figure| format!("`{figure}`")).collect();
+    text += &named("figures that one side has no number for", &half_known);
     let percent = comparison.confidence * 100.0;
     text += &format!(
         "\n{} pairs of {} seeds; all intervals hold together with {percent} % confidence.\n",
