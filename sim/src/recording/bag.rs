@@ -12,10 +12,16 @@ pub(super) struct Topic<'a> {
 
 /// `rmw` numbers: keep last, reliable, transient local, automatic liveliness. Listeners that come late get static transforms.
 const LATCHED: &str = concat!(
-    "- history: 1\\n  depth: 1\\n  reliability: 1\\n  durability: 1\\n  deadline:\\n    sec: 9223372036\\n    nsec: 854775807\\n",
-    "  lifespan:\\n    sec: 9223372036\\n    nsec: 854775807\\n  liveliness: 1\\n  liveliness_lease_duration:\\n",
-    "    sec: 9223372036\\n    nsec: 854775807\\n  avoid_ros_namespace_conventions: false"
+    "- history: 1\n  depth: 1\n  reliability: 1\n  durability: 1\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n",
+    "  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n",
+    "    sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false"
 );
+
+/// The quality of service under which a topic is offered, as YAML. The description and the channel must say the same: readers look a channel's
+/// topic up by it.
+pub(super) fn offered_qos_profiles(topic: &str) -> &'static str {
+    if topic == "/tf_static" { LATCHED } else { "" }
+}
 
 /// The description of a bag of one file, version 5 as ROS 2 Humble writes it.
 pub(super) fn metadata_yaml(file_name: &str, topics: &[Topic<'_>], duration_ns: u64) -> String {
@@ -25,7 +31,7 @@ pub(super) fn metadata_yaml(file_name: &str, topics: &[Topic<'_>], duration_ns: 
          starting_time:\n    nanoseconds_since_epoch: 0\n  message_count: {n_messages}\n  topics_with_message_count:\n"
     );
     for Topic { name, kind, n_messages } in topics {
-        let qos = if *name == "/tf_static" { LATCHED } else { "" };
+        let qos = offered_qos_profiles(name).replace('\n', "\\n");
         // Writing to a `String` cannot fail.
         let _ = write!(
             text,

@@ -137,10 +137,12 @@ impl Sink for McapFile {
         if !self.channels.contains_key(topic) {
             let definition = definitions::definition(kind);
             let name = kind.replace('/', "/msg/");
+            let qos = bag::offered_qos_profiles(topic).to_owned();
+            let metadata = BTreeMap::from([("offered_qos_profiles".to_owned(), qos)]);
             let mut id = 0;
             self.attempt(|writer| {
                 let schema = writer.add_schema(&name, "ros2msg", definition.as_bytes())?;
-                id = writer.add_channel(schema, topic, "cdr", &BTreeMap::new())?;
+                id = writer.add_channel(schema, topic, "cdr", &metadata)?;
                 Ok(())
             });
             self.channels.insert(topic, Channel { id, kind: name, n_messages: 0 });
