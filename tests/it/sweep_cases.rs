@@ -165,6 +165,12 @@ fn what_is_recorded_is_not_run_again_unless_it_is_damaged() {
     fs::write(cases[1].join("case.json"), "{").unwrap();
     fs::remove_file(cases[2].join("boxes.csv")).unwrap();
     fs::remove_dir_all(&cases[3]).unwrap();
+    // Neither a report nor a merger takes what was not recorded so.
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &["report", "out"]));
+    assert_eq!((code, stdout.matches("its files are not those that were recorded").count()), (2, 2), "{stdout}");
+    assert_eq!(stdout.matches("MISSING").count(), 2, "{stdout}");
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &["merge", "out", "--out", "merged"]));
+    assert_eq!((code, stdout.matches("MISSING").count()), (2, 4), "{stdout}");
     let (code, _, stderr) = sweep();
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("4 cases run in") && stderr.contains("8 recorded earlier"), "{stderr}");
@@ -208,8 +214,12 @@ fn merge_names_every_missing_case_and_ends_with_code_2() {
     for (out, shard) in [("a", "1/4"), ("c", "3/4")] {
         assert_eq!(outcome(&mut wherein(&folder, &grid(out, &["--shard", shard]))).0, 0);
     }
-    let (code, stdout, _) = outcome(&mut wherein(&folder, &["merge", "a", "c", "--out", "merged"]));
+    let merge = ["merge", "a", "c", "--out", "merged", "--junit", "junit.xml"];
+    let (code, stdout, _) = outcome(&mut wherein(&folder, &merge));
     assert_eq!(code, 2, "{stdout}");
+    let junit = fs::read_to_string(folder.join("junit.xml")).unwrap();
+    assert_eq!(junit.matches("<error message=\"missing: the case has not run\"").count(), 6, "{junit}");
+    assert!(junit.contains("tests=\"12\"") && junit.contains("errors=\"6\""), "{junit}");
     // Cases 1, 3, 5, …, 11 counted from 0 are the second seed of every combination.
     let missing: Vec<&str> = stdout.lines().filter_map(|line| line.strip_prefix("MISSING ")).collect();
     assert_eq!(missing.len(), 6, "{stdout}");

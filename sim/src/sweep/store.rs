@@ -144,6 +144,9 @@ pub fn read_case(folder: &Path, id: &str) -> Recorded {
     if let Some(reason) = seal.failure {
         return Recorded::Failed(reason);
     }
+    if !is_intact(&folder, &seal) {
+        return Recorded::Failed("its files are not those that were recorded; run the sweep again".to_owned());
+    }
     // What cannot be read is as good as missing: the next sweep into the folder runs it again.
     match record::read(&folder) {
         Ok(Some((summary, timing))) => Recorded::Done { summary, timing },
