@@ -199,6 +199,12 @@ fn github_gets_annotations_and_a_summary_and_nobody_else_does() {
     assert_eq!(code, 1);
     let line = "::error file=scene.toml,title=scene floor.friction=0.5 seed 3::containment.checks is 51, expected 1%0Areplay: ";
     assert!(stderr.lines().any(|found| found.starts_with(line)), "{stderr}");
+    // A sweep's file names its scene from its own folder.
+    fs::create_dir_all(folder.join("sweeps")).unwrap();
+    fs::write(folder.join("sweeps/dark.toml"), "scene = \"../scene.toml\"\nseeds = \"3..4\"\n").unwrap();
+    let mut sweep = wherein(&folder, &["sweep", "sweeps/dark.toml", "--out", "out"]);
+    let (_, _, stderr) = outcome(sweep.env("GITHUB_ACTIONS", "true").env_remove("GITHUB_STEP_SUMMARY"));
+    assert!(stderr.contains("::error file=scene.toml,"), "{stderr}");
     let summary = read(&folder, "summary.md");
     assert!(summary.starts_with("of an earlier step\n## ❌ failed"), "{summary}");
 }

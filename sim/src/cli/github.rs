@@ -1,6 +1,11 @@
 //! What GitHub Actions shows of a job: annotations at the failed scenes, and a summary.
 
-use std::{env, fs::OpenOptions, io::Write};
+use std::{
+    env,
+    fs::OpenOptions,
+    io::Write,
+    path::{Component, Path, PathBuf},
+};
 
 use crate::{
     junit::{failure_account, failure_message},
@@ -36,9 +41,24 @@ pub(super) fn tell_github(overview: &Overview, results: &Results) -> Result<(), 
 
 fn annotation(case: &CaseResult, message: &str) -> String {
     let title = property(&case.describe(true));
-    let file = property(&case.scene_path.display().to_string());
+    let file = property(&straight(&case.scene_path).display().to_string());
     let message = data(&failure_account(case, message));
     format!("::error file={file},title={title}::{message}")
+}
+
+/// The path without `folder/..`, as annotations are put to files by their names: a sweep's file names its scene from its own folder.
+fn straight(path: &Path) -> PathBuf {
+    let mut straight = PathBuf::new();
+    for component in path.components() {
+        let goes_back = component == Component::ParentDir
+            && matches!(straight.components().next_back(), Some(Component::Normal(_)));
+        if goes_back {
+            straight.pop();
+        } else if component != Component::CurDir {
+            straight.push(component);
+        }
+    }
+    straight
 }
 
 /// Text after the `::` of a workflow command.
