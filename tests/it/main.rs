@@ -124,7 +124,7 @@ mod sweep_cases;
 mod sweep_refusals;
 /// Reports, JUnit and annotations of a sweep, against its own table.
 mod sweep_report;
-/// Which method did it, in the result table.
-mod method_shares;
+/// The result table's rows and pooled figures, the report's measures, the CSV's reader.
+mod result_figures;
 /// `wherein compare`: planted differences found, chance not taken for one.
 mod sweep_compare;

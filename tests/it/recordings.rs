@@ -152,6 +152,23 @@ fn a_replay_of_images_in_the_dark_gives_the_same_headings() {
 }
 
 #[test]
+fn a_replay_of_a_doubt_gives_the_same_recovery() {
+    let place = folder("replay_doubt");
+    let run = recorded(&place, "broken/push_25cm.toml", ["duration_s = 30.0", "duration_s = 10.0"], &["--record"]);
+    assert!(fs::read_to_string(run.join("boxes.csv")).unwrap().contains(",recovering,"));
+    assert_same_estimates(&place, &run, "recording.mcap");
+}
+
+#[test]
+fn a_replay_of_the_flow_sensor_gives_the_same_estimates() {
+    let place = folder("replay_flow");
+    let run =
+        recorded(&place, "papers/dark_carpet_flow.toml", ["duration_s = 790.0", "duration_s = 8.0"], &["--record"]);
+    assert!(messages(&run.join("recording.mcap"))["/wherein/flow"].len() > 100);
+    assert_same_estimates(&place, &run, "recording.mcap");
+}
+
+#[test]
 fn a_replay_of_stations_gives_the_same_estimates() {
     let place = folder("replay_stations");
     let run = recorded(&place, "stations.toml", ["description", "description"], &["--record"]);
