@@ -61,8 +61,17 @@ pub fn folder(out: &Path, scene: &str, seed: u64) -> PathBuf {
 pub fn prepare(out: &Path) -> Result<(), RecordError> {
     naming("create the folder", out, fs::create_dir_all(out))?;
     let probe = out.join(format!(".probe-{}", process::id()));
-    naming("write into the folder", out, fs::write(&probe, b"wherein"))?;
-    naming("delete", &probe, fs::remove_file(&probe))
+    let written = fs::write(&probe, b"wherein");
+    // On a full disk the file is there all the same, and empty.
+    let removed = fs::remove_file(&probe);
+    naming("write into the folder", out, written)?;
+    naming("delete", &probe, removed)
+}
+
+/// Does the same for the folder of a file that is to be written in the end.
+pub fn prepare_for(file: &Path) -> Result<(), RecordError> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    prepare(folder)
 }
 
 /// Writes everything about a run, frames of the images whose reading `record` kept included, and returns where.

@@ -126,3 +126,19 @@ fn a_sweep_file_is_refused_by_key() {
         "`vary.floor.friction`: expected LOW..HIGH/N",
     );
 }
+
+#[test]
+fn a_place_where_junit_cannot_be_written_is_refused_before_anything_runs() {
+    let folder = with_scene("refused_junit");
+    fs::write(folder.join("file"), "no folder").unwrap();
+    for command in [["sweep", "scene.toml"], ["run", "scene.toml"]] {
+        let arguments = [&command[..], &["--out", "out", "--junit", "file/junit.xml"]].concat();
+        let (code, stdout, stderr) = outcome(&mut wherein(&folder, &arguments));
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert!(stderr.contains("create the folder file"), "{stderr}");
+        assert!(!folder.join("out/scene").exists() && !folder.join("out/cases").exists(), "{command:?} ran");
+    }
+    let made = ["run", "scene.toml", "--out", "out", "--junit", "new/junit.xml"];
+    assert_eq!(outcome(&mut wherein(&folder, &made)).0, 0);
+    assert!(folder.join("new/junit.xml").exists());
+}

@@ -33,6 +33,7 @@ struct Recorded {
 pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let files = load(arguments)?;
     record::prepare(&arguments.out)?;
+    arguments.junit.as_deref().map_or(Ok(()), record::prepare_for)?;
     // Opening an adapter takes a moment, and a scene without a camera needs none.
     let mut renderer = None;
     if files.iter().any(|file| file.scene.has_camera()) {

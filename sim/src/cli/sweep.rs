@@ -11,6 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::{
     machine::cores,
+    record,
     render::Renderer,
     results::Results,
     scene::SceneTemplate,
@@ -28,6 +29,7 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
     let renderer = if has_camera { Some(Renderer::on_adapter(adapter)?) } else { None };
     let (plan, cases) = Plan::new(&sweep, &template, variations, renderer.as_ref().map(Renderer::adapter));
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("sweeps").join(&plan.scene));
+    arguments.outputs.junit.as_deref().map_or(Ok(()), record::prepare_for)?;
     let store = Store::open(&out)?;
     store.write_plan(&plan)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
