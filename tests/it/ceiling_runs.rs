@@ -4,15 +4,13 @@ use std::fs;
 
 use localizer::{Claim, reading::Camera};
 use sim::{
-    check::{Verdict, check, is_true, violations},
-    frames::FramesPolicy,
-    run::{RunOptions, RunRecord, run},
+    check::{is_true, violations},
     scene::Scene,
 };
 
 use crate::{
     command::{folder, outcome, wherein},
-    render_studio::renderer,
+    render_studio::judged,
 };
 
 /// A room under four markers and a tube, with a small picture of as much view as the paper's; `more` ends the text.
@@ -32,13 +30,6 @@ fn text(more: &str) -> String {
 fn scene(more: &str) -> Scene {
     let text = text(more).replace("ERRORS", "").replace("TOLERANCES", "");
     Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
-}
-
-fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
-    let options = RunOptions { keep_images: FramesPolicy::All };
-    let record = run(scene, seed, Some(&mut renderer()), &options, &mut |_| {}).unwrap();
-    let verdict = check(scene, &record);
-    (record, verdict)
 }
 
 #[test]

@@ -3,14 +3,9 @@
 use std::fs;
 
 use localizer::{Claim, Reading};
-use sim::{
-    check::{Verdict, check, is_true},
-    frames::FramesPolicy,
-    run::{RunOptions, RunRecord, run},
-    scene::Scene,
-};
+use sim::{check::is_true, scene::Scene};
 
-use crate::{command::root, render_studio::renderer};
+use crate::{command::root, render_studio::judged};
 
 /// The scene of the repository with some of its lines replaced, `setup` under `[localizer.wall_directions]`.
 fn scene(changes: &[[&str; 2]], setup: &str) -> Scene {
@@ -21,13 +16,6 @@ fn scene(changes: &[[&str; 2]], setup: &str) -> Scene {
     }
     let text = text.replace("[start]", &format!("[localizer.wall_directions]\n{setup}\n[start]"));
     Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
-}
-
-fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
-    let options = RunOptions { keep_images: FramesPolicy::All };
-    let record = run(scene, seed, Some(&mut renderer()), &options, &mut |_| {}).unwrap();
-    let verdict = check(scene, &record);
-    (record, verdict)
 }
 
 #[test]

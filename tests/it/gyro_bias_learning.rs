@@ -1,12 +1,10 @@
 //! The gyroscope's bias, learnt by the localizer between fixes of the heading, and unlearnt with a doubt.
 
 use localizer::{
-    Constraint, Contractor, Interval, Localizer, Map, Method, Outcome, PoseBox, PoseUnion, Reading,
-    method::{Assumption, Twist},
-    robot::GyroModel,
+    Constraint, Interval, Localizer, Map, Method, PoseBox, PoseUnion, Reading, method::Twist, robot::GyroModel,
 };
 
-use crate::range_landmarks_setup::robot;
+use crate::range_landmarks_setup::{robot, says};
 
 const BIAS_RAD_PER_S: f64 = 0.0042;
 const FIX_RAD: f64 = 0.002;
@@ -15,15 +13,6 @@ const NOISE_RAD_PER_S: f64 = 0.0005;
 /// Says at each range reading that the heading is near 0, from `wrong_from_s` on that it is near 0.3.
 struct Compass {
     wrong_from_s: f64,
-}
-
-struct Heading(Interval);
-
-impl Contractor<3> for Heading {
-    fn contract(&self, domain: &mut PoseBox) -> Outcome {
-        domain[2] = domain[2].intersect(self.0);
-        if domain.is_empty() { Outcome::Empty("another heading") } else { Outcome::Feasible }
-    }
 }
 
 impl Method for Compass {
@@ -37,17 +26,7 @@ impl Method for Compass {
 
     fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
         let says_rad = if reading.measured_s() < self.wrong_from_s { 0.0 } else { 0.3 };
-        Some(Constraint {
-            method: self.name(),
-            stamp_s: reading.measured_s(),
-            on_pose: Box::new(Heading(Interval::centred(says_rad, FIX_RAD))),
-            relies_on: Vec::<Assumption>::new(),
-            claims: Vec::new(),
-            q_items: 0,
-            rejected_px: Vec::new(),
-            decides: true,
-            alone_heading_rad: None,
-        })
+        Some(says(self.name(), reading, 2, Interval::centred(says_rad, FIX_RAD)))
     }
 }
 

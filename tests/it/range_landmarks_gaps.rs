@@ -1,14 +1,14 @@
 //! What must not be taken for consecutive, and what must not outlive a doubt.
 
 use localizer::{
-    Assumption, Constraint, Contractor, Interval, Localizer, Map, Method, Outcome, PoseBox, PoseUnion, Reading,
+    Constraint, Contractor, Interval, Localizer, Map, Method, PoseBox, PoseUnion, Reading,
     method::Twist,
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
     reading::Sighting,
 };
 use nalgebra::Point3;
 
-use crate::range_landmarks_setup::{HEIGHT_M, Landmark, TrueCamera, random, robot};
+use crate::range_landmarks_setup::{HEIGHT_M, Landmark, Only, TrueCamera, random, robot, says};
 
 /// A robot at rest in the origin that sees one landmark, or another one that is taken for it.
 struct Stand {
@@ -87,15 +87,6 @@ struct Believer {
     n_readings: usize,
 }
 
-struct AlongX(Interval);
-
-impl Contractor<3> for AlongX {
-    fn contract(&self, domain: &mut PoseBox) -> Outcome {
-        domain[0] = domain[0].intersect(self.0);
-        if domain.is_empty() { Outcome::Empty("elsewhere") } else { Outcome::Feasible }
-    }
-}
-
 impl Method for Believer {
     fn name(&self) -> &'static str {
         "believer"
@@ -107,18 +98,8 @@ impl Method for Believer {
 
     fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
         self.n_readings += 1;
-        let says = if self.n_readings == 1 { 0.0 } else { 0.5 };
-        Some(Constraint {
-            method: self.name(),
-            stamp_s: reading.measured_s(),
-            on_pose: Box::new(AlongX(Interval::centred(says, 0.01))),
-            relies_on: Vec::<Assumption>::new(),
-            claims: Vec::new(),
-            q_items: 0,
-            rejected_px: Vec::new(),
-            decides: true,
-            alone_heading_rad: None,
-        })
+        let x_m = if self.n_readings == 1 { 0.0 } else { 0.5 };
+        Some(says(self.name(), reading, 0, Interval::centred(x_m, 0.01)))
     }
 
     fn forget_since(&mut self, _since_s: f64) {
@@ -127,7 +108,7 @@ impl Method for Believer {
 
     fn renewed(&self, _stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
         self.has_forgotten
-            .then(|| Box::new(AlongX(Interval::centred(0.5, 0.01))) as Box<dyn Contractor<3> + Send + Sync>)
+            .then(|| Box::new(Only(0, Interval::centred(0.5, 0.01))) as Box<dyn Contractor<3> + Send + Sync>)
     }
 }
 

@@ -1,7 +1,7 @@
 //! A range camera and landmarks of the tests' own: true geometry in three dimensions, every error drawn inside its bound.
 
 use localizer::{
-    Interval, PoseBox, RobotModel,
+    Constraint, Contractor, Interval, Outcome, PoseBox, Reading, RobotModel,
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach, WheelModel},
 };
@@ -203,5 +203,30 @@ impl Confusion {
             }
         }
         n_wrong
+    }
+}
+
+/// One component of the pose, by its index, is in an interval.
+pub(crate) struct Only(pub(crate) usize, pub(crate) Interval);
+
+impl Contractor<3> for Only {
+    fn contract(&self, domain: &mut PoseBox) -> Outcome {
+        domain[self.0] = domain[self.0].intersect(self.1);
+        if domain.is_empty() { Outcome::Empty("elsewhere") } else { Outcome::Feasible }
+    }
+}
+
+/// What a stand-in of a method says of one component at a reading's stamp: it claims nothing and stands on nothing.
+pub(crate) fn says(method: &'static str, reading: &Reading, component: usize, within: Interval) -> Constraint {
+    Constraint {
+        method,
+        stamp_s: reading.measured_s(),
+        on_pose: Box::new(Only(component, within)),
+        relies_on: Vec::new(),
+        claims: Vec::new(),
+        q_items: 0,
+        rejected_px: Vec::new(),
+        decides: true,
+        alone_heading_rad: None,
     }
 }

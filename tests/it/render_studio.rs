@@ -1,4 +1,4 @@
-//! What the renderer's tests share: a scene, an ideal mount, one renderer for the process.
+//! What the renderer's tests share: a scene, an ideal mount, one renderer for the process, whole runs with all their images.
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -6,8 +6,11 @@ use image::GrayImage;
 use localizer::Pose;
 use nalgebra::Isometry3;
 use sim::{
+    check::{Verdict, check},
     drawn::{Drawn, DrawnFloorCamera},
+    frames::FramesPolicy,
     render::{NoiseKey, Renderer, View},
+    run::{RunOptions, RunRecord, run},
     scene::Scene,
     sensors::camera::{Exposure, floor_camera_intrinsics, world_from_floor_camera},
     truth::Truth,
@@ -129,4 +132,12 @@ fn rotated(p: [f64; 3], vector: [f64; 3]) -> [f64; 3] {
     let cross = [n[1] * p[2] - n[2] * p[1], n[2] * p[0] - n[0] * p[2], n[0] * p[1] - n[1] * p[0]];
     let dot = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
     [0, 1, 2].map(|k| p[k] * angle.cos() + cross[k] * angle.sin() + n[k] * dot * (1.0 - angle.cos()))
+}
+
+/// A run with all its images, and what the check says of it.
+pub(crate) fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
+    let options = RunOptions { keep_images: FramesPolicy::All };
+    let record = run(scene, seed, Some(&mut renderer()), &options, &mut |_| {}).unwrap();
+    let verdict = check(scene, &record);
+    (record, verdict)
 }
