@@ -137,12 +137,18 @@ pub struct CeilingCameraModel {
 /// A gyroscope about the vertical: `rate read = scale·true rate + bias + noise`, each within its bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GyroModel {
-    /// Constant over a run, `gyro.bias`.
+    /// At any time, `gyro.bias`.
     pub bias_rad_per_s: Interval,
     /// Constant over a run, `gyro.scale`.
     pub scale: Interval,
     /// Greatest noise of one reading, quantisation included, `gyro.noise`.
     pub noise_rad_per_s: f64,
+    /// The noise of all readings of any span adds up to at most this, `gyro.angle`,
+    pub angle_floor_rad: f64,
+    /// and this times the span. Infinite where only single readings are bounded.
+    pub angle_rad_per_s: f64,
+    /// Greatest difference of two biases of one run, `gyro.spread`; infinite unless declared.
+    pub bias_spread_rad_per_s: f64,
     /// Span that a reading averages over; it ends at the reading's stamp.
     pub period_s: f64,
 }

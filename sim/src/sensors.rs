@@ -67,6 +67,9 @@ pub struct Observation {
     pub gyro_noise_rad_per_s: f64,
     /// Bias in a reading of the gyroscope; 0 in others.
     pub gyro_bias_rad_per_s: f64,
+    /// By how much the noise of the gyroscope's readings up to this one has added up over any span, beyond its rate times the span; 0 in
+    /// others.
+    pub gyro_angle_rad: f64,
     /// What was wrong with a reading of the flow sensor; nothing in others.
     pub flow: FlowTruth,
     /// Codes given in a reading of the range camera, in its order, and whether each is its landmark's own; none in others.
@@ -81,6 +84,7 @@ impl Observation {
             truth,
             gyro_noise_rad_per_s: 0.0,
             gyro_bias_rad_per_s: 0.0,
+            gyro_angle_rad: 0.0,
             flow: FlowTruth::default(),
             codes: Vec::new(),
         }

@@ -99,6 +99,9 @@ fn gyro() -> GyroModel {
         bias_rad_per_s: Interval::centred(0.0, 0.01),
         scale: Interval::centred(1.0, 0.002),
         noise_rad_per_s: 0.0005,
+        angle_floor_rad: f64::INFINITY,
+        angle_rad_per_s: 0.0,
+        bias_spread_rad_per_s: f64::INFINITY,
         period_s: 0.01,
     }
 }
@@ -123,7 +126,7 @@ fn the_bias_shrinks_at_rest_and_between_two_headings() {
 
 #[test]
 fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
-    let mut bias = GyroBias::new(Interval::centred(0.0, 0.01), 1e-5);
+    let mut bias = GyroBias::new(Interval::centred(0.0, 0.01), 1e-5, f64::INFINITY);
     assert_eq!(bias.contract(0.0, 10.0, Interval::new(0.002, 0.006)), Outcome::Feasible);
     assert_eq!(bias.contract(10.0, 20.0, Interval::new(0.004, 0.005)), Outcome::Feasible);
     assert!(bias.at(20.0).is_subset_of(Interval::new(0.0039 - 1e-9, 0.0051 + 1e-9)));

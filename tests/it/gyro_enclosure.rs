@@ -16,6 +16,9 @@ fn model() -> GyroModel {
         bias_rad_per_s: Interval::centred(0.0, 0.002),
         scale: Interval::centred(1.0, 0.003),
         noise_rad_per_s: 0.004,
+        angle_floor_rad: f64::INFINITY,
+        angle_rad_per_s: 0.0,
+        bias_spread_rad_per_s: f64::INFINITY,
         period_s: PERIOD_S,
     }
 }
@@ -95,8 +98,15 @@ fn a_missing_reading_is_bridged_by_what_the_rate_can_have_become() {
 #[test]
 fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
     // Steady 5 rad/s² from rest: 25/2·t² has turned by t. Readings of 0.1 s average 0.25, 0.75 and 1.25 rad/s.
-    let exact =
-        GyroModel { bias_rad_per_s: Interval::ZERO, scale: Interval::point(1.0), noise_rad_per_s: 0.0, period_s: 0.1 };
+    let exact = GyroModel {
+        bias_rad_per_s: Interval::ZERO,
+        scale: Interval::point(1.0),
+        noise_rad_per_s: 0.0,
+        angle_floor_rad: f64::INFINITY,
+        angle_rad_per_s: 0.0,
+        bias_spread_rad_per_s: f64::INFINITY,
+        period_s: 0.1,
+    };
     let mut history = GyroHistory::new(exact, 10.0);
     [(0.1, 0.25), (0.2, 0.75), (0.3, 1.25)].into_iter().for_each(|(end_s, rate)| history.push(end_s, rate));
     for (from_s, to_s) in [(0.38, 0.39), (0.36, 0.37), (0.395, 0.399), (0.3, 0.4), (0.22, 0.24)] {
@@ -176,4 +186,53 @@ fn wheels_and_gyroscope_are_intersected() {
 #[test]
 fn a_gyroscope_that_contradicts_the_wheels_leaves_nothing() {
     assert!(rolled(0.3).is_none_or(|motion| motion.is_empty()));
+}
+
+#[test]
+fn noise_that_is_bounded_over_spans_widens_the_turn_by_floor_and_rate_alone() {
+    let (floor_rad, rate_rad_per_s) = (0.0004, 0.0001);
+    let model = GyroModel {
+        bias_rad_per_s: Interval::ZERO,
+        scale: Interval::point(1.0),
+        angle_floor_rad: floor_rad,
+        angle_rad_per_s: rate_rad_per_s,
+        ..model()
+    };
+    // A robot at rest whose noise runs up to the floor as fast as one reading's bound allows, goes on at the rate, and comes back.
+    let wanted =
+        |time_s: f64| if time_s < 5.0 { floor_rad + rate_rad_per_s * time_s } else { rate_rad_per_s * (10.0 - time_s) };
+    let (mut sum_rad, mut sums, mut history) = (0.0, vec![0.0], GyroHistory::new(model, 20.0));
+    for step in 1..=1000 {
+        let time_s = f64::from(step) * PERIOD_S;
+        let noise = ((wanted(time_s) - sum_rad) / PERIOD_S).clamp(-0.004, 0.004);
+        sum_rad += noise * PERIOD_S;
+        sums.push(sum_rad);
+        history.push(time_s, noise);
+    }
+    for from in (0..1000).step_by(7) {
+        for to in (from..=1000).step_by(13) {
+            let (from_s, to_s) = (f64::from(from) * PERIOD_S, f64::from(to) * PERIOD_S);
+            let turn = history.turn(from_s, to_s, 0.0).unwrap();
+            assert!(turn.contains(0.0), "{turn:?} from {from_s} to {to_s}");
+        }
+    }
+    // By hand: floor + 10·rate, and a reading's 0.004·0.01 at either end, to both sides; by readings it would be 0.08.
+    let width = history.turn(0.0, 10.0, 0.0).unwrap().width();
+    let expected = 2.0 * (floor_rad + 10.0 * rate_rad_per_s + 2.0 * 0.004 * PERIOD_S);
+    assert!((width - expected).abs() < 1e-9, "{width}, expected {expected}");
+    assert!(sums.iter().any(|sum| *sum > floor_rad));
+}
+
+#[test]
+fn a_gap_in_the_readings_costs_the_floor_once_more() {
+    let model = GyroModel { noise_rad_per_s: 0.1, angle_floor_rad: 0.0004, angle_rad_per_s: 0.0, ..model() };
+    let width = |lost: std::ops::Range<usize>| {
+        let mut history = GyroHistory::new(model, 20.0);
+        (1..=500).filter(|step| !lost.contains(step)).for_each(|step| history.push(step as f64 * PERIOD_S, 0.0));
+        history.turn(0.0, 5.0, 0.0).unwrap().width()
+    };
+    // What was not read may have turned at the rate beside it: 0.1 rad/s of noise and 0.002 of bias for 0.01 s, to both sides.
+    let (whole, gap) = (width(0..0), width(200..201));
+    let beside = 2.0 * (0.1 + 0.002) * PERIOD_S / 0.997;
+    assert!(gap > whole + 2.0 * 0.0004 && gap < whole + 2.0 * 0.0004 / 0.997 + beside * 1.01, "{gap} after {whole}");
 }

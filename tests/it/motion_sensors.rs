@@ -100,6 +100,49 @@ fn a_wandering_bias_keeps_both_of_its_bounds() {
     );
 }
 
+#[test]
+fn noise_adds_up_to_no_more_than_its_floor_and_rate_over_any_span() {
+    // So tight that draws are refused: 0.15 °/√h walks by 0.01° within some 16 s.
+    let mut gyro = serde_json::json!({
+        "angle_random_walk_deg_per_sqrt_h": 0.15, "noise_deg_per_s": 0.2, "period_s": 0.01, "bias_tolerance_deg_per_s": 0.0,
+        "angle_floor_deg": 0.01, "angle_deg_per_s": 0.0002,
+    });
+    // By hand: the greatest |W(t) − W(s)| − rate·|t − s| over all pairs of times, through the running extremes of W ∓ rate·t.
+    let greatest_beyond_deg = |gyro: &serde_json::Value| {
+        let (mut sum, mut least, mut greatest, mut beyond) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+        for (idx, rate) in rates_at_rest(gyro.clone(), 3, 20_000).iter().enumerate() {
+            let time_s = (idx + 1) as f64 * 0.01;
+            sum += rate.to_degrees() * 0.01;
+            let (low, high) = (sum - 0.0002 * time_s, sum + 0.0002 * time_s);
+            beyond = beyond.max(low - least).max(greatest - high);
+            (least, greatest) = (least.min(low), greatest.max(high));
+        }
+        beyond
+    };
+    let bounded = greatest_beyond_deg(&gyro);
+    assert!(bounded > 0.0098 && bounded <= 0.01 + 1e-9, "{bounded}");
+    gyro["angle_floor_deg"] = serde_json::Value::Null;
+    gyro.as_object_mut().unwrap().remove("angle_floor_deg");
+    assert!(greatest_beyond_deg(&gyro) > 0.015, "{}", greatest_beyond_deg(&gyro));
+}
+
+#[test]
+fn two_biases_of_a_run_differ_by_no_more_than_their_spread() {
+    let gyro = serde_json::json!({
+        "bias_instability_deg_per_h": 40.0, "rate_random_walk_deg_per_h_per_sqrt_h": 400.0, "noise_deg_per_s": 0.0,
+        "bias_wander_deg_per_s2": 0.004, "bias_tolerance_deg_per_s": 0.5, "bias_spread_deg_per_s": 0.03, "scale_tolerance": 0.0,
+        "period_s": 0.5,
+    });
+    let mut widest = 0.0_f64;
+    for seed in 0..5 {
+        let rates = rates_at_rest(gyro.clone(), seed, 14_400);
+        let (least, greatest) = rates.iter().fold((f64::MAX, f64::MIN), |(a, b), rate| (a.min(*rate), b.max(*rate)));
+        widest = widest.max((greatest - least).to_degrees());
+    }
+    // It is reached, and not passed.
+    assert!((0.029..=0.03 + 1e-12).contains(&widest), "{widest}");
+}
+
 fn flow_scene(more: serde_json::Value) -> Scene {
     let mut keys = serde_json::json!({ "robot": { "flow": { "forward_m": -0.06, "left_m": 0.02 } } });
     for (key, value) in more.as_object().unwrap() {

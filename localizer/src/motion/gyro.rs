@@ -1,7 +1,7 @@
 //! Turn rates to an enclosure of the turn between two stamps.
 //!
 //! A reading r averages ω = (r − bias − noise)/scale over the period before its stamp. Bias and scale are the same in all readings and
-//! so act on sums; noise is bounded for each reading, so its bound adds up.
+//! so act on sums. Noise is bounded for each reading, so its bound adds up, and may be bounded over any span besides.
 
 use std::collections::VecDeque;
 
@@ -65,6 +65,16 @@ impl GyroHistory {
         self.turn_by(&self.model, [from_s, to_s], change_rad_per_s2)
     }
 
+    /// The same with another bias, as of a span long past.
+    pub fn turn_with_bias(
+        &self,
+        bias_rad_per_s: Interval,
+        span_s: [f64; 2],
+        change_rad_per_s2: f64,
+    ) -> Option<Interval> {
+        self.turn_by(&GyroModel { bias_rad_per_s, ..self.model }, span_s, change_rad_per_s2)
+    }
+
     fn turn_by(&self, model: &GyroModel, [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Option<Interval> {
         let period_s = model.period_s;
         let bend_rad = change_rad_per_s2 * period_s * period_s / 8.0;
@@ -80,6 +90,7 @@ impl GyroHistory {
                 break;
             }
             beside += beside_period(model, (end_s, rate), [done_s, begin_s], change_rad_per_s2);
+            covered.n_runs += usize::from(covered.n_runs == 0 || begin_s - done_s > SAME_S);
             let span_s = end_s.min(to_s) - begin_s.max(done_s);
             covered.add(rate, span_s);
             if span_s < period_s - SAME_S {
@@ -127,6 +138,8 @@ fn beside_period(
 struct Covered {
     turned_rad: f64,
     lasted_s: f64,
+    /// Spans without a gap between readings.
+    n_runs: usize,
     /// Bound of what chords leave out.
     bent_rad: f64,
     /// Σ |r|·T, for the rounding of the sums.
@@ -145,7 +158,16 @@ impl Covered {
         // Stamps themselves are rounded, by far less than `SAME_S` for each reading.
         let rounding_rad = 1e-12 * (self.size_rad + self.lasted_s);
         let turned = Interval::point(self.turned_rad) - model.bias_rad_per_s * self.lasted_s;
-        (turned.inflate(model.noise_rad_per_s * self.lasted_s + rounding_rad) / model.scale).inflate(self.bent_rad)
+        (turned.inflate(self.noise_rad(model) + rounding_rad) / model.scale).inflate(self.bent_rad)
+    }
+
+    /// Bound of what noise adds up to: reading by reading, or span by span, with a reading at either end that lies in it only in part.
+    fn noise_rad(&self, model: &GyroModel) -> f64 {
+        let by_reading_rad = model.noise_rad_per_s * self.lasted_s;
+        let by_span_rad = self.n_runs as f64 * model.angle_floor_rad
+            + model.angle_rad_per_s * self.lasted_s
+            + 2.0 * model.noise_rad_per_s * model.period_s;
+        by_reading_rad.min(by_span_rad)
     }
 }
 

@@ -20,6 +20,7 @@ pub struct GyroSensor {
     noise: ChaCha8Rng,
     noise_deviation_rad_per_s: f64,
     bias: WanderingBias,
+    angle: BoundedAngle,
     n_readings: u64,
     before: Option<Truth>,
 }
@@ -33,6 +34,7 @@ impl GyroSensor {
         let third_rad_per_s = gyro.noise_deg_per_s.to_radians() / 3.0;
         Some(GyroSensor {
             noise_deviation_rad_per_s: gyro.angle_random_walk_deg_per_sqrt_h.map_or(third_rad_per_s, of_random_walk),
+            angle: BoundedAngle::new(&gyro),
             bias: WanderingBias::new(&gyro, calibration.bias_rad_per_s, randomness::stream(seed, "gyro.wander")),
             gyro,
             calibration,
@@ -51,11 +53,31 @@ impl GyroSensor {
         let before = self.before.replace(*truth)?;
         let turned_rad = truth.pose.heading_rad - before.pose.heading_rad;
         let true_rad_per_s = turned_rad / (truth.time_s - before.time_s);
-        let gyro_noise_rad_per_s = self.draw_noise_rad_per_s();
+        let gyro_noise_rad_per_s = self.draw_bounded_rad_per_s();
         let gyro_bias_rad_per_s = self.bias.at(0.5 * (before.time_s + truth.time_s));
         let rate_rad_per_s = self.calibration.scale * true_rad_per_s + gyro_bias_rad_per_s + gyro_noise_rad_per_s;
         let reading = Reading::Gyro { measured_s: truth.time_s, arrived_s: truth.time_s, rate_rad_per_s };
-        Some(Observation { gyro_noise_rad_per_s, gyro_bias_rad_per_s, ..Observation::new(reading, *truth) })
+        let gyro_angle_rad = self.angle.beyond_rad;
+        Some(Observation {
+            gyro_noise_rad_per_s,
+            gyro_bias_rad_per_s,
+            gyro_angle_rad,
+            ..Observation::new(reading, *truth)
+        })
+    }
+
+    /// Noise whose sum over any span keeps to its bound, drawn again when it would not.
+    fn draw_bounded_rad_per_s(&mut self) -> f64 {
+        /// A bound so tight that none of as many draws keeps to it is kept to by no noise at all.
+        const MOST_DRAWS: usize = 1000;
+        for _ in 0..MOST_DRAWS {
+            let noise_rad_per_s = self.draw_noise_rad_per_s();
+            if self.angle.take(noise_rad_per_s) {
+                return noise_rad_per_s;
+            }
+        }
+        self.angle.take(0.0);
+        0.0
     }
 
     /// Normal, drawn again when beyond the bound.
@@ -79,5 +101,49 @@ impl GyroSensor {
                 return deviations;
             }
         }
+    }
+}
+
+/// What noise has added up to, kept within floor + rate·|t − s| between any two times s and t.
+///
+/// With W the sum, W(t) − W(s) ≤ a + r·(t − s) for all s before t is W(t) − r·t ≤ a + min (W(s) − r·s), and likewise below.
+struct BoundedAngle {
+    floor_rad: f64,
+    rad_per_s: f64,
+    period_s: f64,
+    time_s: f64,
+    sum_rad: f64,
+    least_rad: f64,
+    greatest_rad: f64,
+    /// What of the sum since any time is not rate·|t − s|.
+    beyond_rad: f64,
+}
+
+impl BoundedAngle {
+    fn new(gyro: &Gyro) -> Self {
+        BoundedAngle {
+            floor_rad: gyro.angle_floor_deg.map_or(f64::INFINITY, f64::to_radians),
+            rad_per_s: gyro.angle_deg_per_s.to_radians(),
+            period_s: gyro.period_s,
+            time_s: 0.0,
+            sum_rad: 0.0,
+            least_rad: 0.0,
+            greatest_rad: 0.0,
+            beyond_rad: 0.0,
+        }
+    }
+
+    /// Adds one reading's noise; false, and nothing done, when the sum would leave its bound.
+    fn take(&mut self, noise_rad_per_s: f64) -> bool {
+        let (time_s, sum_rad) = (self.time_s + self.period_s, self.sum_rad + noise_rad_per_s * self.period_s);
+        let (low, high) = (sum_rad - self.rad_per_s * time_s, sum_rad + self.rad_per_s * time_s);
+        let beyond_rad = (low - self.least_rad).max(self.greatest_rad - high);
+        if beyond_rad > self.floor_rad {
+            return false;
+        }
+        self.beyond_rad = beyond_rad.max(0.0);
+        (self.time_s, self.sum_rad) = (time_s, sum_rad);
+        (self.least_rad, self.greatest_rad) = (self.least_rad.min(low), self.greatest_rad.max(high));
+        true
     }
 }

@@ -8,7 +8,17 @@ use super::{Monitor, constant};
 pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let mut found = gyro(scene, record);
     found.extend(flow(scene, record));
+    found.extend(rests(scene, record));
     found
+}
+
+fn rests(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+    let mut monitor = Monitor::new("wheels.rest");
+    let declared_rad = scene.bounds.rest_turn_deg.map_or(f64::INFINITY, f64::to_radians);
+    for rest in &record.motion_sensors.rests {
+        monitor.watch(rest.span_s, declared_rad, rest.turned_rad);
+    }
+    monitor.finish()
 }
 
 fn gyro(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
@@ -20,6 +30,18 @@ fn gyro(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     [
         constant(record, "gyro.bias", gyro.bias_tolerance_deg_per_s.to_radians(), greatest_bias_rad_per_s),
         constant(record, "gyro.scale", gyro.scale_tolerance, (drawn.scale - 1.0).abs()),
+        constant(
+            record,
+            "gyro.angle",
+            gyro.angle_floor_deg.map_or(f64::INFINITY, f64::to_radians),
+            truth.greatest_gyro_angle_rad * ROUNDING,
+        ),
+        constant(
+            record,
+            "gyro.spread",
+            gyro.bias_spread_deg_per_s.map_or(f64::INFINITY, f64::to_radians),
+            truth.gyro_biases_rad_per_s.map_or(0.0, |[least, greatest]| greatest - least),
+        ),
         constant(record, "gyro.noise", gyro.noise_deg_per_s.to_radians(), truth.greatest_gyro_noise_rad_per_s),
         constant(
             record,
