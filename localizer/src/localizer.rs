@@ -1,8 +1,9 @@
 //! The ring of stamped pose unions: predict, hang, contract, account.
 
 mod account;
-mod bias;
+mod after_turn;
 mod doubt;
+mod heading_fixes;
 mod moves;
 mod ring;
 mod slip;
@@ -15,9 +16,10 @@ use crate::{
 };
 
 pub use account::Account;
-use bias::BiasLearner;
+use after_turn::AfterTurn;
 use doubt::Doubt;
-use moves::{GYRO_WANDER, REACH, assumptions, motion_between, motion_history};
+use heading_fixes::HeadingFixes;
+use moves::{REACH, assumptions, motion_between, motion_history};
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
 
@@ -64,8 +66,10 @@ pub struct Localizer {
     /// When methods unlearnt last, and how far back.
     unlearnt: (f64, f64),
     relies_on: Vec<Assumption>,
-    /// How fast the gyroscope's bias may change where it is learnt, and what is known of it.
-    bias: Option<(f64, BiasLearner)>,
+    /// Where the gyroscope's bias is learnt: what is known of it and of headings before.
+    fixes: Option<HeadingFixes>,
+    /// The encoders' latest count, and since when it has been.
+    at_rest: Option<(f64, [i64; 2])>,
 }
 
 impl Localizer {
@@ -84,41 +88,51 @@ impl Localizer {
             doubt: None,
             slip: CertifiedSlip::default(),
             unlearnt: (0.0, 0.0),
-            bias: None,
+            fixes: None,
+            at_rest: None,
         };
         localizer.begin_at(start);
         localizer
     }
 
-    /// The same, learning the gyroscope's bias, which changes by at most `wander_rad_per_s2` times the time that passes.
-    pub fn learning_gyro_bias(mut self, wander_rad_per_s2: f64) -> Self {
-        self.bias = self.robot.gyro.map(|model| (wander_rad_per_s2, BiasLearner::new(model, wander_rad_per_s2)));
-        self.relies_on.extend(self.bias.is_some().then_some(GYRO_WANDER));
+    /// The same, learning the gyroscope's bias, which changes by at most `wander_rad_per_s2` times the time that passes: between fixes
+    /// of the heading, and at rest if the body turns by at most `rest_turn_rad` there.
+    pub fn learning_gyro_bias(mut self, wander_rad_per_s2: f64, rest_turn_rad: Option<f64>) -> Self {
+        let change_rad_per_s2 = greatest_change_rad_per_s2(&self.robot.wheels, &self.robot.reach);
+        self.fixes =
+            self.robot.gyro.map(|model| HeadingFixes::new(model, wander_rad_per_s2, change_rad_per_s2, rest_turn_rad));
+        self.begin_fixes();
         self
+    }
+
+    /// The start is the first heading known.
+    fn begin_fixes(&mut self) {
+        if let Some(fixes) = &mut self.fixes {
+            self.relies_on.extend(fixes.relies_on());
+            fixes.begin(self.current.hull()[2]);
+        }
     }
 
     /// The gyroscope's bias as known now: as declared unless it is learnt; `None` without a gyroscope.
     pub fn gyro_bias_rad_per_s(&self) -> Option<Interval> {
         let declared = self.robot.gyro?.bias_rad_per_s;
-        Some(self.bias.as_ref().map_or(declared, |(_, learner)| learner.at(self.now_s)))
+        Some(self.fixes.as_ref().map_or(declared, |fixes| fixes.bias_over(0.0, self.now_s)))
     }
 
     /// The robot was put within `start` and the clock set back to 0: nothing carries over but what the methods have learnt.
     pub fn restart(&mut self, start: PoseBox) {
         self.wheels = motion_history(&self.robot);
-        if let (Some((wander, learner)), Some(model)) = (&mut self.bias, self.robot.gyro) {
-            *learner = BiasLearner::new(model, *wander);
-        }
         self.ring = Ring::new(REMEMBER_S);
         self.integral = None;
+        self.at_rest = None;
         self.now_s = 0.0;
         self.doubt = None;
         self.slip = CertifiedSlip::default();
         self.unlearnt = (0.0, 0.0);
         self.relies_on = assumptions(&self.robot);
-        self.relies_on.extend(self.bias.is_some().then_some(GYRO_WANDER));
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
         self.begin_at(start);
+        self.begin_fixes();
     }
 
     fn begin_at(&mut self, start: PoseBox) {
@@ -135,8 +149,8 @@ impl Localizer {
             }
             Reading::Gyro { measured_s, rate_rad_per_s, .. } => {
                 self.wheels.push_rate(*measured_s, *rate_rad_per_s);
-                if let Some((_, learner)) = &mut self.bias {
-                    learner.read(*measured_s, *rate_rad_per_s);
+                if let Some(fixes) = &mut self.fixes {
+                    fixes.read(*measured_s, *rate_rad_per_s);
                 }
                 Vec::new()
             }
@@ -184,6 +198,18 @@ impl Localizer {
         }
         self.predict();
         self.anchor_when_due();
+        self.learn_at_rest(time_s, ticks);
+    }
+
+    /// Learns the gyroscope's bias while the encoders count nothing.
+    fn learn_at_rest(&mut self, time_s: f64, ticks: [i64; 2]) {
+        let (since_s, _) = *self.at_rest.take_if(|(_, before)| *before == ticks).get_or_insert((time_s, ticks));
+        self.at_rest = Some((since_s, ticks));
+        if let Some(fixes) = self.fixes.as_mut().filter(|_| self.doubt.is_none())
+            && fixes.rest([since_s, time_s])
+        {
+            self.wheels.learn_bias(fixes.bias_over(REMEMBER_S, time_s));
+        }
     }
 
     /// Sets the current union from the last slot.
@@ -218,7 +244,12 @@ impl Localizer {
             .last()
             .is_some_and(|last| self.now_s - last.stamp_s > 2.0 * self.robot.wheels.slip_window_s + 1e-6);
         if due {
-            self.ring.push(Slot { stamp_s: self.now_s, union: self.current.clone(), constraint: None });
+            let union = self.as_fixed_before(self.current.clone(), self.now_s);
+            if union.is_empty() {
+                self.begin_doubt();
+                return;
+            }
+            self.ring.push(Slot { stamp_s: self.now_s, union, constraint: None });
             self.restart_integral();
         }
     }
@@ -234,14 +265,27 @@ impl Localizer {
                 continue;
             }
             let (wheels, robot, doubted) = (&self.wheels, &self.robot, self.doubt.is_some());
-            let slip = &self.slip;
-            self.methods[idx]
-                .carry_to(stamp_s, &|from_s, to_s| motion_between(wheels, robot, slip, doubted, [from_s, to_s]));
+            let (slip, fixes) = (&self.slip, &self.fixes);
+            self.methods[idx].carry_to(stamp_s, &|from_s, to_s| {
+                let motion = motion_between(wheels, robot, slip, doubted, [from_s, to_s]);
+                let Some(fixes) = fixes else { return motion };
+                // Headings are remembered for longer than places.
+                let mut motion = motion.unwrap_or_else(|| wheels.reach_motion(from_s, to_s, &robot.reach));
+                motion[2] = motion[2].intersect(fixes.turn(from_s, to_s)?);
+                Some(motion)
+            });
             let Some(constraint) = self.methods[idx].constrain(reading, &prior, &twist) else {
                 accounts.push(Account::absent(self.methods[idx].name(), prior.clone()));
                 continue;
             };
+            let heading_only = self.methods[idx].tells_heading_only();
+            let constraint = if heading_only { self.on_a_reading(constraint) } else { constraint };
+            let hung_s = constraint.stamp_s;
             let mut account = self.hang(constraint, prior.clone());
+            let fixed = self.ring.at(hung_s).map_or(Interval::EMPTY, |slot| slot.union.hull()[2]);
+            if hung_s != stamp_s {
+                account.posterior = self.union_at(stamp_s).unwrap_or_default();
+            }
             if self.doubt.is_none() {
                 let (wheels, robot, slip) = (&self.wheels, &self.robot, &self.slip);
                 self.methods[idx].learn(&account.posterior, &|from_s, to_s| {
@@ -249,21 +293,43 @@ impl Localizer {
                 });
             }
             account.landmarks = self.methods[idx].landmarks();
-            self.learn_bias(stamp_s, account.posterior.hull()[2]);
+            self.learn_heading(hung_s, fixed);
             accounts.push(account);
         }
         accounts
     }
 
-    /// Learns the gyroscope's bias from a heading just fixed, unless an assumption is doubted.
-    fn learn_bias(&mut self, stamp_s: f64, heading: Interval) {
-        let change_rad_per_s2 = greatest_change_rad_per_s2(&self.robot.wheels, &self.robot.reach);
-        let Some((wander_rad_per_s2, learner)) = &mut self.bias else { return };
-        if self.doubt.is_none() && !heading.is_empty() {
-            learner.learn(stamp_s, heading, change_rad_per_s2);
-            // The memory of motion goes back so far.
-            self.wheels.learn_bias(learner.at(self.now_s).inflate(*wander_rad_per_s2 * REMEMBER_S));
+    /// A constraint of the heading, told at the stamp of the wheel reading before it: a slot that cuts no reading in two costs the
+    /// motion nothing, and a heading is carried over the few milliseconds by the gyroscope.
+    fn on_a_reading(&self, constraint: Constraint) -> Constraint {
+        let at_s = self.wheels.reading_before(constraint.stamp_s);
+        let turn = at_s
+            .and_then(|at_s| self.wheels.gyro_turn(at_s, constraint.stamp_s, &self.robot.wheels, &self.robot.reach));
+        match at_s.zip(turn) {
+            Some((stamp_s, turn)) => {
+                Constraint { stamp_s, on_pose: Box::new(AfterTurn { turn, on_pose: constraint.on_pose }), ..constraint }
+            }
+            None => constraint,
         }
+    }
+
+    /// Learns the gyroscope's bias from a heading just fixed, unless an assumption is doubted.
+    fn learn_heading(&mut self, stamp_s: f64, heading: Interval) {
+        let Some(fixes) = &mut self.fixes else { return };
+        if self.doubt.is_none() && !heading.is_empty() {
+            fixes.learn(stamp_s, heading);
+            // The memory of motion goes back so far.
+            self.wheels.learn_bias(fixes.bias_over(REMEMBER_S, self.now_s));
+        }
+    }
+
+    /// A union at a stamp without the headings that those fixed before rule out.
+    fn as_fixed_before(&self, mut union: PoseUnion, stamp_s: f64) -> PoseUnion {
+        let Some(fixes) = self.fixes.as_ref().filter(|_| self.doubt.is_none()) else { return union };
+        let heading = fixes.heading(stamp_s);
+        union.branches.iter_mut().for_each(|branch| branch[2] = branch[2].intersect(heading));
+        union.branches.retain(|branch| !branch.is_empty());
+        union
     }
 
     /// What is known of the pose at a past stamp; `None` when it lies outside of the memory or after the last wheel reading.
@@ -287,7 +353,8 @@ impl Localizer {
         } else {
             motion_between(&self.wheels, &self.robot, &self.slip, false, [from_s, to_s])?
         };
-        Some(self.inside_room(moved_union(union, &motion)))
+        let moved = self.inside_room(moved_union(union, &motion));
+        Some(if doubted { moved } else { self.as_fixed_before(moved, to_s) })
     }
 
     /// Hangs a constraint on its stamp, where `prior` was known, and brings every later slot up to date.

@@ -15,6 +15,11 @@ pub trait Method: Send {
     /// The method's name in scenes, summaries and tables.
     fn name(&self) -> &'static str;
 
+    /// Whether its constraints speak of the heading alone, whatever x and y.
+    fn tells_heading_only(&self) -> bool {
+        false
+    }
+
     /// Whether readings of this kind are this method's.
     fn reads(&self, reading: &Reading) -> bool;
 
@@ -96,6 +101,13 @@ pub enum Claim {
     },
     /// A level line along one of the building's directions runs, in the image, within the bound of both ends.
     WallLine {
+        /// First and last point, `[u, v]`.
+        ends_px: [[f64; 2]; 2],
+        /// Greatest distance of the true line from either end, across the line.
+        bound_px: f64,
+    },
+    /// An upright line runs, in the image, within the bound of both ends.
+    UprightLine {
         /// First and last point, `[u, v]`.
         ends_px: [[f64; 2]; 2],
         /// Greatest distance of the true line from either end, across the line.

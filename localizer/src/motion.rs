@@ -91,8 +91,14 @@ impl WheelHistory {
         }
     }
 
-    /// Turn as the gyroscope tells it, with wheels that keep their acceleration.
-    fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
+    /// Stamp of the last wheel reading that is not after a time.
+    pub fn reading_before(&self, time_s: f64) -> Option<f64> {
+        let after = self.samples.partition_point(|sample| sample.time_s <= time_s);
+        Some(self.samples.get(after.checked_sub(1)?)?.time_s)
+    }
+
+    /// Turn as the gyroscope tells it, with wheels that keep their acceleration; `None` without one.
+    pub fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
         self.gyro.as_ref()?.turn(from_s, to_s, gyro::greatest_change_rad_per_s2(wheels, reach))
     }
 

@@ -128,6 +128,7 @@ impl Driver {
         }
         let freedom = self.caution.judge(&hull, estimate.status == Status::Recovering, time_s);
         let wish = match freedom {
+            Freedom::Drive { .. } if self.rests(time_s) => Wish::default(),
             Freedom::Drive { speed_share } => {
                 let wish = self.wish(time_s);
                 Wish { speed_m_per_s: wish.speed_m_per_s * speed_share, ..wish }
@@ -137,6 +138,11 @@ impl Driver {
             Freedom::Halt => Wish::default(),
         };
         self.actuate(wish)
+    }
+
+    /// Whether the route has not begun yet.
+    fn rests(&self, time_s: f64) -> bool {
+        self.scene.route.as_ref().is_some_and(|route| time_s < route.begins_s)
     }
 
     /// Wheel speeds on the way to a wish, as fast as the tyres should bear.

@@ -32,11 +32,37 @@ impl Method for Compass {
 
 /// A robot that stands still, with a fix every second from a stamp that no gyroscope's period ends at.
 fn biases(lasts_s: f64, wrong_from_s: f64, wander_rad_per_s2: Option<f64>) -> Vec<Interval> {
+    let mut known = Vec::new();
+    drive(
+        wander_rad_per_s2.map(|wander| (wander, None)),
+        wrong_from_s,
+        lasts_s,
+        |_| 0,
+        |second, localizer| {
+            let measured_s = second - 0.0043;
+            localizer.observe(&Reading::Range { measured_s, arrived_s: second, sightings: Vec::new() });
+            known.push(localizer.gyro_bias_rad_per_s().unwrap());
+        },
+    );
+    known
+}
+
+/// A robot that does not turn, with what its gyroscope reads and its encoders count; `look` is called each second.
+fn drive(
+    learns: Option<(f64, Option<f64>)>,
+    wrong_from_s: f64,
+    lasts_s: f64,
+    ticks: impl Fn(f64) -> i64,
+    mut look: impl FnMut(f64, &mut Localizer),
+) {
     let mut robot = robot(0, 1);
     robot.gyro = Some(GyroModel {
         bias_rad_per_s: Interval::centred(0.0, 0.01),
         scale: Interval::centred(1.0, 0.002),
         noise_rad_per_s: NOISE_RAD_PER_S,
+        angle_floor_rad: f64::INFINITY,
+        angle_rad_per_s: 0.0,
+        bias_spread_rad_per_s: f64::INFINITY,
         period_s: 0.01,
     });
     // Wheels that slip at will: only fixes tell of the turn.
@@ -45,23 +71,19 @@ fn biases(lasts_s: f64, wrong_from_s: f64, wander_rad_per_s2: Option<f64>) -> Ve
     let map = Map { room_m: [room, room], tiles: None, markers: None, wall_directions_rad: Vec::new() };
     let start = PoseBox::from([Interval::ZERO, Interval::ZERO, Interval::centred(0.0, FIX_RAD)]);
     let mut localizer = Localizer::new(map, robot, vec![Box::new(Compass { wrong_from_s })], start);
-    if let Some(wander) = wander_rad_per_s2 {
-        localizer = localizer.learning_gyro_bias(wander);
+    if let Some((wander_rad_per_s2, rest_turn_rad)) = learns {
+        localizer = localizer.learning_gyro_bias(wander_rad_per_s2, rest_turn_rad);
     }
-    let mut known = Vec::new();
     for step in 1..=(lasts_s * 100.0) as usize {
         let time_s = step as f64 * 0.01;
         let noise = if step % 3 == 0 { NOISE_RAD_PER_S } else { -0.9 * NOISE_RAD_PER_S };
         let rate_rad_per_s = BIAS_RAD_PER_S + noise;
         localizer.observe(&Reading::Gyro { measured_s: time_s, arrived_s: time_s, rate_rad_per_s });
-        localizer.observe(&Reading::Wheels { measured_s: time_s, arrived_s: time_s, ticks: [0; 2] });
+        localizer.observe(&Reading::Wheels { measured_s: time_s, arrived_s: time_s, ticks: [ticks(time_s); 2] });
         if step % 100 == 0 {
-            let measured_s = time_s - 0.0043;
-            localizer.observe(&Reading::Range { measured_s, arrived_s: time_s, sightings: Vec::new() });
-            known.push(localizer.gyro_bias_rad_per_s().unwrap());
+            look(time_s, &mut localizer);
         }
     }
-    known
 }
 
 #[test]
@@ -85,4 +107,49 @@ fn a_doubt_takes_back_what_the_last_seconds_taught_of_the_bias() {
     assert!(known[19].width() > known[18].width(), "{known:?}");
     assert!(known[19].width() <= known[15].width() + 1e-12, "{known:?}");
     assert!(known.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{known:?}");
+}
+
+#[test]
+fn encoders_at_rest_narrow_the_bias_to_noise_and_the_turn_they_may_hide() {
+    let rest_turn_rad = 0.002;
+    let known = |ticks: &dyn Fn(f64) -> i64, rest_turn_rad: Option<f64>| {
+        let mut known = Vec::new();
+        drive(Some((0.0, rest_turn_rad)), f64::INFINITY, 11.0, ticks, |_, localizer| {
+            known.push(localizer.gyro_bias_rad_per_s().unwrap());
+        });
+        known
+    };
+    let at_rest = known(&|_| 0, Some(rest_turn_rad));
+    assert!(at_rest.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{at_rest:?}");
+    // By hand: from 0.5 s after the first count on, noise and the turn over the time that passed, to both sides.
+    let expected = 2.0 * (NOISE_RAD_PER_S + rest_turn_rad / 9.5);
+    let width = at_rest[10].width();
+    assert!(width <= 1.1 * expected && width > 0.8 * expected, "{width} rad/s wide, expected {expected}");
+    // Nothing is learnt of what is not declared, and nothing while the wheels go round.
+    assert_eq!(known(&|_| 0, None)[10], Interval::centred(0.0, 0.01));
+    assert_eq!(known(&|time_s| (time_s * 20.0) as i64, Some(rest_turn_rad))[10], Interval::centred(0.0, 0.01));
+}
+
+#[test]
+fn a_heading_fixed_once_is_carried_on_without_a_toll_at_every_slot() {
+    let width = |learns: Option<(f64, Option<f64>)>| {
+        let mut width = 0.0;
+        drive(
+            learns,
+            f64::INFINITY,
+            20.0,
+            |_| 0,
+            |_, localizer| {
+                let heading = localizer.estimate().pose.hull()[2];
+                assert!(heading.contains(0.0), "{heading:?}");
+                width = heading.width();
+            },
+        );
+        width
+    };
+    // By hand: the start's 0.004, then 20 s of bias and noise, 0.0105 rad/s each way, over a scale of 0.998.
+    let carried = width(Some((0.0, None)));
+    let expected = 2.0 * FIX_RAD + 20.0 * 2.0 * (0.01 + NOISE_RAD_PER_S) / 0.998;
+    assert!(carried < 1.02 * expected && carried > 0.9 * expected, "{carried}, expected {expected}");
+    assert!(width(None) >= carried);
 }

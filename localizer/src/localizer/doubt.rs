@@ -60,9 +60,9 @@ impl Localizer {
 
     /// Lets the methods unlearn, and makes the constraints anew that stood on what they had learnt.
     fn unlearn_since(&mut self, since_s: f64) {
-        if let Some((_, learner)) = &mut self.bias {
-            learner.forget_since(since_s);
-            self.wheels.learn_bias(learner.at(self.now_s));
+        if let Some(fixes) = &mut self.fixes {
+            fixes.forget_since(since_s);
+            self.wheels.learn_bias(fixes.bias_over(REMEMBER_S, self.now_s));
         }
         for method in &mut self.methods {
             method.forget_since(since_s);

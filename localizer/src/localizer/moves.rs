@@ -14,9 +14,7 @@ pub(super) const WHEELS: [Assumption; 6] =
 /// The bounds that a prediction by reach stands on.
 pub(super) const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "room.walls"];
 /// What a gyroscope adds to both.
-const GYRO: [Assumption; 3] = ["gyro.bias", "gyro.scale", "gyro.noise"];
-/// What a bias that is learnt adds to that.
-pub(super) const GYRO_WANDER: Assumption = "gyro.wander";
+const GYRO: [Assumption; 4] = ["gyro.bias", "gyro.scale", "gyro.noise", "gyro.angle"];
 /// What a flow sensor adds to the wheels.
 const FLOW: [Assumption; 6] =
     ["flow.position", "flow.yaw", "flow.scale", "flow.back_and_forth", "reach.speed", "reach.turn_rate"];

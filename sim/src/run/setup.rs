@@ -18,7 +18,8 @@ use crate::scene::{
 pub(crate) fn localizer(scene: &Scene) -> Localizer {
     let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
     match scene.localizer.gyro_bias_wander_deg_per_s2 {
-        Some(wander_deg_per_s2) => localizer.learning_gyro_bias(wander_deg_per_s2.to_radians()),
+        Some(wander_deg_per_s2) => localizer
+            .learning_gyro_bias(wander_deg_per_s2.to_radians(), scene.bounds.rest_turn_deg.map(f64::to_radians)),
         None => localizer,
     }
 }

@@ -36,6 +36,11 @@ pub struct Bounds {
     /// `reach.acceleration`: no wheel accelerates harder while the wheel bounds hold.
     #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0.0))]
     pub reach_acceleration_m_per_s2: f64,
+    /// `wheels.rest`: from half a second after the encoders' last count until the next one, the body turns by at most this. Unless
+    /// stated, a gyroscope learns nothing at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 360.0))]
+    pub rest_turn_deg: Option<f64>,
     /// `body.tilt`: angle of the body's vertical to the floor's.
     #[schemars(range(min = 0.0, max = 45.0))]
     pub body_tilt_deg: f64,
@@ -55,6 +60,7 @@ impl Default for Bounds {
             reach_speed_m_per_s: 0.7,
             reach_turn_rate_rad_per_s: 1.6,
             reach_acceleration_m_per_s2: 1.2,
+            rest_turn_deg: None,
             body_tilt_deg: 0.035,
             body_heave_m: 0.00001,
         }

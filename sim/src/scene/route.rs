@@ -35,6 +35,10 @@ pub struct Route {
     #[serde(rename = "waypoint")]
     #[schemars(length(min = 1))]
     pub waypoints: Vec<Waypoint>,
+    /// The robot rests at its start for so long.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 3600.0))]
+    pub begins_s: f64,
     /// Whether to begin again after the last waypoint, until the time is up.
     #[serde(default)]
     pub repeat: bool,

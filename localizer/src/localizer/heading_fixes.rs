@@ -1,0 +1,149 @@
+//! Headings fixed before: what they tell of the gyroscope's bias, and of the heading now.
+//!
+//! A heading carried from slot to slot pays at every slot for readings that the slot cuts in two; carried from where it was fixed, it
+//! pays once. So all that was fixed in the last while is carried at once, and a good view of walls serves through the poor ones.
+
+use std::collections::VecDeque;
+
+use crate::{
+    Interval,
+    method::Assumption,
+    motion::{GyroBias, GyroHistory},
+    robot::GyroModel,
+};
+
+/// The bounds that a learnt bias stands on,
+const WANDER: [Assumption; 2] = ["gyro.wander", "gyro.spread"];
+/// and where it is learnt at rest too.
+const REST: Assumption = "wheels.rest";
+
+/// Fixes and readings are kept for so long: a bias is known to a heading's width over as much.
+const KEEP_S: f64 = 120.0;
+/// Fixes nearer to each other than this tell nothing more,
+const APART_S: f64 = 1.0;
+/// nor do old ones nearer than this.
+const OLD_APART_S: f64 = 5.0;
+/// Fixes are old after so long.
+const OLD_S: f64 = 10.0;
+/// Wheels that brake may roll on for so long without a count.
+const SETTLED_S: f64 = 0.5;
+/// At rest, the bias is learnt again after so long each time.
+const REST_AGAIN_S: f64 = 1.0;
+/// Headings are carried on for so long: scale and bias spoil what is older.
+const CARRY_S: f64 = 60.0;
+
+/// What is known of the bias, and the fixes that it is learnt from.
+pub(super) struct HeadingFixes {
+    model: GyroModel,
+    wander_rad_per_s2: f64,
+    /// Greatest change of the turn rate.
+    change_rad_per_s2: f64,
+    /// Greatest turn at rest, if it is declared.
+    rest_turn_rad: Option<f64>,
+    bias: GyroBias,
+    readings: GyroHistory,
+    /// Stamp and heading.
+    fixes: VecDeque<(f64, Interval)>,
+    /// When the bias was last learnt at rest.
+    rested_s: f64,
+}
+
+impl HeadingFixes {
+    /// A bias within the model's bound that changes by at most `wander_rad_per_s2` times the time that passes, on a robot whose turn
+    /// rate changes by at most `change_rad_per_s2` and which at rest turns by at most `rest_turn_rad`.
+    pub(super) fn new(
+        model: GyroModel,
+        wander_rad_per_s2: f64,
+        change_rad_per_s2: f64,
+        rest_turn_rad: Option<f64>,
+    ) -> Self {
+        HeadingFixes {
+            model,
+            wander_rad_per_s2,
+            change_rad_per_s2,
+            rest_turn_rad,
+            bias: GyroBias::new(model.bias_rad_per_s, wander_rad_per_s2, model.bias_spread_rad_per_s),
+            readings: GyroHistory::new(model, KEEP_S),
+            fixes: VecDeque::new(),
+            rested_s: 0.0,
+        }
+    }
+
+    /// Begins anew at time 0 with the heading there.
+    pub(super) fn begin(&mut self, heading: Interval) {
+        *self = Self::new(self.model, self.wander_rad_per_s2, self.change_rad_per_s2, self.rest_turn_rad);
+        self.fixes.push_back((0.0, heading));
+    }
+
+    /// The bounds that this stands on.
+    pub(super) fn relies_on(&self) -> impl Iterator<Item = Assumption> + use<> {
+        WANDER.into_iter().chain(self.rest_turn_rad.map(|_| REST))
+    }
+
+    /// Learns from encoders that have counted nothing for a span; answers whether it did.
+    pub(super) fn rest(&mut self, [since_s, now_s]: [f64; 2]) -> bool {
+        let from_s = since_s + SETTLED_S;
+        let Some(turn_rad) = self.rest_turn_rad.filter(|_| now_s >= self.rested_s.max(from_s) + REST_AGAIN_S) else {
+            return false;
+        };
+        self.rested_s = now_s;
+        let turn = Interval::centred(0.0, turn_rad);
+        if let Some(seen) = self.readings.bias(from_s, now_s, turn, self.change_rad_per_s2) {
+            let _contradiction = self.bias.contract(from_s, now_s, seen);
+        }
+        true
+    }
+
+    pub(super) fn read(&mut self, time_s: f64, rate_rad_per_s: f64) {
+        self.readings.push(time_s, rate_rad_per_s);
+    }
+
+    /// Learns from a heading fixed at a stamp.
+    pub(super) fn learn(&mut self, stamp_s: f64, heading: Interval) {
+        for &(fixed_s, before) in &self.fixes {
+            // A bias that contradicts what was known is learnt by no one: the doubt that is to come unlearns.
+            if let Some(seen) = self.readings.bias(fixed_s, stamp_s, heading - before, self.change_rad_per_s2) {
+                let _contradiction = self.bias.contract(fixed_s, stamp_s, seen);
+            }
+        }
+        if self.fixes.back().is_none_or(|(fixed_s, _)| *fixed_s <= stamp_s - APART_S) {
+            self.fixes.push_back((stamp_s, heading));
+            self.thin_out(stamp_s);
+        }
+    }
+
+    fn thin_out(&mut self, now_s: f64) {
+        let mut latest_kept_s = f64::NEG_INFINITY;
+        self.fixes.retain(|(fixed_s, _)| {
+            let apart_s = if *fixed_s < now_s - OLD_S { OLD_APART_S } else { APART_S };
+            let is_kept = *fixed_s > now_s - KEEP_S && *fixed_s >= latest_kept_s + apart_s;
+            latest_kept_s = if is_kept { *fixed_s } else { latest_kept_s };
+            is_kept
+        });
+    }
+
+    /// Heading at a stamp by every fix of the last while.
+    pub(super) fn heading(&self, stamp_s: f64) -> Interval {
+        let carried = self.fixes.iter().filter(|(fixed_s, _)| (stamp_s - CARRY_S..=stamp_s).contains(fixed_s));
+        carried.fold(Interval::ENTIRE, |heading, (fixed_s, fixed)| match self.turn(*fixed_s, stamp_s) {
+            Some(turn) => heading.intersect(*fixed + turn),
+            None => heading,
+        })
+    }
+
+    /// Turn between two stamps by the gyroscope alone.
+    pub(super) fn turn(&self, from_s: f64, to_s: f64) -> Option<Interval> {
+        self.readings.turn_with_bias(self.bias.over(from_s, to_s), [from_s, to_s], self.change_rad_per_s2)
+    }
+
+    /// Bias over the span before a time.
+    pub(super) fn bias_over(&self, span_s: f64, now_s: f64) -> Interval {
+        self.bias.over(now_s - span_s, now_s)
+    }
+
+    /// Unlearns what was learnt later than `since_s`.
+    pub(super) fn forget_since(&mut self, since_s: f64) {
+        self.bias.forget_since(since_s);
+        self.fixes.retain(|(fixed_s, _)| *fixed_s <= since_s);
+    }
+}
