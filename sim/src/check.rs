@@ -26,16 +26,17 @@ use std::collections::BTreeMap;
 use localizer::{Pose, Status};
 
 use crate::{run::RunRecord, scene::Scene};
+use claims::FalseClaims;
 
 /// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
 pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let violations = violations(scene, record);
-    let false_claims: Vec<usize> =
-        record.images.iter().map(|image| claims::false_claims(scene, record, image)).collect();
+    let judged: Vec<FalseClaims> = record.images.iter().map(|image| FalseClaims::of(scene, record, image)).collect();
+    let false_claims: Vec<usize> = judged.iter().map(|judged| judged.total()).collect();
     let (containment, judgements) = judge::containment(
         record,
         &violations,
-        &methods::misperceived(record, &false_claims),
+        &methods::misperceived(record, &judged),
         &false_claims,
         &landmarks::misled(scene, record),
     );
@@ -55,7 +56,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
         availability: availability(scene, record),
         methods: methods::counts(record, &false_claims),
         baselines,
-        metrics: metrics(scene, record),
+        metrics: metrics(scene, record, &judged),
         verdict: Passed::default(),
     };
     // A verdict of numbers and strings always has a value; were it otherwise, every expectation would be told as unmet.
@@ -110,7 +111,7 @@ fn availability(scene: &Scene, record: &RunRecord) -> f64 {
 }
 
 /// What helps to understand a run besides: how far it drove, how many branches there were, how long it was in doubt or outside.
-fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
+fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<String, f64> {
     let distance_m: f64 = record
         .truths
         .windows(2)
@@ -130,7 +131,7 @@ fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     metrics.extend(landmarks::metrics(scene, record));
     metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));
-    metrics.extend(wall_directions::metrics(record));
+    metrics.extend(wall_directions::metrics(record, judged));
     metrics
 }
 

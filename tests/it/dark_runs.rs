@@ -34,13 +34,18 @@ fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
     let mut n_claims = 0;
     for image in &record.images {
         for claim in &image.claims {
-            let Claim::WallLine { ends_px: [first, last], bound_px } = claim else { panic!("{claim:?}") };
             let is_so = |claim: &Claim| is_true(claim, &scene, &record.drawn, &image.truth);
-            // Turned by ten degrees about its first end, no edge runs along a wall.
-            let [du, dv] = [last[0] - first[0], last[1] - first[1]];
-            let turned = [first[0] + du - 0.176 * dv, first[1] + dv + 0.176 * du];
+            // Turned by ten degrees about its first end, no edge runs along a wall, and none is upright.
+            let turned = |[first, last]: [[f64; 2]; 2]| {
+                let [du, dv] = [last[0] - first[0], last[1] - first[1]];
+                [first, [first[0] + du - 0.176 * dv, first[1] + dv + 0.176 * du]]
+            };
             n_claims += usize::from(is_so(claim));
-            let other = Claim::WallLine { ends_px: [*first, turned], bound_px: *bound_px };
+            let other = match *claim {
+                Claim::WallLine { ends_px, bound_px } => Claim::WallLine { ends_px: turned(ends_px), bound_px },
+                Claim::UprightLine { ends_px, bound_px } => Claim::UprightLine { ends_px: turned(ends_px), bound_px },
+                _ => panic!("{claim:?}"),
+            };
             assert!(!is_so(claim) || !is_so(&other), "image {}: {claim:?}", image.number);
         }
     }
@@ -49,7 +54,7 @@ fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
 
 #[test]
 fn a_direction_that_no_wall_has_is_named() {
-    let scene = scene(&[["duration_s = 60.0", "duration_s = 3.0"]], "mapped_deg = [1.5]");
+    let scene = scene(&[["duration_s = 60.0", "duration_s = 8.0"]], "mapped_deg = [1.5]");
     let (_, verdict) = judged(&scene, 4);
     let violation = &verdict.violations[0];
     assert_eq!((verdict.violations.len(), violation.bound.as_str()), (1, "wall_directions.direction"));

@@ -2,7 +2,7 @@
 
 use localizer::{
     Claim, Interval, Method, PoseBox, PoseUnion,
-    methods::wall_directions::{IMAGES, WallDirections, wrong_lines},
+    methods::wall_directions::{IMAGES, WallDirections, wrong_held, wrong_lines},
     robot::{BodyModel, ForwardCameraModel, Reach},
     vision::forward::EdgeLine,
 };
@@ -115,9 +115,9 @@ fn holds(headings: &[Interval], heading_rad: f64) -> bool {
 }
 
 #[test]
-fn walls_of_two_directions_keep_the_true_heading_with_a_third_of_the_edges_wrong() {
+fn walls_of_two_directions_keep_the_true_heading_with_as_many_edges_wrong_as_declared() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let (mut widths, n_rooms) = (Vec::new(), 3000);
+    let (mut widths, n_rooms) = (Vec::new(), 600);
     for _ in 0..n_rooms {
         let truth = TrueCamera::draw(&mut rng);
         let heading_rad = rng.random_range(-20.0..20.0);
@@ -134,13 +134,14 @@ fn walls_of_two_directions_keep_the_true_heading_with_a_third_of_the_edges_wrong
             .collect();
         let prior = union(heading_rad + rng.random_range(-0.15..0.15), 0.17);
         let mut walls = method(&directions, false);
-        // Of the edges that were of use, more may be wrong than of all.
+        // Of the edges that were of use, more may be wrong than of all; five images are held.
         let used = walls.constraint(0.0, &edges, &prior).map_or(Vec::new(), |constraint| constraint.claims);
         let is_wrong = |claim: &&Claim| {
             let Claim::WallLine { ends_px, .. } = claim else { return false };
             edges[..n_wrong].iter().any(|edge| edge.ends_px == *ends_px)
         };
-        if used.iter().filter(is_wrong).count() > wrong_lines(used.len()) {
+        let n_wrong_used = used.iter().filter(is_wrong).count();
+        if n_wrong_used > wrong_lines(used.len()) || 5 * n_wrong_used > wrong_held(5 * used.len()) {
             continue;
         }
         let Some(headings) = fixed(&mut walls, &edges, &prior) else { continue };
@@ -168,22 +169,131 @@ fn any_quarter_turn_of_the_prior_is_kept_and_none_is_gated() {
 }
 
 #[test]
-fn three_wrong_images_of_ten_empty_the_heading_and_two_do_not() {
+fn a_fourth_of_all_edges_and_one_may_be_wrong_and_no_more() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let truth = TrueCamera::draw(&mut rng);
-    let good: Vec<EdgeLine> = (0..9).map(|_| truth.edge(0.0, 0.2, &mut rng)).collect();
+    let good: Vec<EdgeLine> = (0..8).map(|_| truth.edge(0.0, 0.2, &mut rng)).collect();
     // Seen as if the robot stood 8.6° on.
-    let bad: Vec<EdgeLine> = (0..9).map(|_| truth.edge(0.0, 0.35, &mut rng)).collect();
+    let bad: Vec<EdgeLine> = (0..8).map(|_| truth.edge(0.0, 0.35, &mut rng)).collect();
     let prior = union(0.2, 0.3);
-    for (n_bad, kept) in [(0, true), (2, true), (3, false)] {
+    let claimed = |edges: &[EdgeLine]| method(&[0.0], false).constraint(0.0, edges, &prior).unwrap().claims.len();
+    let n_images = 12;
+    for n_bad in 0..n_images {
         let mut walls = method(&[0.0], false);
         let mut last = None;
-        for image in 0..IMAGES {
+        for image in 0..n_images {
             last = walls.constraint(0.0, if image < n_bad { &bad } else { &good }, &prior);
         }
+        let (n_wrong, n_right) = (n_bad * claimed(&bad), (n_images - n_bad) * claimed(&good));
         let branches = last.unwrap().on_pose.branches(&prior.hull());
-        assert_eq!(branches.iter().any(|branch| branch[2].contains(0.2)), kept, "{n_bad} wrong images of {IMAGES}");
+        let is_kept = branches.iter().any(|branch| branch[2].contains(0.2));
+        // By hand: of N edges N/4 + 1 may be wrong.
+        assert_eq!(is_kept, n_wrong <= (n_wrong + n_right) / 4 + 1, "{n_wrong} wrong edges and {n_right} right ones");
     }
+}
+
+#[test]
+fn images_older_than_those_held_are_forgotten() {
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let truth = TrueCamera::draw(&mut rng);
+    let good: Vec<EdgeLine> = (0..8).map(|_| truth.edge(0.0, 0.2, &mut rng)).collect();
+    let bad: Vec<EdgeLine> = (0..8).map(|_| truth.edge(0.0, 0.35, &mut rng)).collect();
+    let prior = union(0.2, 0.3);
+    let mut walls = method(&[0.0], false);
+    let mut last = None;
+    for image in 0..2 * IMAGES {
+        last = walls.constraint(0.0, if image < IMAGES { &bad } else { &good }, &prior);
+    }
+    let branches = last.unwrap().on_pose.branches(&prior.hull());
+    assert!(branches.iter().any(|branch| branch[2].contains(0.2)), "{branches:?}");
+    assert!(!branches.iter().any(|branch| branch[2].contains(0.35)), "{branches:?}");
+}
+
+/// A robot whose body leans forward and to the left, seen by a camera without errors of its own.
+fn leaning(lean_rad: [f64; 2]) -> TrueCamera {
+    let level = Rotation3::from_matrix_unchecked(nalgebra::Matrix3::new(0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0));
+    let tilt = Rotation3::from_axis_angle(&Vector3::y_axis(), -TILT_UP_RAD);
+    let lean = Rotation3::from_scaled_axis(Vector3::new(lean_rad[0], lean_rad[1], 0.0));
+    TrueCamera { focal_px: FOCAL_PX, centre_px: CENTRE_PX, camera_from_robot: level * (lean * tilt).inverse() }
+}
+
+fn on_a_body_that_leans(tilt_rad: f64) -> WallDirections {
+    let body = BodyModel { tilt_rad, heave_m: 0.0, clearance_m: 0.1 };
+    let reach = Reach { speed_m_per_s: 1.0, turn_rate_rad_per_s: 3.0, acceleration_m_per_s2: 3.0 };
+    let exact = ForwardCameraModel {
+        focal_px: Interval::point(FOCAL_PX),
+        principal_point_px: CENTRE_PX.map(Interval::point),
+        yaw_rad: Interval::ZERO,
+        tilt_error_rad: 0.0,
+        ..camera([0.0; 5])
+    };
+    WallDirections::with(exact, &body, &reach, &[Interval::ZERO], false)
+}
+
+fn sharp(edge: EdgeLine) -> EdgeLine {
+    EdgeLine { bound_px: 0.1, ..edge }
+}
+
+/// A wall 3 m ahead, seen over the whole width at these heights over the camera.
+fn wall(truth: &TrueCamera, heights_m: &[f64]) -> Vec<EdgeLine> {
+    heights_m.iter().map(|&z| sharp(rail(truth, 0.0, [3.0, 1.6, z], [3.0, -1.6]))).collect()
+}
+
+#[test]
+fn a_lean_is_told_by_low_and_high_edges_together() {
+    let width = |heights_m: &[f64]| {
+        let edges = wall(&leaning([0.008, -0.004]), heights_m);
+        let headings = fixed(&mut on_a_body_that_leans(0.01), &edges, &union(0.0, 0.15)).unwrap();
+        assert!(holds(&headings, 0.0), "{headings:?}");
+        headings.iter().map(|set| set.width()).sum::<f64>()
+    };
+    // By hand: seen at elevation ε, tan ε = z/3, a roll of ±0.01 turns an edge by ±0.01/tan ε: low ones at −0.5 m by 0.06, high ones at
+    // 1.6 m by 0.019 the other way. Together they leave the roll hardly any room.
+    let (low, high) = (width(&[-0.4, -0.5, -0.6]), width(&[1.5, 1.6, 1.7]));
+    let both = width(&[-0.4, -0.5, -0.6, 1.5, 1.6, 1.7]);
+    assert!(low > 0.03 && high > 0.03 && both < 0.4 * low.min(high), "{both} of {low} and {high}");
+}
+
+#[test]
+fn upright_edges_tell_a_lean() {
+    let truth = leaning([0.008, -0.004]);
+    let level = wall(&truth, &[1.4, 1.6, 1.8]);
+    let post = |y: f64| {
+        let ends_px = [-0.6, 1.6].map(|z| truth.pixel(Vector3::new(3.0, y, z)).unwrap());
+        sharp(EdgeLine { ends_px, bound_px: 0.0 })
+    };
+    let width = |edges: &[EdgeLine]| {
+        let headings = fixed(&mut on_a_body_that_leans(0.01), edges, &union(0.0, 0.15)).unwrap();
+        assert!(holds(&headings, 0.0), "{headings:?}");
+        headings.iter().map(|set| set.width()).sum::<f64>()
+    };
+    let (alone, with_posts) = (width(&level), width(&[&level[..], &[post(1.3), post(-1.2), post(0.1)]].concat()));
+    assert!(with_posts < 0.4 * alone, "{with_posts} of {alone}");
+}
+
+#[test]
+fn any_lean_within_its_bound_keeps_the_true_heading() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let mut n_fixes = 0;
+    for _ in 0..400 {
+        let (about, lean_rad) =
+            (rng.random_range(0.0..std::f64::consts::TAU), 0.012 * rng.random_range(0.0..=1.0_f64).sqrt());
+        let truth = leaning([lean_rad * about.cos(), lean_rad * about.sin()]);
+        let heading_rad = rng.random_range(-3.0..3.0);
+        let quarter = |rng: &mut ChaCha8Rng| f64::from(rng.random_range(0..2)) * std::f64::consts::FRAC_PI_2;
+        let edges: Vec<EdgeLine> = (0..rng.random_range(3..9))
+            .map(|_| {
+                let along = quarter(&mut rng);
+                truth.edge(along, heading_rad, &mut rng)
+            })
+            .collect();
+        let prior = union(heading_rad + rng.random_range(-0.05..0.05), 0.06);
+        if let Some(headings) = fixed(&mut on_a_body_that_leans(0.012), &edges, &prior) {
+            assert!(holds(&headings, heading_rad), "heading {heading_rad} is not in {headings:?}");
+            n_fixes += 1;
+        }
+    }
+    assert!(n_fixes > 200, "{n_fixes}");
 }
 
 #[test]

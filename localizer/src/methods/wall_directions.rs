@@ -2,24 +2,29 @@
 //!
 //! After Yi, Lee and Cho, *A new localization system … using afocal optical flow sensor based sensor fusion* (2018), with sets in place
 //! of points. An edge whose ends are claimed to a bound and whose level direction is seen at φ says θ ∈ α + k·π/2 − φ for
-//! one of the building's directions α and some k: nearest-k without a gate, as every k that the prior allows stays. At most q of
-//! an image's edges may run along none of the directions, and at most [`WRONG_IMAGES`] of the last [`IMAGES`] images may have
-//! more such edges. Directions that no map tells of are learnt as intervals, as wide as the heading was when they were seen.
+//! one of the building's directions α and some k: nearest-k without a gate, as every k that the prior allows stays. How robot and camera
+//! lean turns all edges of an image, each by another angle, and is solved for with them. The edges of the last [`IMAGES`] images,
+//! carried by the motion between them, count together: at most [`wrong_held`] of them may run along none of the directions.
+//! Directions that no map tells of are learnt as intervals, as wide as the heading was when they were seen.
 
 mod agreement;
 mod distinct;
+mod edges;
 mod headings;
+mod posture;
 mod sight;
 
-pub use agreement::wrong_lines;
+pub use agreement::{wrong_held, wrong_lines};
 pub use sight::ray;
 
-use agreement::{WallHeadings, about, of_image};
+use agreement::WallHeadings;
+use posture::{Agreement, View};
+use sight::SightPlane;
 
 use std::collections::VecDeque;
 
 use crate::{
-    Interval, Map, PoseUnion, Reading, RobotModel,
+    Interval, Map, PoseBox, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
     reading::Camera,
     robot::{BodyModel, ForwardCameraModel, Reach},
@@ -38,11 +43,14 @@ pub const RELIES_ON: [Assumption; 8] = [
     "wall_directions.direction",
 ];
 /// Images that are held together, carried by the motion between them.
-pub const IMAGES: usize = 10;
-/// Of which as many may have more wrong edges than their q.
-pub const WRONG_IMAGES: usize = 2;
-/// Fewer edges say nothing: of two neither may be wrong, and where people walk two agree by chance now and then.
+pub const IMAGES: usize = 20;
+/// Fewer level edges of an image say nothing by themselves: of two neither may be wrong, and where people walk two agree by chance now
+/// and then.
 const FEWEST_LINES: usize = 3;
+/// Fewer edges of all images held say nothing together.
+const FEWEST_HELD: usize = 12;
+/// Share of an edge's motion across itself during the exposure by which its ends may be off: other edges blur into it.
+const BLUR_SHARE: f64 = 0.25;
 /// An edge that would turn the robot by more beyond what the prior allows is clutter: no claim is made of it.
 const CLUTTER_RAD: f64 = 0.0524;
 /// Where fewer than [`FEWEST_LINES`] edges are as near as that, a prior that is wrong itself shows in edges up to this far off,
@@ -111,10 +119,21 @@ struct Direction {
 #[derive(Clone, Debug)]
 struct Seen {
     stamp_s: f64,
-    /// Directions from robot forward, as the robot stands at the latest stamp.
-    azimuths_rad: Vec<Interval>,
-    /// How the robot has moved since, in the middle: forward, left, and turned.
-    moved: [f64; 3],
+    /// Headings at the stamp on which one, two, … of them agree.
+    agreement: Agreement,
+    /// How the robot has moved since: forward, left, and turned.
+    moved: PoseBox,
+}
+
+impl Seen {
+    /// Headings at the latest stamp on which one, two, … of the edges agree.
+    fn now(&self) -> impl Iterator<Item = Vec<Interval>> {
+        self.agreement.iter().map(|headings| headings.iter().map(|&heading| heading + self.moved[2]).collect())
+    }
+}
+
+fn still() -> PoseBox {
+    PoseBox::from([Interval::ZERO; 3])
 }
 
 impl WallDirections {
@@ -151,63 +170,44 @@ impl WallDirections {
     /// What edges found in an image of `stamp_s` say of the pose; `None` when they are too few.
     pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
         let directions_rad = self.directions_rad();
-        let azimuth = |line: &EdgeLine| {
-            let azimuth = sight::azimuth(line, &self.camera, self.body_tilt_rad)?;
-            Some(azimuth.inflate(self.stamp_turn_rad))
-        };
-        let mut sighted: Vec<(EdgeLine, Option<Interval>)> = lines.iter().map(|line| (*line, azimuth(line))).collect();
-        let kept = distinct::distinct(&sighted, self.camera.focal_px.mid());
-        for ((_, azimuth), kept) in sighted.iter_mut().zip(kept) {
-            *azimuth = azimuth.filter(|_| kept);
-        }
-        let about = about(prior.hull()[2], &sighted, &directions_rad);
-        let (mut used, mut rejected_px, mut seen) =
-            (Vec::new(), Vec::new(), Seen { stamp_s, azimuths_rad: Vec::new(), moved: [0.0; 3] });
-        self.strange_rad.clear();
+        let edges = self.sorted(lines, prior.hull()[2], &directions_rad);
         self.latest_s = stamp_s;
-        for (line, azimuth) in &sighted {
-            match *azimuth {
-                Some(azimuth) if headings::of_line(azimuth, &directions_rad, about).is_empty() => {
-                    self.strange_rad.push(azimuth);
-                    rejected_px.push(segment_px(line));
-                }
-                Some(azimuth) => {
-                    seen.azimuths_rad.push(azimuth);
-                    used.push(*line);
-                }
-                None => rejected_px.push(segment_px(line)),
-            }
-        }
-        let is_enough = seen.azimuths_rad.len() >= FEWEST_LINES;
-        let may_learn = self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN;
-        if !(is_enough || may_learn) {
-            return None;
-        }
-        let q_items = wrong_lines(seen.azimuths_rad.len());
-        let alone =
-            of_image(&seen.azimuths_rad, &directions_rad, about).into_iter().fold(Interval::EMPTY, Interval::hull);
-        if is_enough && !alone.is_empty() {
-            self.seen.push_back(seen);
-        } else if !self.learns {
+        self.strange_rad = edges.strange_rad;
+        let view = View {
+            tilt_rad: self.camera.tilt_error_rad + self.body_tilt_rad,
+            yaw_rad: self.camera.yaw_rad.inflate(self.stamp_turn_rad),
+            directions_rad: &directions_rad,
+            about: edges.about,
+        };
+        let planes = |lines: &[EdgeLine]| -> Vec<SightPlane> {
+            lines.iter().filter_map(|line| SightPlane::of(line, &self.camera)).collect()
+        };
+        let agreement = posture::agreement(&planes(&edges.level), &planes(&edges.upright), &view);
+        let n_level = agreement.len();
+        // Headings that all but q of the image's own edges allow.
+        let own = agreement.get((n_level - wrong_lines(n_level)).saturating_sub(1)).into_iter().flatten();
+        let alone = if n_level < FEWEST_LINES { Interval::EMPTY } else { own.fold(Interval::EMPTY, |a, b| a.hull(*b)) };
+        if n_level > 0 && (n_level < FEWEST_LINES || !alone.is_empty()) {
+            self.seen.push_back(Seen { stamp_s, agreement, moved: still() });
+        } else if !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
             // Edges that agree on no heading near the prior's: more of them are wrong than declared, and it shows.
             return None;
         }
         if self.seen.len() > IMAGES {
             self.seen.pop_front();
         }
-        let claim = |line: &EdgeLine| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px };
+        let level = edges.level.iter().map(|line| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px });
+        let upright =
+            edges.upright.iter().map(|line| Claim::UprightLine { ends_px: line.ends_px, bound_px: line.bound_px });
         Some(Constraint {
             method: self.name(),
             stamp_s,
-            on_pose: Box::new(WallHeadings {
-                images: self.seen.iter().map(|seen| seen.azimuths_rad.clone()).collect(),
-                directions_rad,
-            }),
+            on_pose: Box::new(WallHeadings { sets: self.seen.iter().flat_map(Seen::now).collect() }),
             relies_on: RELIES_ON.to_vec(),
-            claims: used.iter().map(claim).collect(),
-            q_items,
+            claims: level.chain(upright).collect(),
+            q_items: wrong_lines(n_level),
             decides: self.decides,
-            rejected_px,
+            rejected_px: edges.rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),
         })
     }
@@ -215,7 +215,7 @@ impl WallDirections {
     /// Whether the robot stands elsewhere than at the last image held.
     fn is_new_place(&self) -> bool {
         self.seen.back().is_none_or(|last| {
-            let [forward_m, left_m, turned_rad] = last.moved;
+            let [forward_m, left_m, turned_rad] = [0, 1, 2].map(|axis| last.moved[axis].mid());
             forward_m.hypot(left_m) >= NEW_PLACE_M || turned_rad.abs() >= NEW_PLACE_RAD
         })
     }
@@ -231,42 +231,45 @@ impl Method for WallDirections {
         "wall_directions"
     }
 
+    fn tells_heading_only(&self) -> bool {
+        true
+    }
+
     fn reads(&self, reading: &Reading) -> bool {
         matches!(reading, Reading::Camera { camera: Camera::Forward, .. })
     }
 
     fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
-        for mut seen in std::mem::take(&mut self.seen) {
-            // An image that the memory of motion does not reach is given up.
-            let moved = if seen.stamp_s == stamp_s {
-                Some([Interval::ZERO; 3])
-            } else {
-                motion(seen.stamp_s, stamp_s).map(|moved| [moved[0], moved[1], moved[2]])
-            };
-            if let Some(moved) = moved.filter(|moved| !moved.iter().any(|part| part.is_empty())) {
-                seen.azimuths_rad.iter_mut().for_each(|azimuth| *azimuth -= moved[2]);
-                for (sum, part) in seen.moved.iter_mut().zip(moved) {
-                    *sum += part.mid();
-                }
-                seen.stamp_s = stamp_s;
-                self.seen.push_back(seen);
-            }
-        }
+        // Each is carried at once from where it was taken; one that the memory of motion does not reach is given up.
+        self.seen.retain_mut(|seen| {
+            let moved = if seen.stamp_s == stamp_s { Some(still()) } else { motion(seen.stamp_s, stamp_s) };
+            let is_known = moved.is_some_and(|moved| !moved.is_empty());
+            seen.moved = moved.filter(|_| is_known).unwrap_or(seen.moved);
+            is_known
+        });
     }
 
-    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
-        let Reading::Camera { measured_s, camera: Camera::Forward, image, .. } = reading else { return None };
+    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
+        let Reading::Camera { measured_s, camera: Camera::Forward, exposure_s, image, .. } = reading else {
+            return None;
+        };
         if !self.is_new_place() {
             return None;
         }
         let picture = Picture::from(image);
         let by_paper =
             |equalisation| forward::detect_as_printed(&picture, equalisation, |pixel| sight::ray(pixel, &self.camera));
-        let lines = match self.chain {
+        let mut lines = match self.chain {
             Chain::Direct => forward::detect(&picture),
             Chain::Paper => by_paper(Equalisation::Whole),
             Chain::PaperByTiles => by_paper(Equalisation::ByTiles),
         };
+        // Turning moves the image sideways, by the focal length times the angle in its middle.
+        let moved_px = self.camera.focal_px.mid() * (twist.turn_rad_per_s * exposure_s).abs();
+        for line in &mut lines {
+            let [[_, v0], [_, v1]] = line.ends_px;
+            line.bound_px += BLUR_SHARE * moved_px * (v1 - v0).abs() / sight::length_px(line);
+        }
         self.constraint(*measured_s, &lines, prior)
     }
 
@@ -302,9 +305,4 @@ impl Method for WallDirections {
         self.seen.clear();
         self.directions.iter_mut().for_each(|direction| direction.since_s = f64::NEG_INFINITY);
     }
-}
-
-fn segment_px(line: &EdgeLine) -> [f64; 4] {
-    let [[u0, v0], [u1, v1]] = line.ends_px;
-    [u0, v0, u1, v1]
 }

@@ -17,9 +17,30 @@ use crate::{
     truth::Truth,
 };
 
-/// Number of an image's claims that are false.
-pub(super) fn false_claims(scene: &Scene, record: &RunRecord, image: &ImageRecord) -> usize {
-    image.claims.iter().filter(|claim| !is_true(claim, scene, &record.drawn, &image.truth)).count()
+/// How many of an image's claims are false.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FalseClaims {
+    /// Of upright edges.
+    pub(super) upright: usize,
+    /// Of all else.
+    pub(super) others: usize,
+}
+
+impl FalseClaims {
+    pub(super) fn of(scene: &Scene, record: &RunRecord, image: &ImageRecord) -> Self {
+        let mut found = FalseClaims::default();
+        for claim in image.claims.iter().filter(|claim| !is_true(claim, scene, &record.drawn, &image.truth)) {
+            match claim {
+                Claim::UprightLine { .. } => found.upright += 1,
+                _ => found.others += 1,
+            }
+        }
+        found
+    }
+
+    pub(super) fn total(self) -> usize {
+        self.upright + self.others
+    }
 }
 
 /// Whether a claim about an image taken at `truth` holds.
@@ -27,6 +48,8 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
     match claim {
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
         Claim::WallLine { ends_px, bound_px } => wall_line_deg(*ends_px, *bound_px, scene, drawn, truth).is_some(),
+        Claim::UprightLine { ends_px, bound_px } => sight_planes(*ends_px, *bound_px, scene, drawn, truth)
+            .is_some_and(|planes| may_hold(&planes, &Vector3::z())),
         Claim::Marker { marker, dots_px } => markers::is_marker(*marker, dots_px, scene, drawn, truth),
         Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
     }
@@ -55,9 +78,6 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
 }
 
 /// Direction from world x of a level line, parallel to a wall of some room or across it, that passes within the bound of both ends.
-///
-/// Lines through both ends' spans have plane normals that are bilinear in the two offsets, so that one of them is at right angles to
-/// a direction exactly when the corners are not all on one side of it.
 pub fn wall_line_deg(
     ends_px: [[f64; 2]; 2],
     bound_px: f64,
@@ -65,6 +85,22 @@ pub fn wall_line_deg(
     drawn: &Drawn,
     truth: &Truth,
 ) -> Option<f64> {
+    let planes = sight_planes(ends_px, bound_px, scene, drawn, truth)?;
+    let along_or_across = |heading_deg| [heading_deg, heading_deg + 90.0];
+    scene.true_wall_directions_deg().into_iter().flat_map(along_or_across).find(|heading_deg| {
+        let (sin, cos) = heading_deg.to_radians().sin_cos();
+        may_hold(&planes, &Vector3::new(cos, sin, 0.0))
+    })
+}
+
+/// Normals, in the world, of the planes through the forward camera and a line that passes either end at its bound, on either side.
+fn sight_planes(
+    ends_px: [[f64; 2]; 2],
+    bound_px: f64,
+    scene: &Scene,
+    drawn: &Drawn,
+    truth: &Truth,
+) -> Option<[Vector3<f64>; 4]> {
     let (camera, mount) = (scene.robot.forward_camera.as_ref()?, drawn.forward_camera.as_ref()?);
     let lens = Lens::forward(camera, mount);
     let camera_in_world = world_from_camera(truth, mount).rotation;
@@ -75,18 +111,15 @@ pub fn wall_line_deg(
         let [x, y] = lens.ray([u + side * across_px[0], v + side * across_px[1]])?;
         Some(camera_in_world * Vector3::new(x, y, 1.0))
     };
-    let corners: Option<Vec<Vector3<f64>>> = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]
-        .into_iter()
-        .map(|(first, last)| Some(ray(ends_px[0], first)?.cross(&ray(ends_px[1], last)?)))
-        .collect();
-    let corners = corners?;
-    let along_or_across = |heading_deg| [heading_deg, heading_deg + 90.0];
-    scene.true_wall_directions_deg().into_iter().flat_map(along_or_across).find(|heading_deg| {
-        let (sin, cos) = heading_deg.to_radians().sin_cos();
-        let wall = Vector3::new(cos, sin, 0.0);
-        let sides: Vec<bool> = corners.iter().map(|normal| normal.dot(&wall) > 0.0).collect();
-        sides.iter().any(|side| *side) && !sides.iter().all(|side| *side)
-    })
+    let plane = |first: f64, last: f64| Some(ray(ends_px[0], first)?.cross(&ray(ends_px[1], last)?));
+    Some([plane(-1.0, -1.0)?, plane(-1.0, 1.0)?, plane(1.0, -1.0)?, plane(1.0, 1.0)?])
+}
+
+/// Whether a line through both ends' spans may have this direction: plane normals are bilinear in the two offsets, so that one of them
+/// is at right angles to a direction exactly when the corners are not all on one side of it.
+fn may_hold(corners: &[Vector3<f64>; 4], direction: &Vector3<f64>) -> bool {
+    let sides = corners.map(|normal| normal.dot(direction) > 0.0);
+    sides.iter().any(|side| *side) && !sides.iter().all(|side| *side)
 }
 
 /// The landmark that is meant lies in the box, as seen from the robot's true pose.

@@ -2,11 +2,17 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use localizer::methods::wall_directions::{IMAGES, WRONG_IMAGES};
+use localizer::{
+    Claim,
+    methods::wall_directions::{IMAGES, wrong_held, wrong_lines},
+};
 
 use crate::run::{ImageRecord, RunRecord};
 
-use super::verdict::{Halvings, MethodCounts};
+use super::{
+    claims::FalseClaims,
+    verdict::{Halvings, MethodCounts},
+};
 
 /// By method, what it read, said and halved.
 pub(super) fn counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<String, MethodCounts> {
@@ -40,22 +46,41 @@ impl Halvings {
 }
 
 /// For each image whether its method's declaration of wrong claims is broken with it: too many in the image, or for `wall_directions`
-/// too many such images of those that it holds together.
-pub(super) fn misperceived(record: &RunRecord, false_claims: &[usize]) -> Vec<bool> {
-    let too_many = |image: &ImageRecord, n_false: usize| n_false > image.q_items;
-    let mut held: VecDeque<bool> = VecDeque::new();
-    let judged = record.images.iter().zip(false_claims).map(|(image, &n_false)| {
-        if image.method != "wall_directions" {
-            return too_many(image, n_false);
+/// too many in the images that it holds together.
+pub(super) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
+    let held = held_edges(record, judged);
+    let is_misperceived = record.images.iter().zip(judged).zip(held).map(|((image, judged), held)| match held {
+        Some(held) => held.wrong > wrong_held(held.all),
+        None => image.method != "wall_directions" && judged.total() > image.q_items,
+    });
+    is_misperceived.collect()
+}
+
+/// Level edges that `wall_directions` holds together with an image.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct HeldEdges {
+    pub(super) all: usize,
+    /// Those that run along no wall, and those of images with too many wrong upright edges: they have no right lean.
+    pub(super) wrong: usize,
+}
+
+/// The same for each image; `None` where it told nothing, and of other methods.
+pub(super) fn held_edges(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldEdges>> {
+    let mut held: VecDeque<HeldEdges> = VecDeque::new();
+    let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
+        if image.method != "wall_directions" || !image.constrained {
+            return None;
         }
-        if !image.constrained {
-            return false;
-        }
-        held.push_back(too_many(image, n_false));
+        let n_upright = image.claims.iter().filter(|claim| matches!(claim, Claim::UprightLine { .. })).count();
+        let all = image.claims.len() - n_upright;
+        let wrong = if judged.upright > wrong_lines(n_upright) { all } else { judged.others };
+        held.push_back(HeldEdges { all, wrong });
         if held.len() > IMAGES {
             held.pop_front();
         }
-        held.back() == Some(&true) && held.iter().filter(|wrong| **wrong).count() > WRONG_IMAGES
+        let sum =
+            |sum: HeldEdges, image: &HeldEdges| HeldEdges { all: sum.all + image.all, wrong: sum.wrong + image.wrong };
+        Some(held.iter().fold(HeldEdges::default(), sum))
     });
-    judged.collect()
+    with_each.collect()
 }

@@ -2,15 +2,17 @@
 
 use std::{collections::BTreeMap, f64::consts::FRAC_PI_2};
 
+use localizer::Claim;
+
 use crate::run::RunRecord;
 
-use super::share;
+use super::{claims::FalseClaims, methods::held_edges, share};
 
 /// An image tells a heading when what it allows, quarter turns aside, is no wider.
 const FIX_WIDTH_RAD: f64 = 0.0524;
 
 /// None without images for the method.
-pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
+pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<String, f64> {
     let images: Vec<_> = record.images.iter().filter(|image| image.method == "wall_directions").collect();
     if images.is_empty() {
         return BTreeMap::new();
@@ -35,7 +37,10 @@ pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
     };
     let mut all_off_rad: Vec<f64> = record.truths.iter().zip(&record.estimates).filter_map(heading_off).collect();
     let widths_rad: f64 = fixes.iter().map(|(heading, _)| heading.width()).sum();
-    let lines: usize = images.iter().map(|image| image.claims.len()).sum();
+    let is_level = |claim: &&Claim| matches!(claim, Claim::WallLine { .. });
+    let lines: usize = images.iter().map(|image| image.claims.iter().filter(is_level).count()).sum();
+    let wrong_shares = held_edges(record, judged).into_iter().flatten().filter(|held| held.all >= 10);
+    let wrong_share_max = wrong_shares.map(|held| held.wrong as f64 / held.all as f64).fold(0.0, f64::max);
     let deg = |name: &str, value_rad: f64| (name.to_owned(), value_rad.to_degrees());
     let paper = &record.forward_baselines;
     let mut paper_off_rad = paper.errors_rad.clone();
@@ -45,6 +50,7 @@ pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
         ("vanishing_point_share".to_owned(), share(paper.errors_rad.len(), paper.n_asked)),
         deg("vanishing_point_error_median_deg", quantile(&mut paper_off_rad, 0.5)),
         deg("vanishing_point_error_p95_deg", quantile(&mut paper_off_rad, 0.95)),
+        ("wall_wrong_share_max".to_owned(), wrong_share_max),
         ("wall_images".to_owned(), images.len() as f64),
         ("wall_lines_per_image".to_owned(), lines as f64 / images.len() as f64),
         ("wall_fix_share".to_owned(), share(fixes.len(), images.len())),

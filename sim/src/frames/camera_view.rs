@@ -81,6 +81,7 @@ pub(super) fn draw(
                     let direction_deg = wall_line_deg(*ends_px, *bound_px, scene, &record.drawn, &image.truth);
                     edge(canvas, *ends_px, direction_deg, place, colour);
                 }
+                Claim::UprightLine { ends_px, .. } => edge(canvas, *ends_px, None, place, colour),
                 Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, colour),
                 // Not of an image.
                 Claim::Landmark { .. } => {}

@@ -62,7 +62,10 @@ impl RangeBaselines {
             .iter()
             .filter_map(|claim| match claim {
                 Claim::Landmark { landmark, in_robot_m } => Some((*landmark, *in_robot_m)),
-                Claim::FloorJoint { .. } | Claim::WallLine { .. } | Claim::Marker { .. } => None,
+                Claim::FloorJoint { .. }
+                | Claim::WallLine { .. }
+                | Claim::UprightLine { .. }
+                | Claim::Marker { .. } => None,
             })
             .collect();
         self.with_codes.fix(&seen, start, odometry, |map, points, _| {

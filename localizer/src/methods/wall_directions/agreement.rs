@@ -2,7 +2,7 @@
 
 use crate::{Contractor, Interval, IntervalBox, Outcome, vision::forward::EdgeLine};
 
-use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_LINES, WRONG_IMAGES, headings};
+use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, headings};
 
 /// The headings at which edges are claimed: near the prior's, or farther off where hardly any edge is near and many are not.
 pub(super) fn about(
@@ -25,29 +25,26 @@ pub fn wrong_lines(lines: usize) -> usize {
     lines / 3
 }
 
-/// Headings that all but q edges of an image allow.
-pub(super) fn of_image(azimuths_rad: &[Interval], directions_rad: &[Interval], within: Interval) -> Vec<Interval> {
-    let sets: Vec<Vec<Interval>> =
-        azimuths_rad.iter().map(|&azimuth| headings::of_line(azimuth, directions_rad, within)).collect();
-    headings::agreed(&sets, sets.len() - wrong_lines(sets.len()))
+/// At most this many of the level edges of [`super::IMAGES`] images together run along none of the directions.
+pub fn wrong_held(lines: usize) -> usize {
+    lines / 4 + 1
 }
 
-/// Headings that all but [`WRONG_IMAGES`] of the images allow.
+/// Headings that all but [`wrong_held`] of the edges of several images allow.
 pub(super) struct WallHeadings {
-    /// Azimuths of each image's edges, from robot forward at the stamp.
-    pub(super) images: Vec<Vec<Interval>>,
-    pub(super) directions_rad: Vec<Interval>,
+    /// For every image and count, the headings at which as many of its edges agree: a heading lies in as many sets as edges allow it.
+    pub(super) sets: Vec<Vec<Interval>>,
 }
 
 impl WallHeadings {
     fn within(&self, heading: Interval) -> Vec<Interval> {
-        // Fewer images than may be wrong say nothing; and neither do walls of a heading that may be anything.
-        if self.images.len() <= WRONG_IMAGES || heading.is_empty() || heading.width() > 100.0 {
+        // Few edges say nothing; and neither do walls of a heading that may be anything.
+        let n_lines = self.sets.len();
+        if n_lines < FEWEST_HELD || heading.is_empty() || heading.width() > 100.0 {
             return vec![heading];
         }
-        let sets: Vec<Vec<Interval>> =
-            self.images.iter().map(|image| of_image(image, &self.directions_rad, heading)).collect();
-        headings::agreed(&sets, sets.len() - WRONG_IMAGES)
+        let agreed = headings::agreed(&self.sets, n_lines - wrong_held(n_lines));
+        agreed.into_iter().map(|set| set.intersect(heading)).filter(|set| !set.is_empty()).collect()
     }
 }
 

@@ -1,15 +1,16 @@
 //! Which edges of an image are witnesses of their own.
 
-use crate::{Interval, vision::forward::EdgeLine};
+use crate::vision::forward::EdgeLine;
 
 /// Edges whose ends lie nearer to another one's line, over the focal length, belong to the same thing: both rims of a frame, the
-/// painting within it, a shelf that a chair cuts in two. If it is no level edge of the building, all of them are wrong together.
+/// painting within it, a shelf that a chair cuts in two. If it is no edge of the building, all of them are wrong together.
 const SAME_THING: f64 = 0.03;
 
-/// For each edge with its direction whether it is kept: of edges that belong together, the one whose direction is known best.
-pub(super) fn distinct(edges: &[(EdgeLine, Option<Interval>)], focal_px: f64) -> Vec<bool> {
+/// For each edge, with how far off it may be, whether it is kept: of edges that belong together, the one known best. An edge of which
+/// nothing is known is not.
+pub(super) fn distinct(edges: &[(EdgeLine, Option<f64>)], focal_px: f64) -> Vec<bool> {
     let mut order: Vec<(usize, f64)> =
-        edges.iter().enumerate().filter_map(|(at, (_, azimuth))| Some((at, azimuth.as_ref()?.width()))).collect();
+        edges.iter().enumerate().filter_map(|(at, (_, known_to))| Some((at, (*known_to)?))).collect();
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut kept = vec![false; edges.len()];
     for (at, _) in order {

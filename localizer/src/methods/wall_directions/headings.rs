@@ -44,7 +44,7 @@ pub(super) fn agreed(sets: &[Vec<Interval>], needed: usize) -> Vec<Interval> {
 }
 
 /// Sorted, and overlapping ones made one.
-fn joined(mut sets: Vec<Interval>) -> Vec<Interval> {
+pub(super) fn joined(mut sets: Vec<Interval>) -> Vec<Interval> {
     sets.sort_by(|a, b| a.lo().total_cmp(&b.lo()));
     let mut disjoint: Vec<Interval> = Vec::new();
     for set in sets {

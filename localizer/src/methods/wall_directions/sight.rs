@@ -1,4 +1,4 @@
-//! From an edge in the image to the direction, seen from the robot, of the level line that it would be.
+//! From an edge in the image to the plane that it spans with the optical centre, and to the direction of the level line that it would be.
 
 use nalgebra::Vector3;
 
@@ -6,10 +6,77 @@ use crate::{Interval, robot::ForwardCameraModel, vision::forward::EdgeLine};
 
 /// Steeper than this, a plane through camera and edge holds the vertical nearly as well: the edge may be a door post.
 const LEAST_SLOPE: f64 = 0.12;
-/// An edge whose direction is known no better says nothing.
+/// An edge whose direction is known no better, were it known how the robot leans, says nothing.
 const WIDEST_RAD: f64 = 0.1;
-/// Rays that dip deeper meet the floor, whose texture, grazed, makes false level lines.
+/// Nor does one that any lean turns by so much.
+const MOST_TURNED_RAD: f64 = 0.4;
+/// Rays that dip deeper meet the floor, whose texture, grazed, makes false level lines,
 const DEEPEST: f64 = -0.07;
+/// but none so long: those are skirtings, foots of walls and borders of carpets.
+const LONG_PX: f64 = 100.0;
+/// Above the rounding of a few dozen operations on numbers near one.
+const ABOVE: f64 = 1.0 + 1e-9;
+
+/// The plane through an edge and the optical centre, for a robot and a camera that stand as they should.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SightPlane {
+    /// Unit normal in the robot's frame: forward, left, up.
+    pub(super) normal: Vector3<f64>,
+    /// What may be added to it, each times any number from −1 to 1: both ends' bounds, the principal point along u and v, and the
+    /// focal length.
+    pub(super) moves: [Vector3<f64>; 5],
+    /// Greatest length of what is added besides, products of these.
+    pub(super) rest: f64,
+}
+
+impl SightPlane {
+    /// The plane through an edge; `None` where the lens model folds back.
+    pub(super) fn of(line: &EdgeLine, camera: &ForwardCameraModel) -> Option<Self> {
+        let focal_px = camera.focal_px.mid();
+        let ends = [ideal(line.ends_px[0], camera)?, ideal(line.ends_px[1], camera)?];
+        let [a, b] = ends.map(|[u, v]| Vector3::new(u / focal_px, v / focal_px, 1.0));
+        let along = (b - a).normalize();
+        let bound = (line.bound_px + camera.distortion_px) * largest_stretch(line, camera)? / focal_px;
+        let across = Vector3::new(-along.y, along.x, 0.0) * bound;
+        let [shift_u, shift_v] = camera.principal_point_px.map(|at| at.radius() / focal_px);
+        let normal = a.cross(&b);
+        let focal_share = camera.focal_px.radius() / camera.focal_px.lo();
+        let moves = [
+            across.cross(&b),
+            a.cross(&across),
+            (shift_u * Vector3::x()).cross(&(b - a)),
+            (shift_v * Vector3::y()).cross(&(b - a)),
+            // Both ends are told in pixels: with another focal length only the part along the axis changes, by as great a share.
+            Vector3::new(0.0, 0.0, focal_share * normal.z),
+        ];
+        let total: f64 = moves.iter().map(Vector3::norm).sum();
+        let rest = bound * bound + 2.0 * bound * shift_u.hypot(shift_v) + focal_share * total;
+        let length = normal.norm();
+        let robot_from_camera = |part: Vector3<f64>| in_robot(part, camera.tilt_up_rad) / length;
+        Some(SightPlane {
+            normal: robot_from_camera(normal),
+            moves: moves.map(|part| robot_from_camera(part) * ABOVE),
+            rest: rest / length * ABOVE,
+        })
+    }
+
+    /// Greatest component along a unit vector of what may be added.
+    pub(super) fn reach(&self, along: &Vector3<f64>) -> f64 {
+        self.moves.iter().map(|part| part.dot(along).abs()).sum::<f64>() + self.rest
+    }
+
+    /// Whether the edge may be upright when robot and camera together lean by up to `tilt_rad`.
+    pub(super) fn may_be_upright(&self, tilt_rad: f64) -> bool {
+        self.normal.z.abs() <= self.reach(&Vector3::z()) + tilt_rad
+    }
+}
+
+/// A vector of the camera's frame (right, down, ahead) in the robot's: the axis is (cos τ, 0, sin τ) forward, left and up, image down
+/// (sin τ, 0, −cos τ), image right (0, −1, 0).
+fn in_robot(part: Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
+    let (sin, cos) = tilt_up_rad.sin_cos();
+    Vector3::new(part.z * cos + part.y * sin, -part.x, part.z * sin - part.y * cos)
+}
 
 /// Direction of a level edge from robot forward, counter-clockwise and modulo half a turn; `None` where it would say nothing.
 ///
@@ -17,8 +84,16 @@ const DEEPEST: f64 = -0.07;
 /// of one end and du, dv to the other, all over the focal length. A level line d in it has d·n = 0, hence its direction is
 /// atan2(−n_forward, n_left). With both ends' offsets across the edge, n is bilinear: it stays in the hull of four corners.
 pub(super) fn azimuth(line: &EdgeLine, camera: &ForwardCameraModel, body_tilt_rad: f64) -> Option<Interval> {
+    direction(line, camera, 0.0).filter(|direction| direction.width() <= WIDEST_RAD)?;
+    direction(line, camera, camera.tilt_error_rad + body_tilt_rad)
+        .filter(|direction| direction.width() <= MOST_TURNED_RAD)
+}
+
+/// The same whatever its width, for leans of robot and camera within `tilt_rad`.
+fn direction(line: &EdgeLine, camera: &ForwardCameraModel, tilt_rad: f64) -> Option<Interval> {
     let ends = [ideal(line.ends_px[0], camera)?, ideal(line.ends_px[1], camera)?];
-    if ends.iter().any(|end| elevation(*end, camera) < DEEPEST) {
+    let is_deep = ends.iter().any(|end| elevation(*end, camera) < DEEPEST);
+    if is_deep && length_px(line) < LONG_PX {
         return None;
     }
     let bound = (line.bound_px + camera.distortion_px) * largest_stretch(line, camera)?;
@@ -26,7 +101,6 @@ pub(super) fn azimuth(line: &EdgeLine, camera: &ForwardCameraModel, body_tilt_ra
     let length = du.hypot(dv);
     let across = [-dv / length, du / length];
     let principal = camera.principal_point_px.map(|at| at - Interval::point(at.mid()));
-    let tilt_rad = camera.tilt_error_rad + body_tilt_rad;
     let mut directions = Interval::EMPTY;
     let mut reference: Option<f64> = None;
     for (first, last) in [(-bound, -bound), (-bound, bound), (bound, -bound), (bound, bound)] {
@@ -40,8 +114,7 @@ pub(super) fn azimuth(line: &EdgeLine, camera: &ForwardCameraModel, body_tilt_ra
         let halves = ((near - corner.mid()) / std::f64::consts::PI).round();
         directions = directions.hull(corner + Interval::PI * halves);
     }
-    let direction = directions + camera.yaw_rad;
-    (direction.width() <= WIDEST_RAD).then_some(direction)
+    Some(directions + camera.yaw_rad)
 }
 
 /// Direction of the level line in a plane whose normal is given in the camera's frame, for a camera tilted up and any further tilt of
@@ -115,6 +188,22 @@ fn largest_stretch(line: &EdgeLine, camera: &ForwardCameraModel) -> Option<f64> 
     }
     // The factor changes by less than a hundredth over the few pixels of a bound.
     Some(if largest > 1.0 { largest * 1.01 } else { 1.0 })
+}
+
+/// Distance of an edge's ends.
+pub(super) fn length_px(line: &EdgeLine) -> f64 {
+    let [[u0, v0], [u1, v1]] = line.ends_px;
+    (u1 - u0).hypot(v1 - v0)
+}
+
+/// Whether an edge goes from below the horizon to above it, whatever the lean: no level line does, not even one that runs straight
+/// ahead and looks upright.
+pub(super) fn crosses_horizon(line: &EdgeLine, camera: &ForwardCameraModel, tilt_rad: f64) -> bool {
+    let elevation = |end: [f64; 2]| ideal(end, camera).map(|end| elevation(end, camera));
+    match line.ends_px.map(elevation) {
+        [Some(a), Some(b)] => a.min(b) < -tilt_rad && a.max(b) > tilt_rad,
+        _ => false,
+    }
 }
 
 /// Tangent of the elevation of a ray above the horizon, by nominal values.
