@@ -1,5 +1,6 @@
 //! What the papers compare themselves with, and what they print: point methods and the printed contractor, to stand beside our boxes.
 
+mod corrected_reckoning;
 mod dead_reckoning;
 mod direction_database;
 mod icp;
@@ -14,6 +15,7 @@ use crate::{
     methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver},
 };
 
+pub use corrected_reckoning::CorrectedReckoning;
 pub use dead_reckoning::DeadReckoning;
 pub use direction_database::DirectionDatabase;
 pub use icp::closest_points;

@@ -3,7 +3,7 @@
 use localizer::{
     Pose,
     baselines::{
-        DirectionDatabase, SlipDecision,
+        CorrectedReckoning, DirectionDatabase, SlipDecision,
         pose_graph::{Step, Weights, optimised},
     },
 };
@@ -46,4 +46,28 @@ fn headings_seen_bend_a_chain_of_odometry_that_turns_too_far() {
     // Without headings, odometry alone.
     let circle = optimised(first, &[Step { heading_rad: None, ..step }; 10], &believed)[9];
     assert!((circle.heading_rad - first.heading_rad - 0.2).abs() < 1e-12);
+}
+
+#[test]
+fn a_whole_chain_of_points_follows_headings_that_are_seen_late() {
+    // A metre in ten seconds along x, by a gyroscope that drifts to the left by 0.02 rad/s; each second a wall along x is seen from a picture that
+    // comes a tenth of a second late. What the first picture remembers of the wall is what had drifted by then.
+    let mut chain = CorrectedReckoning::new(Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 });
+    let mut reckoned = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
+    for step in 1..=1000 {
+        let time_s = f64::from(step) * 0.01;
+        reckoned.heading_rad = 0.02 * time_s;
+        reckoned.x_m += 0.001 * reckoned.heading_rad.cos();
+        reckoned.y_m += 0.001 * reckoned.heading_rad.sin();
+        chain.reckon(time_s, reckoned);
+        if step % 100 == 10 {
+            chain.see(time_s - 0.1, 0.0);
+        }
+    }
+    let pose = chain.pose();
+    // Dead reckoning ends at 0.2 rad and 0.1 m to the left. The database's mean takes over a share of the drift at each picture (1/2, 1/3, …), so
+    // that its error grows too, but less than half as fast.
+    assert!((reckoned.heading_rad - 0.2).abs() < 1e-9 && reckoned.y_m > 0.09, "{reckoned:?}");
+    assert!(pose.heading_rad > 0.0 && pose.heading_rad < 0.1, "{pose:?}");
+    assert!(pose.y_m > 0.0 && pose.y_m < 0.05 && (pose.x_m - 1.0).abs() < 0.01, "{pose:?}");
 }

@@ -27,23 +27,30 @@ pub struct ForwardBaselines {
 }
 
 impl ForwardBaselines {
-    /// Takes note of a picture that was taken at this heading.
-    pub(super) fn observe(&mut self, image: &GrayImage, map: &Map, robot: &RobotModel, true_heading_rad: f64) {
-        let Some(camera) = robot.forward_camera else { return };
+    /// Takes note of a picture that was taken at this heading; answers with the direction of walls that the paper's chain saw in it.
+    pub(super) fn observe(
+        &mut self,
+        image: &GrayImage,
+        map: &Map,
+        robot: &RobotModel,
+        true_heading_rad: f64,
+    ) -> Option<f64> {
+        let camera = robot.forward_camera?;
         self.n_pictures += 1;
         if (self.n_pictures + 1).is_multiple_of(EVERY) {
             self.before = Some(image.clone());
         }
         if !self.n_pictures.is_multiple_of(EVERY) {
-            return;
+            return None;
         }
         if let Some(before) = self.before.take() {
             self.matches.push(features::matches(&before, image).len());
         }
         self.n_asked += 1;
         let segments = segments_in(&Picture::from(image), Equalisation::Whole);
-        let Some(points) = vanishing_points(&segments, |pixel| ray(pixel, &camera)) else { return };
-        let turn_rad = azimuth_rad(&points, camera.tilt_up_rad) - camera.yaw_rad.mid() - true_heading_rad;
+        let points = vanishing_points(&segments, |pixel| ray(pixel, &camera))?;
+        let told_rad = azimuth_rad(&points, camera.tilt_up_rad) - camera.yaw_rad.mid();
+        let turn_rad = told_rad - true_heading_rad;
         let quarter = std::f64::consts::FRAC_PI_2;
         let off = |direction_rad: f64| {
             let off_rad = turn_rad + direction_rad;
@@ -52,5 +59,7 @@ impl ForwardBaselines {
         let nearest_rad =
             map.wall_directions_rad.iter().map(|direction| off(direction.mid())).fold(f64::INFINITY, f64::min);
         self.errors_rad.push(nearest_rad);
+        // The robot's azimuth among the walls is theirs from the robot, with the other sign.
+        Some(-told_rad)
     }
 }

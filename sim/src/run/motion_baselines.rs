@@ -1,11 +1,11 @@
-//! Paper 2's comparisons on the same readings: dead reckoning by wheels and gyroscope, and by the flow sensor too.
+//! Paper 2's comparisons on the same readings: dead reckoning by wheels and gyroscope, by the flow sensor too, and its whole system.
 
 use localizer::{
     Pose, Reading, RobotModel,
-    baselines::{DeadReckoning, SlipDecision},
+    baselines::{CorrectedReckoning, DeadReckoning, SlipDecision},
 };
 
-use crate::scene::Scene;
+use crate::scene::{MethodName, Scene};
 
 /// Over 0.1 s, at 0.25 m/s a difference of 4 %: the encoders' steps of 0.3 mm and 0.3 % of scale stay below it. The paper states neither number.
 const SLIP_DECISION: SlipDecision = SlipDecision { level_m: 0.001, flow_weight: 0.9 };
@@ -15,7 +15,9 @@ const SLIP_DECISION: SlipDecision = SlipDecision { level_m: 0.001, flow_weight: 
 pub struct MotionBaselines {
     /// Name and reckoning.
     running: Vec<(&'static str, DeadReckoning)>,
-    /// Name and poses, in the same order.
+    /// On top of the last of them, where the robot looks ahead.
+    corrected: Option<CorrectedReckoning>,
+    /// Name and poses, in the same order, the corrected one last.
     pub poses: Vec<(&'static str, Vec<Pose>)>,
 }
 
@@ -31,8 +33,17 @@ impl MotionBaselines {
                 running.push(("slip_decision", DeadReckoning::new(start, robot.wheels.clone(), gyro, decision)));
             }
         }
-        let poses = running.iter().map(|(name, _)| (*name, Vec::new())).collect();
-        MotionBaselines { running, poses }
+        let looks = scene.localizer.methods.contains(&MethodName::WallDirections);
+        let corrected = (looks && !running.is_empty()).then(|| CorrectedReckoning::new(scene.nominal_start()));
+        let names = running.iter().map(|(name, _)| *name).chain(corrected.iter().map(|_| "pose_graph"));
+        MotionBaselines { poses: names.map(|name| (name, Vec::new())).collect(), running, corrected }
+    }
+
+    /// Takes in the direction of walls that the paper's chain saw from the robot.
+    pub(super) fn see(&mut self, measured_s: f64, seen_rad: f64) {
+        if let Some(corrected) = &mut self.corrected {
+            corrected.see(measured_s, seen_rad);
+        }
     }
 
     /// Takes in a reading.
@@ -48,9 +59,15 @@ impl MotionBaselines {
     }
 
     /// Notes the poses of a step.
-    pub(super) fn step(&mut self) {
+    pub(super) fn step(&mut self, time_s: f64) {
         for ((_, reckoning), (_, poses)) in self.running.iter().zip(&mut self.poses) {
             poses.push(reckoning.pose());
+        }
+        if let (Some(corrected), Some((_, reckoning)), Some((_, poses))) =
+            (&mut self.corrected, self.running.last(), self.poses.last_mut())
+        {
+            corrected.reckon(time_s, reckoning.pose());
+            poses.push(corrected.pose());
         }
     }
 }

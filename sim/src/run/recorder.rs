@@ -112,7 +112,11 @@ impl<'a> Recorder<'a> {
             self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
         }
         if let (Reading::Camera { camera: Camera::Forward, image, .. }, false) = (&reading, accounts.is_empty()) {
-            self.history.forward_baselines.observe(image, &self.map, &self.robot, truth.pose.heading_rad);
+            let heading_rad = truth.pose.heading_rad;
+            let seen_rad = self.history.forward_baselines.observe(image, &self.map, &self.robot, heading_rad);
+            if let Some(seen_rad) = seen_rad {
+                self.history.motion_baselines.see(reading.measured_s(), seen_rad);
+            }
         }
         for account in accounts {
             if matches!(reading, Reading::Range { .. }) {
@@ -157,7 +161,7 @@ impl<'a> Recorder<'a> {
         self.history.truths.push(truth);
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
-        self.history.motion_baselines.step();
+        self.history.motion_baselines.step(truth.time_s);
         self.history.range_baselines.step(self.odometry.pose());
     }
 
