@@ -163,7 +163,7 @@ fn a_replay_of_a_doubt_gives_the_same_recovery() {
 fn a_replay_of_the_flow_sensor_gives_the_same_estimates() {
     let place = folder("replay_flow");
     let run =
-        recorded(&place, "papers/dark_carpet_flow.toml", ["duration_s = 790.0", "duration_s = 8.0"], &["--record"]);
+        recorded(&place, "papers/dark_carpet_flow.toml", ["duration_s = 872.0", "duration_s = 8.0"], &["--record"]);
     assert!(messages(&run.join("recording.mcap"))["/wherein/flow"].len() > 100);
     assert_same_estimates(&place, &run, "recording.mcap");
 }
