@@ -1,7 +1,7 @@
 //! Pictures of the world as a camera's sensor gives them, drawn headlessly by wgpu.
 //!
 //! ```text
-//! View ─> floor pass (rasterised faces, then bands)    ─> luminance in cd/m² ─> photon pass (compute) ─> GrayImage
+//! View ─> floor pass (rasterised faces, then bands)    ─> luminance in cd/m² ─> photon pass ─> GrayImage
 //!      or room pass (faces, lamps, people; then the lens)
 //! ```
 //!

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! for each sub-frame: faces, lamps, bodies ─> edges made smooth, discs ─> its plate, a pinhole's image
-//! all plates ─> lens (where each pixel takes its light from), at once with the sensor
+//! all plates ─> their mean ─> lens (where each pixel takes its light from), at once with the sensor
 //! ```
 
 use std::ops::Range;
@@ -93,7 +93,27 @@ impl RoomPass {
             );
             self.draw_edges(encoder, world, (&edges, slot), &how, index);
         }
+        if frames.len() > 1 {
+            self.draw_mean(encoder, slot);
+        }
         Ok(())
+    }
+
+    /// Over the stepped plate, which nobody needs any more.
+    fn draw_mean(&self, encoder: &mut wgpu::CommandEncoder, slot: &RoomSlot) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("mean"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &slot.stepped,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(NOTHING), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipelines.mean);
+        pass.set_bind_group(0, &slot.mean_bindings, &[]);
+        pass.draw(0..3, 0..1);
     }
 
     fn draw_faces(

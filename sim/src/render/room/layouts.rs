@@ -44,13 +44,13 @@ fn read(binding: u32, ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> 
 }
 
 /// A texture of one channel.
-pub(super) fn texture(binding: u32) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
         ty: wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
+            view_dimension,
             multisampled: false,
         },
         count: None,
