@@ -197,9 +197,9 @@ impl Renderer {
     /// Prepares a world for views of its floor.
     ///
     /// # Errors
-    /// If the driver reported an error since.
+    /// If the driver reported an error since, or lost the device.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
-        self.graphics.check()?;
+        self.graphics.check_alive()?;
         let (mut lamplight, mut lamps_at_floor_lux) = (None, None);
         if !scene.lamps.is_empty() {
             let building = Building::new(scene, drawn);
@@ -214,9 +214,9 @@ impl Renderer {
     /// Prepares a world for all views, its people at the start; its light is worked out here, which takes up to a second.
     ///
     /// # Errors
-    /// If the driver reported an error since.
+    /// If the driver reported an error since, or lost the device.
     pub fn upload_room(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
-        self.graphics.check()?;
+        self.graphics.check_alive()?;
         let room = self.room_pass.upload(&self.graphics, scene, drawn);
         let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
         let mut world = RenderedWorld {
