@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::{
+    frustum::Frustum,
     map::LensMap,
     motion::{MAX_SUB_FRAMES, SubFrame},
     pipelines::{DEPTH_FORMAT, Pipelines},
@@ -228,6 +229,11 @@ impl RoomSlot {
     /// A sub-frame's plate.
     pub(super) fn plate_view(&self, index: usize) -> &wgpu::TextureView {
         &self.plate_views[index]
+    }
+
+    /// What its plates show.
+    pub(super) fn frustum(&self, frames: &[SubFrame]) -> Frustum {
+        Frustum::new(frames, self.lens.focal_px, self.plate_size_px, self.plate_centre_px)
     }
 
     /// Writes which nodes are drawn, into a larger buffer where it has to be.
