@@ -33,7 +33,7 @@ pub use light::FloorLight;
 use device::Graphics;
 use floor::{Floor, FloorPass};
 use photons::PhotonPass;
-use room::{RoomPass, RoomWorld};
+use room::{MAX_LAMPS, RoomPass, RoomWorld};
 use target::{Levels, Target};
 
 /// Grey levels of more than eight bits.
@@ -218,6 +218,13 @@ impl Renderer {
     pub fn upload_room(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check_alive()?;
         let room = self.room_pass.upload(&self.graphics, scene, drawn);
+        if room.lamp_count as usize > MAX_LAMPS {
+            return Err(RenderError::TooLarge {
+                what: "a room",
+                needed: format!("{} lamps", room.lamp_count),
+                limit: format!("{MAX_LAMPS}"),
+            });
+        }
         let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
         let mut world = RenderedWorld {
             floor: Floor::new(scene, drawn, lamplight),

@@ -29,6 +29,11 @@ pub(super) fn stored(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupL
     read(binding, wgpu::BufferBindingType::Storage { read_only: true }, has_dynamic_offset)
 }
 
+/// What all invocations read alike.
+pub(super) fn constant(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    read(binding, wgpu::BufferBindingType::Uniform, false)
+}
+
 /// Values of a view, each sub-frame's at an offset of its own.
 pub(super) fn uniform(binding: u32) -> wgpu::BindGroupLayoutEntry {
     read(binding, wgpu::BufferBindingType::Uniform, true)

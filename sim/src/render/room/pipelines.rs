@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, VertexFormat};
 
-use super::layouts::{Vertices, sampler, stored, texture, uniform, vertices};
+use super::layouts::{Vertices, constant, sampler, stored, texture, uniform, vertices};
 use crate::{
     building::{Material, Texture},
     render::target::LUMINANCE_FORMAT,
@@ -111,7 +111,7 @@ impl Pipelines {
         let view_layout = layout("room view", &[uniform(0), stored(1, true)]);
         let world_layout = layout(
             "room world",
-            &[stored(0, false), stored(1, false), stored(2, false), stored(3, false), texture(4, flat), sampler(5)],
+            &[stored(0, false), constant(1), constant(2), stored(3, false), texture(4, flat), sampler(5)],
         );
         let stepped_layout = layout("stepped", &[texture(0, flat)]);
         let mean_layout = layout("plates", &[stored(0, false), texture(1, layered)]);

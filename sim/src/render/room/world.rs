@@ -1,10 +1,10 @@
 //! A building on the device: faces, lamps, light maps, once per scene and seed.
 
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 
 use super::{
     edges::{self, Edges},
-    faces::{self, Cells},
+    faces::{self, Cells, MAX_LAMPS},
     people::People,
     pipelines::Pipelines,
 };
@@ -29,7 +29,7 @@ pub(in crate::render) struct RoomWorld {
     pub(super) cells: Cells,
     /// Rectangles come before bulbs.
     pub(super) first_bulb: u32,
-    pub(super) lamp_count: u32,
+    pub(in crate::render) lamp_count: u32,
     pub(super) mirrored_count: u32,
     pub(super) disc_count: u32,
     pub(super) edges: wgpu::Buffer,
@@ -119,11 +119,14 @@ impl RoomWorld {
 impl Stored {
     fn new(graphics: &Graphics, building: &Building, lighting: &Lighting, map: &LightMap, band: usize) -> Stored {
         let storage = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::STORAGE, bytes);
+        let uniform = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::UNIFORM, bytes);
         let (grid, albedo) = faces::grid(building);
+        let mut lamps = faces::lamps(building, lighting, band);
+        lamps.resize(MAX_LAMPS, Zeroable::zeroed());
         Stored {
             surfaces: storage("surfaces", bytemuck::cast_slice(&faces::surfaces(building, &map.patches, band))),
-            lamps: storage("lamps", bytemuck::cast_slice(&faces::lamps(building, lighting, band))),
-            grid: storage("grid", bytemuck::bytes_of(&grid)),
+            lamps: uniform("lamps", bytemuck::cast_slice(&lamps)),
+            grid: uniform("grid", bytemuck::bytes_of(&grid)),
             tile_albedo: storage("tiles", bytemuck::cast_slice(&albedo)),
         }
     }
