@@ -1,7 +1,7 @@
 //! Pictures of the world as a camera's sensor gives them, drawn headlessly by wgpu.
 //!
 //! ```text
-//! View ─> floor pass (rasterised faces, then bands)    ─> luminance in cd/m² ─> photon pass (compute) ─> GrayImage
+//! View ─> floor pass (rasterised faces, then bands)    ─> luminance in cd/m² ─> photon pass ─> GrayImage
 //!      or room pass (faces, lamps, people; then the lens)
 //! ```
 //!
@@ -33,7 +33,7 @@ pub use light::FloorLight;
 use device::Graphics;
 use floor::{Floor, FloorPass};
 use photons::PhotonPass;
-use room::{RoomPass, RoomWorld};
+use room::{MAX_LAMPS, RoomPass, RoomWorld};
 use target::{Levels, Target};
 
 /// Grey levels of more than eight bits.
@@ -197,9 +197,9 @@ impl Renderer {
     /// Prepares a world for views of its floor.
     ///
     /// # Errors
-    /// If the driver reported an error since.
+    /// If the driver reported an error since, or lost the device.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
-        self.graphics.check()?;
+        self.graphics.check_alive()?;
         let (mut lamplight, mut lamps_at_floor_lux) = (None, None);
         if !scene.lamps.is_empty() {
             let building = Building::new(scene, drawn);
@@ -214,10 +214,17 @@ impl Renderer {
     /// Prepares a world for all views, its people at the start; its light is worked out here, which takes up to a second.
     ///
     /// # Errors
-    /// If the driver reported an error since.
+    /// If the driver reported an error since, or lost the device.
     pub fn upload_room(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
-        self.graphics.check()?;
+        self.graphics.check_alive()?;
         let room = self.room_pass.upload(&self.graphics, scene, drawn);
+        if room.lamp_count as usize > MAX_LAMPS {
+            return Err(RenderError::TooLarge {
+                what: "a room",
+                needed: format!("{} lamps", room.lamp_count),
+                limit: format!("{MAX_LAMPS}"),
+            });
+        }
         let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
         let mut world = RenderedWorld {
             floor: Floor::new(scene, drawn, lamplight),

@@ -4,7 +4,7 @@ use image::GrayImage;
 use sim::{
     render::{DeepImage, NoiseKey, View},
     scene::{BitDepth, SensorModel, SensorPreset},
-    sensors::camera::AutoExposure,
+    sensors::camera::{AutoExposure, Exposure},
 };
 
 use crate::render_studio::{Studio, exposed, renderer, standing};
@@ -184,4 +184,29 @@ fn auto_exposure_uses_the_range_of_every_sensor_above_its_black_level() {
         }
         close(mean - black, 110.0, 0.15);
     }
+}
+
+#[test]
+fn lamps_in_view_darken_all_else_only_where_they_may_not_turn_white() {
+    // Three pixels of a hundred look into lamps a hundred times as bright as all else.
+    let settled = |highlight_share: Option<f64>| {
+        let sensor =
+            SensorModel { highlight_share: highlight_share.unwrap_or(0.005), ..SensorPreset::GlobalShutter.model() };
+        let mut control = AutoExposure::new(&sensor);
+        let level = |exposure: Exposure, times: f64| {
+            (26_000.0 * times * exposure.exposure_s * exposure.gain_levels_per_electron).min(255.0) as u8
+        };
+        for _ in 0..40 {
+            let exposure = control.exposure();
+            let image =
+                GrayImage::from_fn(100, 100, |u, _| image::Luma([level(exposure, if u < 3 { 100.0 } else { 1.0 })]));
+            control.meter(&image);
+        }
+        f64::from(level(control.exposure(), 1.0))
+    };
+    // Lamps at 215 at most leave 2.15 levels for all else.
+    assert!(settled(None) <= 3.0, "{}", settled(None));
+    // 0.03·255 + 0.97·x = 110.
+    let expected = (110.0 - 0.03 * 255.0) / 0.97;
+    assert!((settled(Some(0.05)) - expected).abs() < 2.0, "{}, expected {expected}", settled(Some(0.05)));
 }

@@ -47,12 +47,8 @@ impl Graphics {
             keep_first(&on_error, error.to_string());
         }));
         let on_loss = Arc::clone(&reported);
-        device.set_device_lost_callback(move |reason, message| {
-            // The renderer's own end is no error.
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                keep_first(&on_loss, format!("device lost: {message}"));
-            }
-        });
+        // At the renderer's own end as well, when nobody asks any more.
+        device.set_device_lost_callback(move |_, message| keep_first(&on_loss, format!("device lost: {message}")));
         Ok(Graphics { device, queue, info, patience: PATIENCE, reported })
     }
 
@@ -70,6 +66,13 @@ impl Graphics {
     /// Name, driver and backend.
     pub(super) fn adapter_name(&self) -> String {
         describe(&self.info)
+    }
+
+    /// Whether the device is still there and its driver has reported no error, as far as can be told without work for it.
+    pub(super) fn check_alive(&self) -> Result<(), RenderError> {
+        // The news of a lost device comes when the device is polled; what else polling may fail of is reported too.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.check()
     }
 
     /// The first error that the driver reported, if any.
@@ -207,12 +210,17 @@ mod tests {
         assert_eq!(message, "draw a picture: the graphics driver did not answer within 0.001 s");
     }
 
-    #[test]
-    fn a_device_that_is_gone_ends_in_an_error() {
+    fn empty_room() -> (Scene, Drawn) {
         let text = "duration_s = 1.0\n[room]\nwidth_m = 3.0\ndepth_m = 3.0\n[start]\nx_m = 1.0\ny_m = 1.0\nheading_deg = 0\n\
             [[route.waypoint]]\nx_m = 2.0\ny_m = 1.0\n";
         let scene = Scene::parse(text, "gone.toml").unwrap();
         let drawn = Drawn::draw(&scene, 0);
+        (scene, drawn)
+    }
+
+    #[test]
+    fn a_device_that_is_gone_ends_in_an_error() {
+        let (scene, drawn) = empty_room();
         let mut renderer = Renderer::new().unwrap();
         let world = renderer.upload(&scene, &drawn).unwrap();
         let pose = Pose { x_m: 1.0, y_m: 1.0, heading_rad: 0.0 };
@@ -223,5 +231,18 @@ mod tests {
         let error = renderer.draw(&world, &views).unwrap_err();
         assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
         assert!(matches!(&error, RenderError::Device(_)), "{error}");
+    }
+
+    #[test]
+    fn no_world_is_uploaded_to_a_device_that_is_gone() {
+        let (scene, drawn) = empty_room();
+        for whole_room in [false, true] {
+            let mut renderer = Renderer::new().unwrap();
+            renderer.graphics.device.destroy();
+            let outcome =
+                if whole_room { renderer.upload_room(&scene, &drawn) } else { renderer.upload(&scene, &drawn) };
+            let message = outcome.unwrap_err().to_string();
+            assert!(message.starts_with("draw a picture: the graphics driver reported: device lost"), "{message}");
+        }
     }
 }

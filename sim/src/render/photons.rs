@@ -4,22 +4,30 @@ use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 
-use super::{View, device::Graphics, target::Target};
+use super::{
+    View,
+    device::Graphics,
+    target::{Target, levels_format},
+};
 use crate::{scene::BitDepth, sensors::lens::Lens};
 
-/// Invocations of a workgroup, as in photons.wgsl.
+/// Invocations of a workgroup, as in pattern.wgsl.
 const WORKGROUP: u32 = 64;
 /// Workgroups in a row; a picture of any size then stays below the limit of every adapter in both directions.
 const WORKGROUPS_IN_ROW: u32 = 1024;
 
-const IDEAL_SHADER: &str = concat!(include_str!("photons.wgsl"), include_str!("ideal.wgsl"));
-const LENS_SHADER: &str = concat!(include_str!("photons.wgsl"), include_str!("room/lens.wgsl"));
+const PATTERN_SHADER: &str = concat!(include_str!("readout.wgsl"), include_str!("pattern.wgsl"));
+const IDEAL_SHADER: &str =
+    concat!(include_str!("readout.wgsl"), include_str!("photons.wgsl"), include_str!("ideal.wgsl"));
+const LENS_SHADER: &str =
+    concat!(include_str!("readout.wgsl"), include_str!("photons.wgsl"), include_str!("room/lens.wgsl"));
 
 /// Pipelines of the sensor model, made when first needed.
 pub(super) struct PhotonPass {
-    made: BTreeMap<Kind, wgpu::ComputePipeline>,
+    made: BTreeMap<Kind, wgpu::RenderPipeline>,
     lay_pattern: wgpu::ComputePipeline,
     readout_layout: wgpu::BindGroupLayout,
+    pattern_layout: wgpu::BindGroupLayout,
     luminance_layout: wgpu::BindGroupLayout,
     pub(super) lens_layout: wgpu::BindGroupLayout,
 }
@@ -28,6 +36,7 @@ pub(super) struct PhotonPass {
 pub(super) struct PhotonSlot {
     uniform: wgpu::Buffer,
     readout: wgpu::BindGroup,
+    pattern: wgpu::BindGroup,
     luminance: wgpu::BindGroup,
     /// Which sensor's pattern is laid: its seed, and the spreads of offset and sensitivity.
     laid: Option<(u64, [f64; 2])>,
@@ -78,8 +87,6 @@ struct ReadoutOnDevice {
     full_well_electrons: f32,
     read_noise_electrons: f32,
     gain_levels_per_electron: f32,
-    row: u32,
-    row_per_pixel: f32,
     dark_electrons: f32,
     offset_electrons: f32,
     sensitivity: f32,
@@ -89,52 +96,41 @@ struct ReadoutOnDevice {
 
 impl PhotonPass {
     pub(super) fn new(device: &wgpu::Device) -> PhotonPass {
-        let layout = |label, types: &[wgpu::BindingType]| {
+        let layout = |label, visibility, types: &[wgpu::BindingType]| {
             let entry = |(ty, binding): (&wgpu::BindingType, u32)| wgpu::BindGroupLayoutEntry {
                 binding,
-                visibility: wgpu::ShaderStages::COMPUTE,
+                visibility,
                 ty: *ty,
                 count: None,
             };
             let entries: Vec<_> = types.iter().zip(0..).map(entry).collect();
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
         };
-        let storage = |read_only| wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let texture = |filterable, view_dimension| wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable },
-            view_dimension,
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+        let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only });
+        let uniform = buffer(wgpu::BufferBindingType::Uniform);
+        let texture = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
-        let uniform = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let readout_layout = layout("readout", &[uniform, storage(false), storage(false)]);
-        let luminance_layout = layout("luminance", &[texture(false, wgpu::TextureViewDimension::D2)]);
-        let lens_layout = layout(
-            "lens",
-            &[
-                storage(true),
-                texture(true, wgpu::TextureViewDimension::D2Array),
-                storage(true),
-                wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-            ],
-        );
-        let kind = Kind { uneven: true, deep: false, lens: None };
-        let lay_pattern = pipeline(device, &[&readout_layout, &luminance_layout], kind, "lay_pattern");
-        PhotonPass { made: BTreeMap::new(), lay_pattern, readout_layout, luminance_layout, lens_layout }
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        let (fragment, compute) = (wgpu::ShaderStages::FRAGMENT, wgpu::ShaderStages::COMPUTE);
+        let pattern_layout = layout("pattern", compute, &[uniform, storage(false)]);
+        PhotonPass {
+            made: BTreeMap::new(),
+            lay_pattern: pattern_pipeline(device, &pattern_layout),
+            readout_layout: layout("readout", fragment, &[uniform, storage(true)]),
+            pattern_layout,
+            luminance_layout: layout("luminance", fragment, &[texture]),
+            lens_layout: layout("lens", fragment, &[uniform, texture, storage(true), sampler]),
+        }
     }
 
-    /// Bindings that read one view's luminance and write its grey levels.
-    pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView, grey: &wgpu::Buffer) -> PhotonSlot {
-        // A picture's last word may reach beyond its last pixel.
+    /// Bindings that read one view's luminance.
+    pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView) -> PhotonSlot {
         let size = luminance.texture().size();
-        let n_pixels = (u64::from(size.width) * u64::from(size.height)).next_multiple_of(4);
+        let n_pixels = u64::from(size.width) * u64::from(size.height);
         let buffer = |label, size, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
@@ -144,24 +140,26 @@ impl PhotonPass {
             size_of::<ReadoutOnDevice>() as u64,
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
         );
-        let readout = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("readout"),
-            layout: &self.readout_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: grey.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 2, resource: pattern.as_entire_binding() },
-            ],
-        });
+        let both = |layout| {
+            device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("readout"),
+                layout,
+                entries: &[
+                    wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
+                    wgpu::BindGroupEntry { binding: 1, resource: pattern.as_entire_binding() },
+                ],
+            })
+        };
         let luminance = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("luminance"),
             layout: &self.luminance_layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(luminance) }],
         });
-        PhotonSlot { uniform, readout, luminance, laid: None }
+        let (readout, pattern) = (both(&self.readout_layout), both(&self.pattern_layout));
+        PhotonSlot { uniform, readout, pattern, luminance, laid: None }
     }
 
-    /// Turns one view's luminance, or its plates, into grey levels.
+    /// Turns one view's luminance, or its plate, into grey levels.
     pub(super) fn draw(
         &mut self,
         graphics: &Graphics,
@@ -170,47 +168,53 @@ impl PhotonPass {
         target: &mut Target,
     ) {
         let sensor = &view.sensor;
-        let words = (target.size_px[0] * target.size_px[1]).div_ceil(4);
-        let workgroups = words.div_ceil(WORKGROUP);
-        let columns = workgroups.min(WORKGROUPS_IN_ROW);
-        let uniform = readout(view, columns * WORKGROUP);
-        graphics.queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&uniform));
+        graphics.queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&readout(view)));
 
         let kind = Kind::of(view);
+        let pattern = (view.noise.seed, [sensor.dsnu_electrons, sensor.prnu]);
+        if kind.uneven && target.photons.laid != Some(pattern) {
+            let workgroups = (target.size_px[0] * target.size_px[1]).div_ceil(WORKGROUP);
+            let columns = workgroups.min(WORKGROUPS_IN_ROW);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&self.lay_pattern);
+            pass.set_bind_group(0, &target.photons.pattern, &[]);
+            pass.dispatch_workgroups(columns, workgroups.div_ceil(columns), 1);
+            target.photons.laid = Some(pattern);
+        }
         let (source_layout, source) = match (&target.room, &view.lens) {
-            (Some(room), Some(_)) => (&self.lens_layout, &room.lens_bindings),
+            (Some(room), Some(_)) => (&self.lens_layout, room.lens_bindings()),
             _ => (&self.luminance_layout, &target.photons.luminance),
         };
         let layouts = [&self.readout_layout, source_layout];
-        let read_out = self.made.entry(kind).or_insert_with(|| pipeline(&graphics.device, &layouts, kind, "read_out"));
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_bind_group(0, &target.photons.readout, &[]);
-        let pattern = (view.noise.seed, [sensor.dsnu_electrons, sensor.prnu]);
-        if kind.uneven && target.photons.laid != Some(pattern) {
-            pass.set_pipeline(&self.lay_pattern);
-            pass.set_bind_group(1, &target.photons.luminance, &[]);
-            pass.dispatch_workgroups(columns, (4 * words).div_ceil(WORKGROUP).div_ceil(columns), 1);
-            target.photons.laid = Some(pattern);
-        }
+        let read_out = self.made.entry(kind).or_insert_with(|| pipeline(&graphics.device, &layouts, kind));
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("sensor"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &target.levels,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
         pass.set_pipeline(read_out);
+        pass.set_bind_group(0, &target.photons.readout, &[]);
         pass.set_bind_group(1, source, &[]);
-        pass.dispatch_workgroups(columns, workgroups.div_ceil(columns), 1);
+        pass.draw(0..3, 0..1);
     }
 }
 
-/// What the shader knows of a view's sensor; `row` invocations in a row of workgroups.
-fn readout(view: &View, row: u32) -> ReadoutOnDevice {
-    let (sensor, size_px) = (&view.sensor, view.intrinsics.size_px);
+/// What the shader knows of a view's sensor.
+fn readout(view: &View) -> ReadoutOnDevice {
+    let sensor = &view.sensor;
     ReadoutOnDevice {
-        size_px,
+        size_px: view.intrinsics.size_px,
         seed: [view.noise.seed as u32, (view.noise.seed >> 32) as u32],
         image: view.noise.image,
         electrons_per_luminance: sensor.electrons_per_luminance(view.exposure_s) as f32,
         full_well_electrons: sensor.full_well_electrons as f32,
         read_noise_electrons: sensor.read_noise_electrons as f32,
         gain_levels_per_electron: view.gain_levels_per_electron as f32,
-        row,
-        row_per_pixel: 1.0 / size_px[0] as f32,
         dark_electrons: (sensor.dark_current_electrons_per_s * view.exposure_s) as f32,
         offset_electrons: sensor.dsnu_electrons as f32,
         sensitivity: sensor.prnu as f32,
@@ -219,33 +223,61 @@ fn readout(view: &View, row: u32) -> ReadoutOnDevice {
     }
 }
 
-fn pipeline(
-    device: &wgpu::Device,
-    layouts: &[&wgpu::BindGroupLayout; 2],
-    kind: Kind,
-    entry_point: &str,
-) -> wgpu::ComputePipeline {
+fn module(device: &wgpu::Device, source: &str) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("photons"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    })
+}
+
+fn pattern_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::ComputePipeline {
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("pattern"),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("pattern"),
+        layout: Some(&layout),
+        module: &module(device, PATTERN_SHADER),
+        entry_point: Some("lay_pattern"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
+
+fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout; 2], kind: Kind) -> wgpu::RenderPipeline {
     let flag = |on: bool| f64::from(u8::from(on));
-    let mut constants = vec![("UNEVEN", flag(kind.uneven)), ("DEEP", flag(kind.deep))];
+    let mut constants = vec![("UNEVEN", flag(kind.uneven))];
     if let Some(lens) = kind.lens {
         let of_lens = [("BENT", lens.bent), ("DEFOCUSED", lens.defocused), ("VIGNETTING", lens.vignetting)];
         constants.extend(of_lens.map(|(name, on)| (name, flag(on))));
     }
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(entry_point),
+        label: Some("sensor"),
         bind_group_layouts: &layouts.map(Some),
         immediate_size: 0,
     });
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("photons"),
-        source: wgpu::ShaderSource::Wgsl(if kind.lens.is_some() { LENS_SHADER } else { IDEAL_SHADER }.into()),
-    });
-    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(entry_point),
+    let module = module(device, if kind.lens.is_some() { LENS_SHADER } else { IDEAL_SHADER });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("sensor"),
         layout: Some(&layout),
-        module: &module,
-        entry_point: Some(entry_point),
-        compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("whole_picture"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("read_out"),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            targets: &[Some(levels_format(kind.deep).into())],
+        }),
+        multiview_mask: None,
         cache: None,
     })
 }

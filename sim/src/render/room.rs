@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! for each sub-frame: faces, lamps, bodies ─> edges made smooth, discs ─> its plate, a pinhole's image
-//! all plates ─> lens (where each pixel takes its light from), at once with the sensor
+//! all plates ─> their mean ─> lens (where each pixel takes its light from), at once with the sensor
 //! ```
 
 use std::ops::Range;
@@ -12,6 +12,7 @@ use crate::sensors::lens::Lens;
 
 mod edges;
 mod faces;
+mod frustum;
 mod glints;
 mod layouts;
 mod map;
@@ -22,10 +23,12 @@ mod plate;
 mod slivers;
 mod world;
 
+pub(super) use faces::MAX_LAMPS;
 pub(super) use plate::RoomSlot;
 pub(super) use world::RoomWorld;
 
 use motion::{SubFrame, sub_frames};
+use people::run_of;
 use pipelines::{Kind, Pipelines, Use};
 use plate::ViewOnDevice;
 use slivers::is_sliver;
@@ -79,27 +82,56 @@ impl RoomPass {
         let how = Use::of(lens);
         let eyes: Vec<_> = frames.iter().map(|frame| frame.world_from_camera.translation.vector.into()).collect();
         let middle = &frames[frames.len() / 2].world_from_camera;
-        let hidden: Vec<bool> = world.building.panels.iter().map(|panel| is_sliver(panel, middle, lens)).collect();
+        let frustum = slot.frustum(&frames);
+        let hidden: Vec<bool> = world
+            .building
+            .panels
+            .iter()
+            .map(|panel| is_sliver(panel, middle, lens) || frustum.hides(&panel.corners()))
+            .collect();
+        let people = world.people.seen_in(&frustum);
         let drawing = world.cells.seen_from(&eyes, &world.lighting, &hidden);
         let edges = world.edge_list.runs(&hidden);
         slot.choose(graphics, &drawing.indices);
         self.pipelines.prepare(&graphics.device, &how, drawing.ranges.iter().map(|(kind, _)| *kind));
+        let walked = world.lit_while_they_walk(graphics, &self.pipelines, &frames, how.band());
         for index in 0..frames.len() {
-            self.draw_faces(encoder, world, (&drawing.ranges, slot), &how, index);
+            let lit = walked.get(run_of(index, frames.len(), walked.len())).unwrap_or(world.bindings(how.band()));
+            self.draw_faces(encoder, (world, lit, &people), (&drawing.ranges, slot), &how, index);
             encoder.copy_texture_to_texture(
                 slot.stepped.texture().as_image_copy(),
                 slot.plate(index),
                 slot.stepped.texture().size(),
             );
-            self.draw_edges(encoder, world, (&edges, slot), &how, index);
+            self.draw_edges(encoder, (world, &people), (&edges, slot), &how, index);
+        }
+        if frames.len() > 1 {
+            self.draw_mean(encoder, slot);
         }
         Ok(())
+    }
+
+    /// Over the stepped plate, which nobody needs any more.
+    fn draw_mean(&self, encoder: &mut wgpu::CommandEncoder, slot: &RoomSlot) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("mean"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &slot.stepped,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(NOTHING), store: wgpu::StoreOp::Store },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipelines.mean);
+        pass.set_bind_group(0, &slot.mean_bindings, &[]);
+        pass.draw(0..3, 0..1);
     }
 
     fn draw_faces(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        world: &RoomWorld,
+        (world, lit, people): (&RoomWorld, &wgpu::BindGroup, &[usize]),
         (ranges, slot): (&[(Kind, Range<u32>)], &RoomSlot),
         how: &Use,
         index: usize,
@@ -120,12 +152,16 @@ impl RoomPass {
             ..Default::default()
         });
         pass.set_bind_group(0, &slot.view_bindings, &[plate::view_offset(index); 2]);
-        pass.set_bind_group(1, world.bindings(how.band()), &[]);
+        pass.set_bind_group(1, lit, &[]);
         // People first: what they hide need not be shaded.
-        if world.people.corner_count > 0 {
+        if !people.is_empty() {
             pass.set_pipeline(self.pipelines.bodies(how));
             pass.set_vertex_buffer(0, world.people.corners[how.band()].slice(..));
-            pass.draw(0..world.people.corner_count, 0..1);
+            pass.set_index_buffer(world.people.triangles.slice(..), wgpu::IndexFormat::Uint32);
+        }
+        for body in people {
+            let first = *body as u32 * world.people.corners_of_each;
+            pass.draw_indexed(0..world.people.indices_of_each, first as i32, 0..1);
         }
         pass.set_vertex_buffer(0, world.nodes.slice(..));
         pass.set_index_buffer(slot.chosen.slice(..), wgpu::IndexFormat::Uint32);
@@ -140,7 +176,7 @@ impl RoomPass {
     fn draw_edges(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        world: &RoomWorld,
+        (world, people): (&RoomWorld, &[usize]),
         (runs, slot): (&[Range<u32>], &RoomSlot),
         how: &Use,
         index: usize,
@@ -169,7 +205,10 @@ impl RoomPass {
             pass.draw(0..4, run.clone());
         }
         pass.set_vertex_buffer(0, world.people.edges.slice(..));
-        pass.draw(0..4, 0..world.people.edge_count);
+        for body in people {
+            let first = *body as u32 * world.people.edges_of_each;
+            pass.draw(0..4, first..first + world.people.edges_of_each);
+        }
         if world.disc_count > 0 {
             pass.set_pipeline(self.pipelines.discs(how));
             pass.set_vertex_buffer(0, world.discs(how.band()).slice(..));

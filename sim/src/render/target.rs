@@ -9,6 +9,11 @@ use super::{
 /// Luminance in cd/m², averaged over the exposure.
 pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
+/// Of grey levels: one byte each, or two.
+pub(super) fn levels_format(deep: bool) -> wgpu::TextureFormat {
+    if deep { wgpu::TextureFormat::R16Uint } else { wgpu::TextureFormat::R8Uint }
+}
+
 /// Buffers and bindings of one view, kept from tick to tick.
 pub(super) struct Target {
     pub(super) size_px: [u32; 2],
@@ -19,7 +24,8 @@ pub(super) struct Target {
     /// Made when first a room is drawn.
     pub(super) room: Option<RoomSlot>,
     pub(super) photons: PhotonSlot,
-    grey: wgpu::Buffer,
+    /// Grey levels.
+    pub(super) levels: wgpu::TextureView,
     staging: wgpu::Buffer,
 }
 
@@ -42,39 +48,41 @@ impl Target {
         size_px: [u32; 2],
         deep: bool,
     ) -> Target {
-        let luminance = device
-            .create_texture(&wgpu::TextureDescriptor {
-                label: Some("luminance"),
+        let attachment = |label, format, usage| {
+            let descriptor = wgpu::TextureDescriptor {
+                label: Some(label),
                 size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
-                format: LUMINANCE_FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
                 view_formats: &[],
-            })
-            .create_view(&wgpu::TextureViewDescriptor::default());
-        // Grey levels are packed four or two to a word, without padding at the end of a row; an invocation writes four.
-        let pixels = (u64::from(size_px[0]) * u64::from(size_px[1])).next_multiple_of(4);
-        let bytes = if deep { 2 * pixels } else { pixels };
-        let buffer = |label, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: bytes,
-                usage,
-                mapped_at_creation: false,
-            })
+            };
+            device.create_texture(&descriptor).create_view(&wgpu::TextureViewDescriptor::default())
         };
-        let grey = buffer("grey levels", wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-        let staging = buffer("grey levels staged", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        let luminance = attachment("luminance", LUMINANCE_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
+        let levels = attachment("grey levels", levels_format(deep), wgpu::TextureUsages::COPY_SRC);
+        let staging = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("grey levels staged"),
+            size: u64::from(staged_row(size_px, deep)) * u64::from(size_px[1]),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
         let floor = floor_pass.slot(device);
-        let photons = photon_pass.slot(device, &luminance, &grey);
-        Target { size_px, deep, luminance, floor, room: None, photons, grey, staging }
+        let photons = photon_pass.slot(device, &luminance);
+        Target { size_px, deep, luminance, floor, room: None, photons, levels, staging }
     }
 
     /// Copies the grey levels to where the processor can read them.
     pub(super) fn stage(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.copy_buffer_to_buffer(&self.grey, 0, &self.staging, 0, self.staging.size());
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(staged_row(self.size_px, self.deep)),
+            rows_per_image: None,
+        };
+        let staging = wgpu::TexelCopyBufferInfo { buffer: &self.staging, layout };
+        encoder.copy_texture_to_buffer(self.levels.texture().as_image_copy(), staging, self.levels.texture().size());
     }
 
     /// Asks for the staged grey levels.
@@ -90,17 +98,26 @@ impl Target {
     /// Grey levels in the order of rows, once the mapping has been answered.
     pub(super) fn read(&self) -> Result<Levels, RenderError> {
         let failed = |reason: String| RenderError::Device(reason);
-        let pixels = self.size_px[0] as usize * self.size_px[1] as usize;
         let levels = {
             let mapped = self.staging.slice(..).get_mapped_range().map_err(|error| failed(error.to_string()))?;
+            let rows = mapped.chunks_exact(staged_row(self.size_px, self.deep) as usize);
+            let width = self.size_px[0] as usize;
             if self.deep {
-                let pairs = mapped[..2 * pixels].chunks_exact(2);
+                let pairs = rows.flat_map(|row| row[..2 * width].chunks_exact(2));
                 Levels::Deep(pairs.map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect())
             } else {
-                Levels::Eight(mapped[..pixels].to_vec())
+                let mut levels = Vec::with_capacity(width * self.size_px[1] as usize);
+                rows.for_each(|row| levels.extend_from_slice(&row[..width]));
+                Levels::Eight(levels)
             }
         };
         self.staging.unmap();
         Ok(levels)
     }
+}
+
+/// Bytes from one row of staged levels to the next, as copies want them.
+fn staged_row(size_px: [u32; 2], deep: bool) -> u32 {
+    let bytes = if deep { 2 * size_px[0] } else { size_px[0] };
+    bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }

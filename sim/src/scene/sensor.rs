@@ -49,6 +49,10 @@ pub struct Sensor {
     /// Greatest gain of auto-exposure, in grey levels of the sensor's own depth per electron.
     #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0.0))]
     pub max_gain_levels_per_electron: Option<f64>,
+    /// Share of the pixels that auto-exposure lets turn white, such as lamps and windows in view, for the sake of all others; unless stated
+    /// 0.005, which keeps nearly everything within the range.
+    #[schemars(range(min = 0.0, max = 0.4))]
+    pub highlight_share: Option<f64>,
 }
 
 /// Cameras to start from.
@@ -109,6 +113,8 @@ pub struct SensorModel {
     pub black_level: f64,
     /// Greatest gain.
     pub max_gain_levels_per_electron: f64,
+    /// Share of the pixels that auto-exposure lets turn white.
+    pub highlight_share: f64,
 }
 
 impl Sensor {
@@ -133,6 +139,7 @@ impl Sensor {
             max_gain_levels_per_electron: self
                 .max_gain_levels_per_electron
                 .unwrap_or(preset.max_gain_levels_per_electron),
+            highlight_share: self.highlight_share.unwrap_or(preset.highlight_share),
         }
     }
 }
@@ -154,6 +161,7 @@ impl SensorPreset {
             bits: BitDepth::Eight,
             black_level: 0.0,
             max_gain_levels_per_electron: 4.0,
+            highlight_share: 0.005,
         };
         match self {
             SensorPreset::GlobalShutter => global_shutter,

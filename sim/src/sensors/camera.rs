@@ -124,14 +124,14 @@ pub struct AutoExposure {
     black_level: f64,
     levels_per_byte_level: f64,
     is_fixed: bool,
+    /// No more of the pixels shall be brighter than [`HIGHLIGHT_LEVEL`].
+    highlight_share: f64,
 }
 
 /// Mean grey level aimed at: below the middle of the range, as camera makers do, to leave room for highlights.
 const TARGET_MEAN_LEVEL: f64 = 110.0;
-/// No more than [`HIGHLIGHT_SHARE`] of the pixels shall be brighter than this, so that noise does not saturate.
+/// No more pixels than are given up as highlights shall be brighter than this, so that noise does not saturate.
 const HIGHLIGHT_LEVEL: f64 = 215.0;
-/// Share of the pixels that may be highlights.
-const HIGHLIGHT_SHARE: f64 = 0.005;
 /// An image that is white all over tells only that it got too much light: so much is taken off, as to find the range
 /// within two images after any switch of lamps up to 40 times.
 const STRONGEST_STEP_DOWN: f64 = 20.0;
@@ -161,6 +161,7 @@ impl AutoExposure {
             black_level,
             levels_per_byte_level,
             is_fixed: sensor.is_fixed,
+            highlight_share: sensor.highlight_share,
         };
         if !control.is_fixed {
             control.aim_at(TARGET_MEAN_LEVEL / electrons_per_s);
@@ -207,7 +208,7 @@ impl AutoExposure {
         }
         let sum: usize = histogram.iter().enumerate().map(|(level, count)| level * count).sum();
         let mean = sum as f64 / pixels.len().max(1) as f64 - self.black_level;
-        let brightest = level_exceeded_by(&histogram, HIGHLIGHT_SHARE * pixels.len() as f64);
+        let brightest = level_exceeded_by(&histogram, self.highlight_share * pixels.len() as f64);
         let highlight = brightest - self.black_level;
         let white = histogram[255] as f64 / pixels.len().max(1) as f64;
         let change = if white > 0.5 {

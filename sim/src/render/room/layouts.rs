@@ -29,6 +29,11 @@ pub(super) fn stored(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupL
     read(binding, wgpu::BufferBindingType::Storage { read_only: true }, has_dynamic_offset)
 }
 
+/// What all invocations read alike.
+pub(super) fn constant(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    read(binding, wgpu::BufferBindingType::Uniform, false)
+}
+
 /// Values of a view, each sub-frame's at an offset of its own.
 pub(super) fn uniform(binding: u32) -> wgpu::BindGroupLayoutEntry {
     read(binding, wgpu::BufferBindingType::Uniform, true)
@@ -44,13 +49,13 @@ fn read(binding: u32, ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> 
 }
 
 /// A texture of one channel.
-pub(super) fn texture(binding: u32) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
         ty: wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
+            view_dimension,
             multisampled: false,
         },
         count: None,

@@ -1,4 +1,4 @@
-// From the plates of the sub-frames to the sensor: each pixel looks up where the lens takes its light from. Follows photons.wgsl.
+// From the plate to the sensor: each pixel looks up where the lens takes its light from. Follows photons.wgsl.
 
 struct Sheet {
     // Focal lengths and principal point of the plate.
@@ -6,8 +6,8 @@ struct Sheet {
     centre_px: vec2<f32>,
     // One over the plate's size.
     per_size: vec2<f32>,
+    // Sub-frames, and the share of one in the exposure.
     n_plates: u32,
-    // Share of a sub-frame in the exposure.
     share: f32,
     defocus_radius_px: f32,
     padding: f32,
@@ -17,40 +17,47 @@ override BENT: bool = false;
 override DEFOCUSED: bool = false;
 override VIGNETTING: bool = false;
 
-@group(1) @binding(0) var<storage, read> sheet: Sheet;
-// One layer for each sub-frame.
-@group(1) @binding(1) var plates: texture_2d_array<f32>;
+@group(1) @binding(0) var<uniform> sheet: Sheet;
+// Mean over the sub-frames.
+@group(1) @binding(1) var plate: texture_2d<f32>;
 // Place on the plate of every pixel of the sensor, row by row.
 @group(1) @binding(2) var<storage, read> places_px: array<vec2<f32>>;
 @group(1) @binding(3) var between: sampler;
 
-// Mean over the sub-frames at a place, linear between pixels.
-fn linear_at(place: vec2<f32>) -> f32 {
-    let at = (place + 0.5) * sheet.per_size;
-    var sum = textureSampleLevel(plates, between, at, 0, 0.0).x;
-    for (var plate = 1u; plate < sheet.n_plates; plate++) {
-        sum += textureSampleLevel(plates, between, at, i32(plate), 0.0).x;
-    }
-    return sum * sheet.share;
+// The four pixels around a corner between pixels, which a software driver reads in half the time of a filtered look: lower left, lower right,
+// upper right, upper left in the order of the plate's rows, which run down.
+fn around(corner: vec2<f32>) -> vec4<f32> {
+    return textureGather(0, plate, between, corner * sheet.per_size);
 }
 
-// The quadratic B-spline through 3 × 3 pixels, by four looks between two pixels each: the mean place of its weights is the place itself, so
-// that nothing moves. Where a lens stretches the plate by a tenth, linear weights count some pixels of a dot a tenth more often than others,
-// which moved dots by 0.02 px at a time; these count them alike to a hundredth.
+// Linear between pixels.
+fn linear_at(place: vec2<f32>) -> f32 {
+    let low = floor(place);
+    let off = place - low;
+    let four = around(low + 1.0);
+    return mix(mix(four.w, four.z, off.x), mix(four.x, four.y, off.x), off.y);
+}
+
+// The quadratic B-spline through 3 × 3 pixels: the mean place of its weights is the place itself, so that nothing moves. Where a lens
+// stretches the plate by a tenth, linear weights count some pixels of a dot a tenth more often than others, which moved dots by 0.02 px at a
+// time; these count them alike to a hundredth.
 fn smooth_at(place: vec2<f32>) -> f32 {
     let middle = round(place);
     let off = place - middle;
-    let half = 0.5 * (0.75 - off * off);
-    let low = 0.5 * (0.5 - off) * (0.5 - off) + half;
-    let high = 1.0 - low;
-    let before = middle - 1.0 + half / low;
-    let after = middle + 1.0 - half / high;
-    return low.y * (low.x * linear_at(before) + high.x * linear_at(vec2(after.x, before.y)))
-        + high.y * (low.x * linear_at(vec2(before.x, after.y)) + high.x * linear_at(after));
+    let before = 0.5 * (0.5 - off) * (0.5 - off);
+    let after = 0.5 * (0.5 + off) * (0.5 + off);
+    let here = 1.0 - before - after;
+    let first = around(middle);
+    let second = around(middle + vec2(1.0, 0.0));
+    let third = around(middle + vec2(0.0, 1.0));
+    let last = around(middle + 1.0);
+    return before.y * (before.x * first.w + here.x * first.z + after.x * second.z)
+        + here.y * (before.x * first.x + here.x * first.y + after.x * second.y)
+        + after.y * (before.x * third.x + here.x * third.y + after.x * last.y);
 }
 
-fn luminance_at(index: u32) -> f32 {
-    var place = vec2<f32>(place_of(index));
+fn luminance_at(pixel: vec2<u32>, index: u32) -> f32 {
+    var place = vec2<f32>(pixel);
     if (BENT || DEFOCUSED) {
         place = places_px[index];
     }
@@ -65,7 +72,8 @@ fn luminance_at(index: u32) -> f32 {
     } else if (BENT) {
         luminance = smooth_at(place);
     } else {
-        luminance = linear_at(place);
+        // The plate is the picture.
+        luminance = textureLoad(plate, pixel, 0).x;
     }
     if (VIGNETTING) {
         // cos⁴ of the angle off the axis; its tangent is the distance on the plate over the focal length.

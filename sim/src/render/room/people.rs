@@ -1,10 +1,13 @@
 //! People as they are drawn: lit corner by corner, and their shadows in the light map. Both are worked out when people move, not for every view.
 
 use bytemuck::{Pod, Zeroable};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::{
     edges::{self, EdgeOnDevice},
+    frustum::Frustum,
+    motion::SubFrame,
+    pipelines::Pipelines,
     world::{RoomWorld, write_light},
 };
 use crate::{
@@ -15,6 +18,9 @@ use crate::{
 
 /// Places along each side of a lamp that a corner of a person sees or does not: a few hundred corners are lit each time.
 const LAMP_SAMPLES: usize = 2;
+
+/// A shadow that moves by less while a picture is taken stays where it is at the end: the distance of the light map's nodes on floors.
+const SHADOW_STEP_M: f64 = 0.05;
 
 /// `Corner` of body.wgsl.
 #[repr(C)]
@@ -27,16 +33,19 @@ struct CornerOnDevice {
     velocity_m_per_s: [f32; 3],
 }
 
-/// People's corners on the device, three to a triangle.
+/// People on the device, one after the other; all have the same triangles.
 #[derive(Debug)]
 pub(super) struct People {
     pub(super) placed: Vec<UprightBody>,
     /// Visible and infrared.
     pub(super) corners: [wgpu::Buffer; 2],
-    pub(super) corner_count: u32,
+    pub(super) corners_of_each: u32,
+    /// Of one body, three corners to a triangle.
+    pub(super) triangles: wgpu::Buffer,
+    pub(super) indices_of_each: u32,
     /// Of both bands.
     pub(super) edges: wgpu::Buffer,
-    pub(super) edge_count: u32,
+    pub(super) edges_of_each: u32,
 }
 
 impl People {
@@ -44,10 +53,17 @@ impl People {
         People {
             placed: Vec::new(),
             corners: [0, 1].map(|_| vertices(graphics, 64)),
-            corner_count: 0,
+            corners_of_each: 0,
+            triangles: vertices(graphics, 64),
+            indices_of_each: 0,
             edges: vertices(graphics, 128),
-            edge_count: 0,
+            edges_of_each: 0,
         }
+    }
+
+    /// Which of them may be seen, wherever they are in an exposure.
+    pub(super) fn seen_in(&self, frustum: &Frustum) -> Vec<usize> {
+        (0..self.placed.len()).filter(|index| !frustum.hides(&surrounding(&self.placed[*index]))).collect()
     }
 }
 
@@ -68,9 +84,44 @@ impl RoomWorld {
         let edges: Vec<EdgeOnDevice> =
             bodies.iter().flat_map(|body| edges::of_body(&body_mesh(body), &velocities(body))).collect();
         write(graphics, &mut self.people.edges, bytemuck::cast_slice(&edges));
-        self.people.edge_count = edges.len() as u32;
-        self.people.corner_count = corners[0].len() as u32;
+        let n_bodies = bodies.len().max(1) as u32;
+        self.people.edges_of_each = edges.len() as u32 / n_bodies;
+        self.people.corners_of_each = corners[0].len() as u32 / n_bodies;
+        let triangles = bodies.first().map_or_else(Vec::new, |body| body_mesh(body).triangles);
+        let indices: Vec<u32> = triangles.iter().flatten().map(|corner| *corner as u32).collect();
+        write(graphics, &mut self.people.triangles, bytemuck::cast_slice(&indices));
+        self.people.indices_of_each = indices.len() as u32;
         self.people.placed = bodies.to_vec();
+    }
+
+    /// What faces read in each of several equal runs of an exposure's sub-frames while people's shadows walk with them; nothing where the
+    /// map's nodes could not tell one place of a shadow from the next, and the light as it is serves for all.
+    pub(super) fn lit_while_they_walk(
+        &self,
+        graphics: &Graphics,
+        pipelines: &Pipelines,
+        frames: &[SubFrame],
+        band: usize,
+    ) -> Vec<wgpu::BindGroup> {
+        let start_s = frames.first().map_or(0.0, |frame| frame.before_end_s);
+        let speed = |body: &UprightBody| body.velocity_m_per_s[0].hypot(body.velocity_m_per_s[1]);
+        let way_m = self.people.placed.iter().map(speed).fold(0.0, f64::max) * start_s.abs();
+        let wanted = (way_m / SHADOW_STEP_M).ceil() as usize;
+        if wanted < 2 {
+            return Vec::new();
+        }
+        let runs = wanted.min(frames.len());
+        let lit = |run: usize| {
+            let of_run: Vec<f64> = (0..frames.len())
+                .filter(|index| run_of(*index, frames.len(), runs) == run)
+                .map(|index| frames[index].before_end_s)
+                .collect();
+            let before_end_s = of_run.iter().sum::<f64>() / of_run.len() as f64;
+            let bodies: Vec<UprightBody> = self.people.placed.iter().map(|body| body.later(before_end_s)).collect();
+            let nodes = nodes_with_people(&self.lighting, &self.map, &self.building.panels, &bodies);
+            self.lit_by(graphics, pipelines, band, &nodes)
+        };
+        (0..runs).map(lit).collect()
     }
 
     fn lit_corners(&self, bodies: &[UprightBody]) -> [Vec<CornerOnDevice>; 2] {
@@ -87,14 +138,30 @@ impl RoomWorld {
         };
         let mut corners = [Vec::new(), Vec::new()];
         for body in bodies {
-            let mesh = body_mesh(body);
-            let once: Vec<[CornerOnDevice; 2]> = mesh.corners.iter().zip(&velocities(body)).map(lit).collect();
-            for (band, corners) in corners.iter_mut().enumerate() {
-                corners.extend(mesh.triangles.iter().flatten().map(|corner| once[*corner][band]));
+            for both in body_mesh(body).corners.iter().zip(&velocities(body)).map(lit) {
+                corners.iter_mut().zip(both).for_each(|(corners, corner)| corners.push(corner));
             }
         }
         corners
     }
+}
+
+/// Corners of a box that holds a body from two seconds before it is where it was placed: exposures are shorter.
+fn surrounding(body: &UprightBody) -> Vec<Point3<f64>> {
+    const ARMS: f64 = 1.5;
+    let reach_m = ARMS * body.radius_m + 0.2 * body.height_m;
+    let before = body.later(-2.0);
+    let corner = |middle_m: [f64; 2], [x, y, z]: [f64; 3]| {
+        Point3::new(middle_m[0] + x * reach_m, middle_m[1] + y * reach_m, z * body.height_m)
+    };
+    let signs = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
+    let shares = signs.into_iter().flat_map(|[x, y]| [[x, y, 0.0], [x, y, 1.0]]);
+    shares.flat_map(|share| [corner(body.middle_m, share), corner(before.middle_m, share)]).collect()
+}
+
+/// Which of so many equal runs a sub-frame belongs to.
+pub(super) fn run_of(index: usize, frames: usize, runs: usize) -> usize {
+    index * runs / frames
 }
 
 /// How fast the corners of a body's surface move, legs and arms included.
@@ -116,7 +183,7 @@ fn vertices(graphics: &Graphics, size: u64) -> wgpu::Buffer {
     graphics.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("people"),
         size,
-        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
 }

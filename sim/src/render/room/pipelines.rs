@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, VertexFormat};
 
-use super::layouts::{Vertices, sampler, stored, texture, uniform, vertices};
+use super::layouts::{Vertices, constant, sampler, stored, texture, uniform, vertices};
 use crate::{
     building::{Material, Texture},
     render::target::LUMINANCE_FORMAT,
@@ -27,6 +27,7 @@ const THING_SHADER: &str = concat!(
     include_str!("body.wgsl"),
     include_str!("edge.wgsl")
 );
+const MEAN_SHADER: &str = include_str!("mean.wgsl");
 
 /// Depth is near/z, cleared to 0 far away.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -89,6 +90,9 @@ pub(super) struct Pipelines {
     pub(super) view_layout: wgpu::BindGroupLayout,
     pub(super) world_layout: wgpu::BindGroupLayout,
     pub(super) stepped_layout: wgpu::BindGroupLayout,
+    pub(super) mean_layout: wgpu::BindGroupLayout,
+    /// The mean of an exposure's plates.
+    pub(super) mean: wgpu::RenderPipeline,
     /// Fills the places between texels.
     pub(super) linear: wgpu::Sampler,
     plate_layout: wgpu::PipelineLayout,
@@ -103,12 +107,14 @@ impl Pipelines {
         let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
+        let (flat, layered) = (wgpu::TextureViewDimension::D2, wgpu::TextureViewDimension::D2Array);
         let view_layout = layout("room view", &[uniform(0), stored(1, true)]);
         let world_layout = layout(
             "room world",
-            &[stored(0, false), stored(1, false), stored(2, false), stored(3, false), texture(4), sampler(5)],
+            &[stored(0, false), constant(1), constant(2), stored(3, false), texture(4, flat), sampler(5)],
         );
-        let stepped_layout = layout("stepped", &[texture(0)]);
+        let stepped_layout = layout("stepped", &[texture(0, flat)]);
+        let mean_layout = layout("plates", &[stored(0, false), texture(1, layered)]);
         let pipeline_layout = |label, groups: &[Option<&wgpu::BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some(label),
@@ -127,7 +133,9 @@ impl Pipelines {
             edge_layout: pipeline_layout("edges", &[Some(&view_layout), Some(&world_layout), Some(&stepped_layout)]),
             surfaces: module("surfaces", SURFACE_SHADER),
             things: module("things", THING_SHADER),
+            mean: mean(device, &pipeline_layout("mean", &[Some(&mean_layout)]), &module("mean", MEAN_SHADER)),
             made: BTreeMap::new(),
+            mean_layout,
             view_layout,
             world_layout,
             stepped_layout,
@@ -278,6 +286,31 @@ impl Pipelines {
             cache: None,
         })
     }
+}
+
+fn mean(device: &wgpu::Device, layout: &wgpu::PipelineLayout, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
+    let compilation_options = wgpu::PipelineCompilationOptions::default();
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("mean"),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("whole_plate"),
+            compilation_options: compilation_options.clone(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some("mean_luminance"),
+            compilation_options,
+            targets: &[Some(LUMINANCE_FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
 }
 
 /// What tells two pipelines apart besides shaders.

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::{
+    frustum::Frustum,
     map::LensMap,
     motion::{MAX_SUB_FRAMES, SubFrame},
     pipelines::{DEPTH_FORMAT, Pipelines},
@@ -32,7 +33,11 @@ pub(in crate::render) struct RoomSlot {
     pub(super) depth: wgpu::TextureView,
     pub(super) view_bindings: wgpu::BindGroup,
     pub(super) stepped_bindings: wgpu::BindGroup,
-    pub(in crate::render) lens_bindings: wgpu::BindGroup,
+    /// What the lens reads where there is one plate, and where there are several.
+    lens_bindings: [wgpu::BindGroup; 2],
+    /// The plates whose mean is taken.
+    pub(super) mean_bindings: wgpu::BindGroup,
+    n_plates: usize,
     views: wgpu::Buffer,
     sheet: wgpu::Buffer,
     places: wgpu::Buffer,
@@ -151,7 +156,7 @@ impl RoomSlot {
         };
         let written = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let views = empty("room views", VIEW_STRIDE * MAX_SUB_FRAMES as u64, wgpu::BufferUsages::UNIFORM | written);
-        let sheet = empty("lens", size_of::<SheetOnDevice>() as u64, written);
+        let sheet = empty("lens", size_of::<SheetOnDevice>() as u64, wgpu::BufferUsages::UNIFORM | written);
         let view_bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("room view"),
             layout: &pipelines.view_layout,
@@ -169,7 +174,9 @@ impl RoomSlot {
             layout: &pipelines.stepped_layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&stepped) }],
         });
-        let lens_bindings = bind(device, lens_layout, &sheet, &plates, &places, &pipelines.linear);
+        let lens_bindings = [&plate_views[0], &stepped]
+            .map(|plate| bind(device, lens_layout, &sheet, plate, &places, &pipelines.linear));
+        let mean_bindings = bind_mean(device, &pipelines.mean_layout, &sheet, &plates);
         Ok(RoomSlot {
             lens: lens.clone(),
             stepped,
@@ -179,6 +186,8 @@ impl RoomSlot {
             view_bindings,
             stepped_bindings,
             lens_bindings,
+            mean_bindings,
+            n_plates: 1,
             views,
             sheet,
             places,
@@ -196,11 +205,19 @@ impl RoomSlot {
         lens_layout: &wgpu::BindGroupLayout,
         count: usize,
     ) {
+        self.n_plates = count;
         if self.plate_views.len() < count {
             let device = &graphics.device;
             (self.plates, self.plate_views) = plates(device, self.plate_size_px, count as u32);
-            self.lens_bindings = bind(device, lens_layout, &self.sheet, &self.plates, &self.places, &pipelines.linear);
+            let plate = &self.plate_views[0];
+            self.lens_bindings[0] = bind(device, lens_layout, &self.sheet, plate, &self.places, &pipelines.linear);
+            self.mean_bindings = bind_mean(device, &pipelines.mean_layout, &self.sheet, &self.plates);
         }
+    }
+
+    /// What the lens reads: the only plate, or the mean that was drawn over the stepped one.
+    pub(in crate::render) fn lens_bindings(&self) -> &wgpu::BindGroup {
+        &self.lens_bindings[usize::from(self.n_plates > 1)]
     }
 
     /// Where a sub-frame's plate is copied to.
@@ -212,6 +229,11 @@ impl RoomSlot {
     /// A sub-frame's plate.
     pub(super) fn plate_view(&self, index: usize) -> &wgpu::TextureView {
         &self.plate_views[index]
+    }
+
+    /// What its plates show.
+    pub(super) fn frustum(&self, frames: &[SubFrame]) -> Frustum {
+        Frustum::new(frames, self.lens.focal_px, self.plate_size_px, self.plate_centre_px)
     }
 
     /// Writes which nodes are drawn, into a larger buffer where it has to be.
@@ -249,22 +271,39 @@ fn bind(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
     sheet: &wgpu::Buffer,
-    plates: &wgpu::Texture,
+    plate: &wgpu::TextureView,
     places: &wgpu::Buffer,
     linear: &wgpu::Sampler,
+) -> wgpu::BindGroup {
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("lens"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(plate) },
+            wgpu::BindGroupEntry { binding: 2, resource: places.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(linear) },
+        ],
+    })
+}
+
+/// All plates, for their mean.
+fn bind_mean(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    sheet: &wgpu::Buffer,
+    plates: &wgpu::Texture,
 ) -> wgpu::BindGroup {
     let layers = plates.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     });
     device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("lens"),
+        label: Some("plates"),
         layout,
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&layers) },
-            wgpu::BindGroupEntry { binding: 2, resource: places.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(linear) },
         ],
     })
 }

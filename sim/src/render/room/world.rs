@@ -1,10 +1,10 @@
 //! A building on the device: faces, lamps, light maps, once per scene and seed.
 
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 
 use super::{
     edges::{self, Edges},
-    faces::{self, Cells},
+    faces::{self, Cells, MAX_LAMPS},
     people::People,
     pipelines::Pipelines,
 };
@@ -29,14 +29,25 @@ pub(in crate::render) struct RoomWorld {
     pub(super) cells: Cells,
     /// Rectangles come before bulbs.
     pub(super) first_bulb: u32,
-    pub(super) lamp_count: u32,
+    pub(in crate::render) lamp_count: u32,
     pub(super) mirrored_count: u32,
     pub(super) disc_count: u32,
     pub(super) edges: wgpu::Buffer,
     pub(super) edge_list: Edges,
     /// Visible and infrared.
+    stored: [Stored; 2],
+    /// Visible and infrared.
     bindings: [wgpu::BindGroup; 2],
     discs: [wgpu::Buffer; 2],
+}
+
+/// What faces read of one band besides the light map.
+#[derive(Debug)]
+struct Stored {
+    surfaces: wgpu::Buffer,
+    lamps: wgpu::Buffer,
+    grid: wgpu::Buffer,
+    tile_albedo: wgpu::Buffer,
 }
 
 impl RoomWorld {
@@ -51,10 +62,8 @@ impl RoomWorld {
             write_light(graphics, &texture, &map.nodes, band);
             texture
         });
-        let bindings = [0, 1].map(|band| {
-            let light = light_maps[band].create_view(&wgpu::TextureViewDescriptor::default());
-            bind(graphics, pipelines, &building, &lighting, (&map, &light), band)
-        });
+        let stored = [0, 1].map(|band| Stored::new(graphics, &building, &lighting, &map, band));
+        let bindings = [0, 1].map(|band| stored[band].bind(graphics, pipelines, &light_maps[band]));
         RoomWorld {
             nodes: buffer(graphics, "nodes", wgpu::BufferUsages::VERTEX, &nodes),
             cells,
@@ -64,6 +73,7 @@ impl RoomWorld {
             disc_count: discs[0].len() as u32,
             edge_list,
             edges: buffer(graphics, "edges", wgpu::BufferUsages::VERTEX, &edges),
+            stored,
             bindings,
             discs: discs.map(|discs| buffer(graphics, "discs", wgpu::BufferUsages::VERTEX, &discs)),
             people: People::none(graphics),
@@ -76,6 +86,19 @@ impl RoomWorld {
 
     pub(super) fn bindings(&self, band: usize) -> &wgpu::BindGroup {
         &self.bindings[band]
+    }
+
+    /// The same lit in another way.
+    pub(super) fn lit_by(
+        &self,
+        graphics: &Graphics,
+        pipelines: &Pipelines,
+        band: usize,
+        nodes: &[[f32; 2]],
+    ) -> wgpu::BindGroup {
+        let texture = light_texture(graphics, &self.map);
+        write_light(graphics, &texture, nodes, band);
+        self.stored[band].bind(graphics, pipelines, &texture)
     }
 
     pub(super) fn discs(&self, band: usize) -> &wgpu::Buffer {
@@ -93,32 +116,36 @@ impl RoomWorld {
     }
 }
 
-fn bind(
-    graphics: &Graphics,
-    pipelines: &Pipelines,
-    building: &Building,
-    lighting: &Lighting,
-    (map, light): (&LightMap, &wgpu::TextureView),
-    band: usize,
-) -> wgpu::BindGroup {
-    let storage = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::STORAGE, bytes);
-    let surfaces = storage("surfaces", bytemuck::cast_slice(&faces::surfaces(building, &map.patches, band)));
-    let lamps = storage("lamps", bytemuck::cast_slice(&faces::lamps(building, lighting, band)));
-    let (grid, albedo) = faces::grid(building);
-    let grid = storage("grid", bytemuck::bytes_of(&grid));
-    let albedo = storage("tiles", bytemuck::cast_slice(&albedo));
-    graphics.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("room world"),
-        layout: &pipelines.world_layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: surfaces.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: lamps.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 2, resource: grid.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 3, resource: albedo.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::TextureView(light) },
-            wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::Sampler(&pipelines.linear) },
-        ],
-    })
+impl Stored {
+    fn new(graphics: &Graphics, building: &Building, lighting: &Lighting, map: &LightMap, band: usize) -> Stored {
+        let storage = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::STORAGE, bytes);
+        let uniform = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::UNIFORM, bytes);
+        let (grid, albedo) = faces::grid(building);
+        let mut lamps = faces::lamps(building, lighting, band);
+        lamps.resize(MAX_LAMPS, Zeroable::zeroed());
+        Stored {
+            surfaces: storage("surfaces", bytemuck::cast_slice(&faces::surfaces(building, &map.patches, band))),
+            lamps: uniform("lamps", bytemuck::cast_slice(&lamps)),
+            grid: uniform("grid", bytemuck::bytes_of(&grid)),
+            tile_albedo: storage("tiles", bytemuck::cast_slice(&albedo)),
+        }
+    }
+
+    fn bind(&self, graphics: &Graphics, pipelines: &Pipelines, light: &wgpu::Texture) -> wgpu::BindGroup {
+        let light = light.create_view(&wgpu::TextureViewDescriptor::default());
+        graphics.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("room world"),
+            layout: &pipelines.world_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: self.surfaces.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: self.lamps.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 2, resource: self.grid.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 3, resource: self.tile_albedo.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 4, resource: wgpu::BindingResource::TextureView(&light) },
+                wgpu::BindGroupEntry { binding: 5, resource: wgpu::BindingResource::Sampler(&pipelines.linear) },
+            ],
+        })
+    }
 }
 
 /// Room for one band of the light map.

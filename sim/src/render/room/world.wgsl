@@ -40,8 +40,9 @@ struct Grid {
 }
 
 @group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
-@group(1) @binding(1) var<storage, read> lamps: array<Lamp>;
-@group(1) @binding(2) var<storage, read> grid: Grid;
+// In uniform memory, as the view: from storage a software driver loads each value for each pixel.
+@group(1) @binding(1) var<uniform> lamps: array<Lamp, 1024>; // MAX_LAMPS of faces.rs
+@group(1) @binding(2) var<uniform> grid: Grid;
 @group(1) @binding(3) var<storage, read> tile_albedo: array<f32>;
 // Equivalent lux at the nodes, linear between them in both directions.
 @group(1) @binding(4) var light_map: texture_2d<f32>;
