@@ -36,7 +36,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     let (containment, judgements) = judge::containment(
         record,
         &violations,
-        &methods::misperceived(record, &judged),
+        &methods::misperceived(scene, record, &judged),
         &false_claims,
         &landmarks::misled(scene, record),
     );

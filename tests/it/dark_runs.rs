@@ -14,7 +14,7 @@ fn scene(changes: &[[&str; 2]], setup: &str) -> Scene {
         assert!(text.contains(from), "no {from} in the scene");
         text = text.replace(from, to);
     }
-    let text = text.replace("[start]", &format!("[localizer.wall_directions]\n{setup}\n[start]"));
+    let text = text.replace("floor_edges = true\n", &format!("floor_edges = true\n{setup}\n"));
     Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 

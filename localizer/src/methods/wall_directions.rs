@@ -2,9 +2,10 @@
 //!
 //! After Yi, Lee and Cho, *A new localization system … using afocal optical flow sensor based sensor fusion* (2018), with sets in place
 //! of points. An edge whose ends are claimed to a bound and whose level direction is seen at φ says θ ∈ α + k·π/2 − φ for
-//! one of the building's directions α and some k: nearest-k without a gate, as every k that the prior allows stays. How robot and camera
-//! lean turns all edges of an image, each by another angle, and is solved for with them. The edges of the last [`IMAGES`] images,
-//! carried by the motion between them, count together: at most [`wrong_held`] of them may run along none of the directions.
+//! one of the building's directions α and some k: nearest-k without a gate, as every k that the prior allows stays. At most q of
+//! an image's edges may run along none of the directions, and at most [`WRONG_IMAGES`] of the last [`IMAGES_APART`] images may have
+//! more such edges. How robot and camera lean turns all edges of an image, each by another angle: where the building's edges are sharp
+//! the lean is solved for with them, and the edges of the last [`IMAGES`] images count together, at most [`wrong_held`] of them wrong.
 //! Directions that no map tells of are learnt as intervals, as wide as the heading was when they were seen.
 
 mod agreement;
@@ -44,11 +45,17 @@ pub const RELIES_ON: [Assumption; 8] = [
 ];
 /// Images that are held together, carried by the motion between them.
 pub const IMAGES: usize = 20;
-/// Fewer level edges of an image say nothing by themselves: of two neither may be wrong, and where people walk two agree by chance now
-/// and then.
+/// Where an image's edges do not tell the lean together, so many are held,
+pub const IMAGES_APART: usize = 10;
+/// of which as many may have more wrong edges than their q.
+pub const WRONG_IMAGES: usize = 2;
+/// Fewer level edges of an image say nothing: where a view shows one or two, it shows them for many images, and if they are wrong, all
+/// are wrong together.
 const FEWEST_LINES: usize = 3;
 /// Fewer edges of all images held say nothing together.
 const FEWEST_HELD: usize = 12;
+/// Where edges count image by image fewer of them may be wrong: their ends are claimed to as many times their bound, 0.12 px and 3 σ.
+const APART_BOUNDS: f64 = 1.2;
 /// Share of an edge's motion across itself during the exposure by which its ends may be off: other edges blur into it.
 const BLUR_SHARE: f64 = 0.25;
 /// An edge that would turn the robot by more beyond what the prior allows is clutter: no claim is made of it.
@@ -72,6 +79,10 @@ const NEW_DIRECTION_RAD: f64 = 0.087;
 pub struct Setup {
     /// What finds level edges.
     pub chain: Chain,
+    /// Whether an image's edges tell the body's lean together.
+    pub solves_lean: bool,
+    /// Whether long edges on the floor run along walls.
+    pub floor_edges: bool,
     /// Whether the building may have directions that the map does not tell.
     pub learns: bool,
     /// Whether images end a doubt, as when no other method tells more than they do.
@@ -96,6 +107,8 @@ pub struct WallDirections {
     camera: ForwardCameraModel,
     chain: Chain,
     decides: bool,
+    solves_lean: bool,
+    floor_edges: bool,
     body_tilt_rad: f64,
     stamp_turn_rad: f64,
     directions: Vec<Direction>,
@@ -141,7 +154,8 @@ impl WallDirections {
     pub fn new(map: &Map, robot: &RobotModel, setup: Setup) -> Option<Self> {
         let directions_rad = &map.wall_directions_rad;
         let walls = Self::with(robot.forward_camera?, &robot.body, &robot.reach, directions_rad, setup.learns);
-        Some(WallDirections { chain: setup.chain, decides: setup.decides, ..walls })
+        let Setup { chain, solves_lean, floor_edges, decides, .. } = setup;
+        Some(WallDirections { chain, solves_lean, floor_edges, decides, ..walls })
     }
 
     /// The method for a camera, with the directions that the map tells; `learns` says whether the building may have more.
@@ -157,6 +171,8 @@ impl WallDirections {
             camera,
             chain: Chain::Direct,
             decides: false,
+            solves_lean: false,
+            floor_edges: false,
             body_tilt_rad: body.tilt_rad,
             stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
             directions: directions_rad.iter().map(known).collect(),
@@ -165,6 +181,11 @@ impl WallDirections {
             strange_rad: Vec::new(),
             latest_s: f64::NEG_INFINITY,
         }
+    }
+
+    /// The same for a building where long edges on the floor run along walls, with a lean that an image's edges tell together.
+    pub fn with_floor_edges_and_lean(self) -> Self {
+        WallDirections { floor_edges: true, solves_lean: true, ..self }
     }
 
     /// What edges found in an image of `stamp_s` say of the pose; `None` when they are too few.
@@ -176,6 +197,7 @@ impl WallDirections {
         let view = View {
             tilt_rad: self.camera.tilt_error_rad + self.body_tilt_rad,
             yaw_rad: self.camera.yaw_rad.inflate(self.stamp_turn_rad),
+            solves_lean: self.solves_lean,
             directions_rad: &directions_rad,
             about: edges.about,
         };
@@ -187,13 +209,13 @@ impl WallDirections {
         // Headings that all but q of the image's own edges allow.
         let own = agreement.get((n_level - wrong_lines(n_level)).saturating_sub(1)).into_iter().flatten();
         let alone = if n_level < FEWEST_LINES { Interval::EMPTY } else { own.fold(Interval::EMPTY, |a, b| a.hull(*b)) };
-        if n_level > 0 && (n_level < FEWEST_LINES || !alone.is_empty()) {
+        if !alone.is_empty() {
             self.seen.push_back(Seen { stamp_s, agreement, moved: still() });
         } else if !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
-            // Edges that agree on no heading near the prior's: more of them are wrong than declared, and it shows.
+            // Too few edges, or edges that agree on no heading near the prior's: more of them are wrong than declared, and it shows.
             return None;
         }
-        if self.seen.len() > IMAGES {
+        if self.seen.len() > if self.solves_lean { IMAGES } else { IMAGES_APART } {
             self.seen.pop_front();
         }
         let level = edges.level.iter().map(|line| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px });
@@ -202,7 +224,7 @@ impl WallDirections {
         Some(Constraint {
             method: self.name(),
             stamp_s,
-            on_pose: Box::new(WallHeadings { sets: self.seen.iter().flat_map(Seen::now).collect() }),
+            on_pose: Box::new(self.headings_held()),
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
             q_items: wrong_lines(n_level),
@@ -210,6 +232,18 @@ impl WallDirections {
             rejected_px: edges.rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),
         })
+    }
+
+    /// What the images held say together.
+    fn headings_held(&self) -> WallHeadings {
+        if self.solves_lean {
+            return WallHeadings::of_edges(self.seen.iter().flat_map(Seen::now).collect());
+        }
+        let of_image = |seen: &Seen| {
+            let n_level = seen.agreement.len();
+            seen.now().nth((n_level - wrong_lines(n_level)).saturating_sub(1)).unwrap_or_default()
+        };
+        WallHeadings::of_images(self.seen.iter().map(of_image).collect())
     }
 
     /// Whether the robot stands elsewhere than at the last image held.
@@ -268,6 +302,7 @@ impl Method for WallDirections {
         let moved_px = self.camera.focal_px.mid() * (twist.turn_rad_per_s * exposure_s).abs();
         for line in &mut lines {
             let [[_, v0], [_, v1]] = line.ends_px;
+            line.bound_px *= if self.solves_lean { 1.0 } else { APART_BOUNDS };
             line.bound_px += BLUR_SHARE * moved_px * (v1 - v0).abs() / sight::length_px(line);
         }
         self.constraint(*measured_s, &lines, prior)

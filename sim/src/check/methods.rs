@@ -4,10 +4,13 @@ use std::collections::{BTreeMap, VecDeque};
 
 use localizer::{
     Claim,
-    methods::wall_directions::{IMAGES, wrong_held, wrong_lines},
+    methods::wall_directions::{IMAGES, IMAGES_APART, WRONG_IMAGES, wrong_held, wrong_lines},
 };
 
-use crate::run::{ImageRecord, RunRecord};
+use crate::{
+    run::{ImageRecord, RunRecord},
+    scene::Scene,
+};
 
 use super::{
     claims::FalseClaims,
@@ -45,13 +48,25 @@ impl Halvings {
     }
 }
 
-/// For each image whether its method's declaration of wrong claims is broken with it: too many in the image, or for `wall_directions`
-/// too many in the images that it holds together.
-pub(super) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
-    let held = held_edges(record, judged);
-    let is_misperceived = record.images.iter().zip(judged).zip(held).map(|((image, judged), held)| match held {
-        Some(held) => held.wrong > wrong_held(held.all),
-        None => image.method != "wall_directions" && judged.total() > image.q_items,
+/// For each image whether its method's declaration of wrong claims is broken with it: too many in the image; for `wall_directions`
+/// too many in the images that it holds together, or too many such images of those.
+pub(super) fn misperceived(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
+    let solves_lean = scene.localizer.wall_directions().solves_lean;
+    let edges = held_edges(record, judged);
+    let mut held: VecDeque<bool> = VecDeque::new();
+    let is_misperceived = record.images.iter().zip(judged).zip(edges).map(|((image, judged), edges)| {
+        let too_many = judged.others > image.q_items;
+        match edges {
+            None => image.method != "wall_directions" && too_many,
+            Some(edges) if solves_lean => edges.wrong > wrong_held(edges.all),
+            Some(_) => {
+                held.push_back(too_many);
+                if held.len() > IMAGES_APART {
+                    held.pop_front();
+                }
+                too_many && held.iter().filter(|wrong| **wrong).count() > WRONG_IMAGES
+            }
+        }
     });
     is_misperceived.collect()
 }

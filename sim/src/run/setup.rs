@@ -49,6 +49,8 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
             WallDirectionsChain::Paper => wall_directions::Chain::Paper,
             WallDirectionsChain::PaperByTiles => wall_directions::Chain::PaperByTiles,
         },
+        solves_lean: setup.solves_lean,
+        floor_edges: setup.floor_edges,
         learns: setup.learns,
         decides: scene.localizer.methods == [MethodName::WallDirections],
     };

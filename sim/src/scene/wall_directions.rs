@@ -17,6 +17,12 @@ pub struct WallDirectionsSetup {
     /// `wall_directions.direction`: a direction that the map tells is within this of a wall's.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
+    /// Whether the edges of an image tell the body's lean together; otherwise each of them may have been seen at any lean within `body.tilt`.
+    /// Together they need sharp edges: soft shadows along a bright room's ceiling put more of them off by a pixel than may be wrong.
+    pub solves_lean: bool,
+    /// Whether edges on the floor run along walls if they are long, as skirtings, foots of walls and borders of fitted carpets do. Joints of tiles
+    /// need not.
+    pub floor_edges: bool,
     /// Whether the building may have directions that the map does not tell, to be learnt.
     pub learns: bool,
 }
@@ -36,7 +42,14 @@ pub enum WallDirectionsChain {
 
 impl Default for WallDirectionsSetup {
     fn default() -> Self {
-        WallDirectionsSetup { chain: WallDirectionsChain::Direct, mapped_deg: None, tolerance_deg: 0.05, learns: false }
+        WallDirectionsSetup {
+            chain: WallDirectionsChain::Direct,
+            mapped_deg: None,
+            tolerance_deg: 0.05,
+            solves_lean: false,
+            floor_edges: false,
+            learns: false,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{Contractor, Interval, IntervalBox, Outcome, vision::forward::EdgeLine};
 
-use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, headings};
+use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, WRONG_IMAGES, headings};
 
 /// The headings at which edges are claimed: near the prior's, or farther off where hardly any edge is near and many are not.
 pub(super) fn about(
@@ -30,20 +30,33 @@ pub fn wrong_held(lines: usize) -> usize {
     lines / 4 + 1
 }
 
-/// Headings that all but [`wrong_held`] of the edges of several images allow.
+/// Headings on which enough sets agree.
 pub(super) struct WallHeadings {
-    /// For every image and count, the headings at which as many of its edges agree: a heading lies in as many sets as edges allow it.
+    /// Headings by set; a heading lies in as many as edges, or images, allow it.
     pub(super) sets: Vec<Vec<Interval>>,
+    /// As many must; none says nothing.
+    pub(super) needed: Option<usize>,
 }
 
 impl WallHeadings {
+    /// All but [`wrong_held`] of the edges of several images agree.
+    pub(super) fn of_edges(sets: Vec<Vec<Interval>>) -> Self {
+        let needed = (sets.len() >= FEWEST_HELD).then(|| sets.len() - wrong_held(sets.len()));
+        WallHeadings { sets, needed }
+    }
+
+    /// All but [`WRONG_IMAGES`] of several images allow it, each by all but [`wrong_lines`] of its edges.
+    pub(super) fn of_images(sets: Vec<Vec<Interval>>) -> Self {
+        let needed = (sets.len() > WRONG_IMAGES).then(|| sets.len() - WRONG_IMAGES);
+        WallHeadings { sets, needed }
+    }
+
     fn within(&self, heading: Interval) -> Vec<Interval> {
-        // Few edges say nothing; and neither do walls of a heading that may be anything.
-        let n_lines = self.sets.len();
-        if n_lines < FEWEST_HELD || heading.is_empty() || heading.width() > 100.0 {
+        // Walls say nothing of a heading that may be anything.
+        let Some(needed) = self.needed.filter(|_| !heading.is_empty() && heading.width() <= 100.0) else {
             return vec![heading];
-        }
-        let agreed = headings::agreed(&self.sets, n_lines - wrong_held(n_lines));
+        };
+        let agreed = headings::agreed(&self.sets, needed);
         agreed.into_iter().map(|set| set.intersect(heading)).filter(|set| !set.is_empty()).collect()
     }
 }

@@ -42,7 +42,12 @@ impl WallDirections {
         let upright = upright.into_iter().zip(kept).filter(|(_, kept)| *kept).map(|((line, _), _)| line).collect();
 
         let azimuth = |line: &EdgeLine| {
-            Some(sight::azimuth(line, &self.camera, self.body_tilt_rad)?.inflate(self.stamp_turn_rad))
+            let (is_on_floor, is_short) = sight::on_floor(line, &self.camera);
+            if is_on_floor && (is_short || !self.floor_edges) {
+                return None;
+            }
+            let azimuth = sight::azimuth(line, &self.camera, self.body_tilt_rad)?.inflate(self.stamp_turn_rad);
+            (self.solves_lean || azimuth.width() <= sight::WIDEST_RAD).then_some(azimuth)
         };
         let mut sighted: Vec<(EdgeLine, Option<Interval>)> =
             others.into_iter().map(|line| (line, azimuth(&line))).collect();

@@ -21,6 +21,8 @@ pub(super) type Agreement = Vec<Vec<Interval>>;
 pub(super) struct View<'a> {
     /// Greatest lean of robot and camera together, about any level axis.
     pub(super) tilt_rad: f64,
+    /// Whether all edges are seen at one lean, and not each at any.
+    pub(super) solves_lean: bool,
     /// Added to every edge's direction: the camera's yaw and what the robot turned within the stamp's error.
     pub(super) yaw_rad: Interval,
     /// Directions of walls.
@@ -32,7 +34,7 @@ pub(super) struct View<'a> {
 /// Headings by how many of the level edges agree at some lean that all but [`wrong_lines`] of the upright edges allow; at any lean where
 /// no lean does, for then more of them are wrong than declared.
 pub(super) fn agreement(level: &[SightPlane], upright: &[SightPlane], view: &View) -> Agreement {
-    let squares = squares(view.tilt_rad);
+    let squares = squares(view.tilt_rad, if view.solves_lean { SQUARES } else { 1 });
     let needed = upright.len() - wrong_lines(upright.len());
     let allows = |square: &&Square| upright.iter().filter(|plane| square.is_upright(plane)).count() >= needed;
     let mut allowed: Vec<&Square> = squares.iter().filter(allows).collect();
@@ -64,12 +66,12 @@ struct Square {
 }
 
 /// Squares that cover the disc of leans.
-fn squares(tilt_rad: f64) -> Vec<Square> {
-    let half_rad = tilt_rad / SQUARES as f64;
+fn squares(tilt_rad: f64, n_across: usize) -> Vec<Square> {
+    let half_rad = tilt_rad / n_across as f64;
     let middle = |idx: usize| (2 * idx + 1) as f64 * half_rad - tilt_rad;
-    let every = (0..SQUARES).flat_map(|row| (0..SQUARES).map(move |column| [middle(row), middle(column)]));
+    let every = (0..n_across).flat_map(|row| (0..n_across).map(move |column| [middle(row), middle(column)]));
     every
-        .filter(|[x, y]| (x.abs() - half_rad).hypot(y.abs() - half_rad) <= tilt_rad)
+        .filter(|[x, y]| (x.abs() - half_rad).max(0.0).hypot((y.abs() - half_rad).max(0.0)) <= tilt_rad)
         // Two turns about level axes make one about their sum, and less than as much again about the vertical.
         .map(|middle_rad| Square { middle_rad, half_rad, bent: tilt_rad * tilt_rad })
         .collect()

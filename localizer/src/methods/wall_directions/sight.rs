@@ -7,12 +7,12 @@ use crate::{Interval, robot::ForwardCameraModel, vision::forward::EdgeLine};
 /// Steeper than this, a plane through camera and edge holds the vertical nearly as well: the edge may be a door post.
 const LEAST_SLOPE: f64 = 0.12;
 /// An edge whose direction is known no better, were it known how the robot leans, says nothing.
-const WIDEST_RAD: f64 = 0.1;
+pub(super) const WIDEST_RAD: f64 = 0.1;
 /// Nor does one that any lean turns by so much.
 const MOST_TURNED_RAD: f64 = 0.4;
 /// Rays that dip deeper meet the floor, whose texture, grazed, makes false level lines,
 const DEEPEST: f64 = -0.07;
-/// but none so long: those are skirtings, foots of walls and borders of carpets.
+/// but none so long: those are skirtings, foots of walls, borders of carpets, and joints of tiles.
 const LONG_PX: f64 = 100.0;
 /// Above the rounding of a few dozen operations on numbers near one.
 const ABOVE: f64 = 1.0 + 1e-9;
@@ -92,10 +92,6 @@ pub(super) fn azimuth(line: &EdgeLine, camera: &ForwardCameraModel, body_tilt_ra
 /// The same whatever its width, for leans of robot and camera within `tilt_rad`.
 fn direction(line: &EdgeLine, camera: &ForwardCameraModel, tilt_rad: f64) -> Option<Interval> {
     let ends = [ideal(line.ends_px[0], camera)?, ideal(line.ends_px[1], camera)?];
-    let is_deep = ends.iter().any(|end| elevation(*end, camera) < DEEPEST);
-    if is_deep && length_px(line) < LONG_PX {
-        return None;
-    }
     let bound = (line.bound_px + camera.distortion_px) * largest_stretch(line, camera)?;
     let (du, dv) = (ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]);
     let length = du.hypot(dv);
@@ -194,6 +190,12 @@ fn largest_stretch(line: &EdgeLine, camera: &ForwardCameraModel) -> Option<f64> 
 pub(super) fn length_px(line: &EdgeLine) -> f64 {
     let [[u0, v0], [u1, v1]] = line.ends_px;
     (u1 - u0).hypot(v1 - v0)
+}
+
+/// Whether an edge lies on the floor, and whether it is too short to be more than texture there.
+pub(super) fn on_floor(line: &EdgeLine, camera: &ForwardCameraModel) -> (bool, bool) {
+    let is_deep = |end: [f64; 2]| ideal(end, camera).is_none_or(|end| elevation(end, camera) < DEEPEST);
+    (line.ends_px.into_iter().any(is_deep), length_px(line) < LONG_PX)
 }
 
 /// Whether an edge goes from below the horizon to above it, whatever the lean: no level line does, not even one that runs straight
