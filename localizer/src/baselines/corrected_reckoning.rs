@@ -54,8 +54,8 @@ impl CorrectedReckoning {
         let before = self.way.iter().rev().find(|(time_s, _)| *time_s <= measured_s);
         let Some(&(_, reckoned)) = before.or(self.way.front()) else { return };
         let (graph, at) = self.latest;
-        let step = between(at, reckoned);
-        let here = after(graph, &step);
+        let step = Step::between(at, reckoned);
+        let here = step.after(graph);
         let heading_rad = self.database.correct(seen_rad, here.heading_rad);
         self.steps.push_back(Step { heading_rad, ..step });
         let poses = optimised(self.first, self.steps.make_contiguous(), &WEIGHTS);
@@ -71,27 +71,6 @@ impl CorrectedReckoning {
     /// The pose now.
     pub fn pose(&self) -> Pose {
         let (graph, at) = self.latest;
-        self.way.back().map_or(graph, |(_, reckoned)| after(graph, &between(at, *reckoned)))
-    }
-}
-
-/// The step from one pose to another.
-fn between(from: Pose, to: Pose) -> Step {
-    let (sin, cos) = from.heading_rad.sin_cos();
-    let (x_m, y_m) = (to.x_m - from.x_m, to.y_m - from.y_m);
-    Step {
-        travel_m: [cos * x_m + sin * y_m, cos * y_m - sin * x_m],
-        turn_rad: to.heading_rad - from.heading_rad,
-        heading_rad: None,
-    }
-}
-
-/// The pose after a step.
-fn after(from: Pose, step: &Step) -> Pose {
-    let ((sin, cos), [f, l]) = (from.heading_rad.sin_cos(), step.travel_m);
-    Pose {
-        x_m: from.x_m + f * cos - l * sin,
-        y_m: from.y_m + f * sin + l * cos,
-        heading_rad: from.heading_rad + step.turn_rad,
+        self.way.back().map_or(graph, |(_, reckoned)| Step::between(at, *reckoned).after(graph))
     }
 }

@@ -18,6 +18,29 @@ pub struct Step {
     pub heading_rad: Option<f64>,
 }
 
+impl Step {
+    /// The step from one pose to another, without a heading seen.
+    pub(super) fn between(from: Pose, to: Pose) -> Self {
+        let (sin, cos) = from.heading_rad.sin_cos();
+        let (x_m, y_m) = (to.x_m - from.x_m, to.y_m - from.y_m);
+        Step {
+            travel_m: [cos * x_m + sin * y_m, cos * y_m - sin * x_m],
+            turn_rad: to.heading_rad - from.heading_rad,
+            heading_rad: None,
+        }
+    }
+
+    /// The pose after this step from another.
+    pub(super) fn after(&self, from: Pose) -> Pose {
+        let ((sin, cos), [forward, left]) = (from.heading_rad.sin_cos(), self.travel_m);
+        Pose {
+            x_m: from.x_m + forward * cos - left * sin,
+            y_m: from.y_m + forward * sin + left * cos,
+            heading_rad: from.heading_rad + self.turn_rad,
+        }
+    }
+}
+
 /// Standard deviations of the residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
@@ -59,12 +82,7 @@ pub fn optimised(first: Pose, steps: &[Step], weights: &Weights) -> Vec<Pose> {
 fn dead_reckoned(first: Pose, steps: &[Step]) -> Vec<Pose> {
     let mut at = first;
     let next = |step: &Step| {
-        let ((sin, cos), [f, l]) = (at.heading_rad.sin_cos(), step.travel_m);
-        at = Pose {
-            x_m: at.x_m + f * cos - l * sin,
-            y_m: at.y_m + f * sin + l * cos,
-            heading_rad: at.heading_rad + step.turn_rad,
-        };
+        at = step.after(at);
         at
     };
     steps.iter().map(next).collect()
