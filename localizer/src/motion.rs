@@ -6,9 +6,10 @@
 mod flow;
 mod flow_history;
 mod gyro;
-mod gyro_bias;
+mod gyro_errors;
 mod integral;
 mod odometry;
+mod polygon;
 
 use std::collections::VecDeque;
 
@@ -21,7 +22,7 @@ use crate::{
 pub use flow::{Agreement, FlowIntegral, agree};
 pub use flow_history::FlowHistory;
 pub use gyro::{GyroHistory, greatest_change_rad_per_s2};
-pub use gyro_bias::GyroBias;
+pub use gyro_errors::GyroErrors;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
 
@@ -84,10 +85,10 @@ impl WheelHistory {
         }
     }
 
-    /// Takes over a bias of the gyroscope that is known better than declared.
-    pub fn learn_bias(&mut self, bias_rad_per_s: Interval) {
+    /// Takes over a bias and a scale of the gyroscope that are known better than declared.
+    pub fn learn_gyro(&mut self, bias_rad_per_s: Interval, scale: Interval) {
         if let Some(gyro) = &mut self.gyro {
-            gyro.learn_bias(bias_rad_per_s);
+            gyro.learn(bias_rad_per_s, scale);
         }
     }
 

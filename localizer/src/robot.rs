@@ -143,14 +143,21 @@ pub struct GyroModel {
     pub scale: Interval,
     /// Greatest noise of one reading, quantisation included, `gyro.noise`.
     pub noise_rad_per_s: f64,
-    /// The noise of all readings of any span adds up to at most this, `gyro.angle`,
+    /// Over any span, noise and what the bias departs from one that is the same all the run add up to at most this, `gyro.angle`,
     pub angle_floor_rad: f64,
     /// and this times the span. Infinite where only single readings are bounded.
     pub angle_rad_per_s: f64,
-    /// Greatest difference of two biases of one run, `gyro.spread`; infinite unless declared.
-    pub bias_spread_rad_per_s: f64,
+    /// Greatest change of the bias per time, `gyro.wander`; 0 for a constant.
+    pub bias_wander_rad_per_s2: f64,
     /// Span that a reading averages over; it ends at the reading's stamp.
     pub period_s: f64,
+}
+
+impl GyroModel {
+    /// Whether `gyro.angle` is declared.
+    pub fn bounds_angle(&self) -> bool {
+        self.angle_floor_rad.is_finite()
+    }
 }
 
 /// A stereo or structured-light camera that measures landmarks by the columns at which its two views see them.

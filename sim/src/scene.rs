@@ -206,11 +206,8 @@ pub struct LocalizerSetup {
     /// What `wall_directions` knows and how it looks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_directions: Option<WallDirectionsSetup>,
-    /// Learn the gyroscope's bias between fixes of the heading: it changes by no more than this times the time that passes. Not
-    /// learnt unless stated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 10.0))]
-    pub gyro_bias_wander_deg_per_s2: Option<f64>,
+    /// Learn the gyroscope's bias and scale between fixes of the heading, and at rest where `bounds.rest_turn_deg` is stated.
+    pub learns_gyro: bool,
     /// An estimate counts as available while its hull is narrower than this in x and y.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
@@ -227,7 +224,7 @@ impl Default for LocalizerSetup {
             range_landmarks_freedom: RangeLandmarksFreedom::Full,
             range_landmarks_solver: RangeLandmarksSolver::OneShot,
             wall_directions: None,
-            gyro_bias_wander_deg_per_s2: None,
+            learns_gyro: false,
             declared_width_m: 0.05,
             declared_width_deg: 5.0,
         }

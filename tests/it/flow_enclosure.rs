@@ -1,9 +1,9 @@
-//! The flow sensor's motion against motion integrated much finer; certified slip; the gyroscope's bias learnt from turns.
+//! The flow sensor's motion against motion integrated much finer; certified slip.
 
 use localizer::{
-    Interval, Outcome,
-    motion::{Agreement, FlowHistory, FlowIntegral, GyroBias, GyroHistory, Motion, agree},
-    robot::{FlowModel, GyroModel, Reach, WheelModel},
+    Interval,
+    motion::{Agreement, FlowHistory, FlowIntegral, Motion, agree},
+    robot::{FlowModel, Reach, WheelModel},
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -92,51 +92,6 @@ fn wheels_that_spin_on_the_spot_are_dropped_by_a_certificate() {
     let Agreement::Both(both) = agree(&rolled, Some(&box_of(0.099))) else { panic!("no slip is certain here") };
     assert!(both[0].is_subset_of(Interval::new(0.0979, 0.1011)));
     assert_eq!(agree(&rolled, None), Agreement::Both(rolled));
-}
-
-fn gyro() -> GyroModel {
-    GyroModel {
-        bias_rad_per_s: Interval::centred(0.0, 0.01),
-        scale: Interval::centred(1.0, 0.002),
-        noise_rad_per_s: 0.0005,
-        angle_floor_rad: f64::INFINITY,
-        angle_rad_per_s: 0.0,
-        bias_spread_rad_per_s: f64::INFINITY,
-        period_s: 0.01,
-    }
-}
-
-#[test]
-fn the_bias_shrinks_at_rest_and_between_two_headings() {
-    let (bias, scale) = (0.0042, 1.0019);
-    for rate in [0.0, 0.3] {
-        let mut history = GyroHistory::new(gyro(), 60.0);
-        for step in 1..=1000 {
-            let noise = 0.00049 * if step % 3 == 0 { 1.0 } else { -1.0 };
-            history.push(0.01 * f64::from(step), scale * rate + bias + noise);
-        }
-        // A heading fix at either end tells the turn to 0.004 rad.
-        let known = history.bias(0.0, 10.0, Interval::centred(10.0 * rate, 0.002), 1.0).unwrap();
-        assert!(known.contains(bias), "{known:?} at {rate} rad/s");
-        // Noise 0.0005, the turn 0.0002, and scale 0.002·rate, each way.
-        let expected = 2.0 * (0.0005 + 0.0002 * 1.002 + 0.002 * rate);
-        assert!((known.width() - expected).abs() < 1e-5, "{} wide, expected {expected}", known.width());
-    }
-}
-
-#[test]
-fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
-    let mut bias = GyroBias::new(Interval::centred(0.0, 0.01), 1e-5, f64::INFINITY);
-    assert_eq!(bias.contract(0.0, 10.0, Interval::new(0.002, 0.006)), Outcome::Feasible);
-    assert_eq!(bias.contract(10.0, 20.0, Interval::new(0.004, 0.005)), Outcome::Feasible);
-    assert!(bias.at(20.0).is_subset_of(Interval::new(0.0039 - 1e-9, 0.0051 + 1e-9)));
-    // It wanders: 1e-5 rad/s² for 100 s.
-    assert!(bias.at(120.0).contains(0.0029) && !bias.at(120.0).contains(0.0028));
-    assert!(matches!(bias.contract(20.0, 21.0, Interval::new(-0.009, -0.008)), Outcome::Empty(_)));
-    bias.forget_since(15.0);
-    assert!(bias.at(20.0).contains(0.0020) && bias.at(20.0).contains(0.0060));
-    bias.forget_since(5.0);
-    assert_eq!(bias.at(20.0), Interval::centred(0.0, 0.01));
 }
 
 /// Wheels that no test of the flow sensor reads, but whose track tells how fast turn rates change.

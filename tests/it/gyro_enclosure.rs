@@ -18,7 +18,7 @@ fn model() -> GyroModel {
         noise_rad_per_s: 0.004,
         angle_floor_rad: f64::INFINITY,
         angle_rad_per_s: 0.0,
-        bias_spread_rad_per_s: f64::INFINITY,
+        bias_wander_rad_per_s2: 0.0,
         period_s: PERIOD_S,
     }
 }
@@ -104,7 +104,7 @@ fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
         noise_rad_per_s: 0.0,
         angle_floor_rad: f64::INFINITY,
         angle_rad_per_s: 0.0,
-        bias_spread_rad_per_s: f64::INFINITY,
+        bias_wander_rad_per_s2: 0.0,
         period_s: 0.1,
     };
     let mut history = GyroHistory::new(exact, 10.0);

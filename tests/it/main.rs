@@ -30,6 +30,7 @@ mod range_landmarks_gaps;
 mod landmark_baselines;
 /// The gyroscope's turn against turns integrated much finer.
 mod gyro_enclosure;
+mod gyro_errors;
 /// Range camera, gyroscope and people against geometry by hand.
 mod range_sensing;
 /// Whole runs by landmarks that no map names.

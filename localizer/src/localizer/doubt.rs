@@ -62,7 +62,7 @@ impl Localizer {
     fn unlearn_since(&mut self, since_s: f64) {
         if let Some(fixes) = &mut self.fixes {
             fixes.forget_since(since_s);
-            self.wheels.learn_bias(fixes.bias_over(REMEMBER_S, self.now_s));
+            self.wheels.learn_gyro(fixes.bias_over(REMEMBER_S, self.now_s), fixes.scale());
         }
         for method in &mut self.methods {
             method.forget_since(since_s);

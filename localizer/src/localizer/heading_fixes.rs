@@ -1,4 +1,4 @@
-//! Headings fixed before: what they tell of the gyroscope's bias, and of the heading now.
+//! Headings fixed before: what they tell of the gyroscope's bias and scale, and of the heading now.
 //!
 //! A heading carried from slot to slot pays at every slot for readings that the slot cuts in two; carried from where it was fixed, it
 //! pays once. So all that was fixed in the last while is carried at once, and a good view of walls serves through the poor ones.
@@ -8,17 +8,15 @@ use std::collections::VecDeque;
 use crate::{
     Interval,
     method::Assumption,
-    motion::{GyroBias, GyroHistory},
+    motion::{GyroErrors, GyroHistory},
     robot::GyroModel,
 };
 
-/// The bounds that a learnt bias stands on,
-const WANDER: [Assumption; 2] = ["gyro.wander", "gyro.spread"];
-/// and where it is learnt at rest too.
+/// The bound that a bias learnt at rest stands on.
 const REST: Assumption = "wheels.rest";
 
 /// Fixes and readings are kept for so long: a bias is known to a heading's width over as much.
-const KEEP_S: f64 = 120.0;
+const KEEP_S: f64 = 300.0;
 /// Fixes nearer to each other than this tell nothing more,
 const APART_S: f64 = 1.0;
 /// nor do old ones nearer than this.
@@ -35,12 +33,11 @@ const CARRY_S: f64 = 60.0;
 /// What is known of the bias, and the fixes that it is learnt from.
 pub(super) struct HeadingFixes {
     model: GyroModel,
-    wander_rad_per_s2: f64,
     /// Greatest change of the turn rate.
     change_rad_per_s2: f64,
     /// Greatest turn at rest, if it is declared.
     rest_turn_rad: Option<f64>,
-    bias: GyroBias,
+    errors: GyroErrors,
     readings: GyroHistory,
     /// Stamp and heading.
     fixes: VecDeque<(f64, Interval)>,
@@ -49,20 +46,13 @@ pub(super) struct HeadingFixes {
 }
 
 impl HeadingFixes {
-    /// A bias within the model's bound that changes by at most `wander_rad_per_s2` times the time that passes, on a robot whose turn
-    /// rate changes by at most `change_rad_per_s2` and which at rest turns by at most `rest_turn_rad`.
-    pub(super) fn new(
-        model: GyroModel,
-        wander_rad_per_s2: f64,
-        change_rad_per_s2: f64,
-        rest_turn_rad: Option<f64>,
-    ) -> Self {
+    /// A gyroscope on a robot whose turn rate changes by at most `change_rad_per_s2` and which at rest turns by at most `rest_turn_rad`.
+    pub(super) fn new(model: GyroModel, change_rad_per_s2: f64, rest_turn_rad: Option<f64>) -> Self {
         HeadingFixes {
             model,
-            wander_rad_per_s2,
             change_rad_per_s2,
             rest_turn_rad,
-            bias: GyroBias::new(model.bias_rad_per_s, wander_rad_per_s2, model.bias_spread_rad_per_s),
+            errors: GyroErrors::new(&model),
             readings: GyroHistory::new(model, KEEP_S),
             fixes: VecDeque::new(),
             rested_s: 0.0,
@@ -71,13 +61,13 @@ impl HeadingFixes {
 
     /// Begins anew at time 0 with the heading there.
     pub(super) fn begin(&mut self, heading: Interval) {
-        *self = Self::new(self.model, self.wander_rad_per_s2, self.change_rad_per_s2, self.rest_turn_rad);
+        *self = Self::new(self.model, self.change_rad_per_s2, self.rest_turn_rad);
         self.fixes.push_back((0.0, heading));
     }
 
     /// The bounds that this stands on.
     pub(super) fn relies_on(&self) -> impl Iterator<Item = Assumption> + use<> {
-        WANDER.into_iter().chain(self.rest_turn_rad.map(|_| REST))
+        std::iter::once(self.errors.relies_on()).chain(self.rest_turn_rad.map(|_| REST))
     }
 
     /// Learns from encoders that have counted nothing for a span; answers whether it did.
@@ -88,8 +78,8 @@ impl HeadingFixes {
         };
         self.rested_s = now_s;
         let turn = Interval::centred(0.0, turn_rad);
-        if let Some(seen) = self.readings.bias(from_s, now_s, turn, self.change_rad_per_s2) {
-            let _contradiction = self.bias.contract(from_s, now_s, seen);
+        if let Some(read) = self.readings.sum(from_s, now_s, self.change_rad_per_s2) {
+            let _contradiction = self.errors.learn([from_s, now_s], read, turn);
         }
         true
     }
@@ -101,9 +91,9 @@ impl HeadingFixes {
     /// Learns from a heading fixed at a stamp.
     pub(super) fn learn(&mut self, stamp_s: f64, heading: Interval) {
         for &(fixed_s, before) in &self.fixes {
-            // A bias that contradicts what was known is learnt by no one: the doubt that is to come unlearns.
-            if let Some(seen) = self.readings.bias(fixed_s, stamp_s, heading - before, self.change_rad_per_s2) {
-                let _contradiction = self.bias.contract(fixed_s, stamp_s, seen);
+            // What contradicts what was known is learnt by no one: the doubt that is to come unlearns.
+            if let Some(read) = self.readings.sum(fixed_s, stamp_s, self.change_rad_per_s2) {
+                let _contradiction = self.errors.learn([fixed_s, stamp_s], read, heading - before);
             }
         }
         if self.fixes.back().is_none_or(|(fixed_s, _)| *fixed_s <= stamp_s - APART_S) {
@@ -133,17 +123,23 @@ impl HeadingFixes {
 
     /// Turn between two stamps by the gyroscope alone.
     pub(super) fn turn(&self, from_s: f64, to_s: f64) -> Option<Interval> {
-        self.readings.turn_with_bias(self.bias.over(from_s, to_s), [from_s, to_s], self.change_rad_per_s2)
+        let read = self.readings.sum(from_s, to_s, self.change_rad_per_s2)?;
+        Some(self.errors.turn([from_s, to_s], read))
     }
 
     /// Bias over the span before a time.
     pub(super) fn bias_over(&self, span_s: f64, now_s: f64) -> Interval {
-        self.bias.over(now_s - span_s, now_s)
+        self.errors.bias_over([now_s - span_s, now_s])
+    }
+
+    /// Scale of the gyroscope.
+    pub(super) fn scale(&self) -> Interval {
+        self.errors.scale()
     }
 
     /// Unlearns what was learnt later than `since_s`.
     pub(super) fn forget_since(&mut self, since_s: f64) {
-        self.bias.forget_since(since_s);
+        self.errors.forget_since(since_s);
         self.fixes.retain(|(fixed_s, _)| *fixed_s <= since_s);
     }
 }

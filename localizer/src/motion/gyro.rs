@@ -1,7 +1,8 @@
 //! Turn rates to an enclosure of the turn between two stamps.
 //!
 //! A reading r averages ω = (r − bias − noise)/scale over the period before its stamp. Bias and scale are the same in all readings and
-//! so act on sums. Noise is bounded for each reading, so its bound adds up, and may be bounded over any span besides.
+//! so act on sums. Noise is bounded for each reading, so its bound adds up, and may be bounded over any span besides, together with what
+//! the bias departs from that of all the run.
 
 use std::collections::VecDeque;
 
@@ -14,6 +15,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct GyroHistory {
     model: GyroModel,
+    /// The bias that any span's mean departs from by no more than `gyro.angle` allows.
+    run_bias_rad_per_s: Interval,
     /// Stamp and rate.
     readings: VecDeque<(f64, f64)>,
     keep_s: f64,
@@ -28,7 +31,7 @@ const PERIOD_S_SLACK: f64 = 1e-3;
 impl GyroHistory {
     /// A history that forgets what is older than `keep_s`.
     pub fn new(model: GyroModel, keep_s: f64) -> Self {
-        GyroHistory { model, readings: VecDeque::new(), keep_s }
+        GyroHistory { model, run_bias_rad_per_s: model.bias_rad_per_s, readings: VecDeque::new(), keep_s }
     }
 
     /// Span that a reading averages over.
@@ -62,117 +65,111 @@ impl GyroHistory {
     /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. Time that no reading covers is
     /// turned at the rate of the reading beside it, give or take what that can have changed by since.
     pub fn turn(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
-        self.turn_by(&self.model, [from_s, to_s], change_rad_per_s2)
+        let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
+        let model = &self.model;
+        let by_reading = sums.by_reading(model) - model.bias_rad_per_s * sums.lasts_s;
+        let by_span = sums.by_span(model) - self.run_bias_rad_per_s * sums.lasts_s;
+        Some((by_reading.intersect(by_span) / model.scale).inflate(sums.bend_rad))
     }
 
-    /// The same with another bias, as of a span long past.
-    pub fn turn_with_bias(
-        &self,
-        bias_rad_per_s: Interval,
-        span_s: [f64; 2],
-        change_rad_per_s2: f64,
-    ) -> Option<Interval> {
-        self.turn_by(&GyroModel { bias_rad_per_s, ..self.model }, span_s, change_rad_per_s2)
+    /// What readings add up to, ∫ r dt = scale·turn + bias·Δt, while turn rates change by at most `change_rad_per_s2`; `None` where no
+    /// reading is near. Noise is in it; bias and scale are not. Where `gyro.angle` is declared, the bias is the one of all the run.
+    pub fn sum(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
+        let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
+        let model = &self.model;
+        let read = if model.bounds_angle() { sums.by_span(model) } else { sums.by_reading(model) };
+        Some(read.inflate(sums.bend_rad * model.scale.magnitude()))
     }
 
-    fn turn_by(&self, model: &GyroModel, [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Option<Interval> {
-        let period_s = model.period_s;
+    fn sums(&self, [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Option<Sums> {
+        let period_s = self.model.period_s;
         let bend_rad = change_rad_per_s2 * period_s * period_s / 8.0;
-        let mut covered = Covered::default();
-        let mut beside = Interval::ZERO;
+        let mut sums = Sums::default();
         let mut done_s = from_s;
         let first = self.readings.partition_point(|(end_s, _)| *end_s <= from_s + SAME_S);
         let mut latest = first.checked_sub(1).and_then(|idx| self.readings.get(idx)).copied();
+        // Beside its period, the rate was somewhere in it the mean that was read, and from there it changed for as long as from the
+        // farther end of the period to the farther end of the span.
+        let beside = |sums: &mut Sums, (end_s, rate): (f64, f64), [from_s, to_s]: [f64; 2]| {
+            let span_s = to_s - from_s;
+            if span_s > SAME_S {
+                let away_s = end_s.max(to_s) - from_s.min(end_s - period_s);
+                sums.add(rate, span_s);
+                sums.beside_s += span_s;
+                sums.bend_rad += change_rad_per_s2 * away_s * span_s;
+            }
+        };
         for &(end_s, rate) in self.readings.iter().skip(first) {
             let begin_s = end_s - period_s;
             latest = Some((end_s, rate));
             if begin_s >= to_s - SAME_S {
                 break;
             }
-            beside += beside_period(model, (end_s, rate), [done_s, begin_s], change_rad_per_s2);
-            covered.n_runs += usize::from(covered.n_runs == 0 || begin_s - done_s > SAME_S);
+            beside(&mut sums, (end_s, rate), [done_s, begin_s]);
+            sums.n_runs += usize::from(sums.n_runs == 0 || begin_s - done_s > SAME_S);
             let span_s = end_s.min(to_s) - begin_s.max(done_s);
-            covered.add(rate, span_s);
+            sums.add(rate, span_s);
             if span_s < period_s - SAME_S {
-                covered.bent_rad += bend_rad;
+                sums.bend_rad += bend_rad;
             }
             done_s = end_s.min(to_s);
         }
-        beside += beside_period(model, latest?, [done_s, to_s], change_rad_per_s2);
-        Some(covered.turn(model) + beside)
+        beside(&mut sums, latest?, [done_s, to_s]);
+        Some(sums)
     }
 
-    /// Mean bias over a span in which the robot has turned by `turn`, while turn rates change by at most `change_rad_per_s2`; `None`
-    /// where no reading is near.
-    ///
-    /// ∫ r dt = scale·turn + bias·Δt ± noise·Δt.
-    pub fn bias(&self, from_s: f64, to_s: f64, turn: Interval, change_rad_per_s2: f64) -> Option<Interval> {
-        let as_read = GyroModel { bias_rad_per_s: Interval::ZERO, scale: Interval::point(1.0), ..self.model };
-        let read = self.turn_by(&as_read, [from_s, to_s], change_rad_per_s2 * self.model.scale.magnitude())?;
-        (to_s > from_s).then(|| (read - self.model.scale * turn) / (to_s - from_s))
-    }
-
-    /// Takes over a bias that is known better than declared.
-    pub fn learn_bias(&mut self, bias_rad_per_s: Interval) {
-        self.model.bias_rad_per_s = bias_rad_per_s;
+    /// Takes over a bias and a scale that are known better than declared.
+    pub fn learn(&mut self, bias_rad_per_s: Interval, scale: Interval) {
+        self.run_bias_rad_per_s = bias_rad_per_s;
+        if !self.model.bounds_angle() {
+            self.model.bias_rad_per_s = bias_rad_per_s;
+        }
+        self.model.scale = scale;
     }
 }
 
-/// Turn in a span beside the period of a reading: somewhere in the period the rate was the mean that was read, and from there it
-/// changed for as long as from the farther end of the period to the farther end of the span.
-fn beside_period(
-    model: &GyroModel,
-    (end_s, rate): (f64, f64),
-    [from_s, to_s]: [f64; 2],
-    change_rad_per_s2: f64,
-) -> Interval {
-    if to_s - from_s <= SAME_S {
-        return Interval::ZERO;
-    }
-    let away_s = end_s.max(to_s) - from_s.min(end_s - model.period_s);
-    true_rate(rate, model).inflate(change_rad_per_s2 * away_s) * (to_s - from_s)
-}
-
-/// Sums over the time that readings cover.
+/// What readings of a span add up to.
 #[derive(Clone, Copy, Debug, Default)]
-struct Covered {
-    turned_rad: f64,
-    lasted_s: f64,
-    /// Spans without a gap between readings.
+struct Sums {
+    read_rad: f64,
+    lasts_s: f64,
+    /// How much of the span no reading covers.
+    beside_s: f64,
+    /// Parts of the span without a gap between readings.
     n_runs: usize,
-    /// Bound of what chords leave out.
-    bent_rad: f64,
+    /// Bound of the turn that the sum leaves out.
+    bend_rad: f64,
     /// Σ |r|·T, for the rounding of the sums.
     size_rad: f64,
 }
 
-impl Covered {
+impl Sums {
     fn add(&mut self, rate: f64, span_s: f64) {
-        self.turned_rad += rate * span_s;
-        self.lasted_s += span_s;
+        self.read_rad += rate * span_s;
+        self.lasts_s += span_s;
         self.size_rad += rate.abs() * span_s;
     }
 
-    /// (Σ r·T − bias·ΣT ± noise·ΣT)/scale ± what chords leave out.
-    fn turn(&self, model: &GyroModel) -> Interval {
+    fn within(&self, noise_rad: f64) -> Interval {
         // Stamps themselves are rounded, by far less than `SAME_S` for each reading.
-        let rounding_rad = 1e-12 * (self.size_rad + self.lasted_s);
-        let turned = Interval::point(self.turned_rad) - model.bias_rad_per_s * self.lasted_s;
-        (turned.inflate(self.noise_rad(model) + rounding_rad) / model.scale).inflate(self.bent_rad)
+        Interval::point(self.read_rad).inflate(noise_rad + 1e-12 * (self.size_rad + self.lasts_s))
     }
 
-    /// Bound of what noise adds up to: reading by reading, or span by span, with a reading at either end that lies in it only in part.
-    fn noise_rad(&self, model: &GyroModel) -> f64 {
-        let by_reading_rad = model.noise_rad_per_s * self.lasted_s;
-        let by_span_rad = self.n_runs as f64 * model.angle_floor_rad
-            + model.angle_rad_per_s * self.lasted_s
-            + 2.0 * model.noise_rad_per_s * model.period_s;
-        by_reading_rad.min(by_span_rad)
+    /// scale·turn + ∫ bias dt: every reading is within its noise.
+    fn by_reading(&self, model: &GyroModel) -> Interval {
+        self.within(model.noise_rad_per_s * self.lasts_s)
     }
-}
 
-fn true_rate(rate: f64, model: &GyroModel) -> Interval {
-    (Interval::point(rate) - model.bias_rad_per_s).inflate(model.noise_rad_per_s) / model.scale
+    /// scale·turn + bias·Δt with the bias of all the run: noise and what the bias departs from that are bounded span by span, and for a
+    /// reading at either end that lies in it only in part, and beside readings, one by one.
+    fn by_span(&self, model: &GyroModel) -> Interval {
+        if !model.bounds_angle() {
+            return Interval::ENTIRE;
+        }
+        let one_rad_per_s = model.noise_rad_per_s + model.bias_rad_per_s.width();
+        let by_one_rad = one_rad_per_s * (self.beside_s + 2.0 * model.period_s);
+        self.within(self.n_runs as f64 * model.angle_floor_rad + model.angle_rad_per_s * self.lasts_s + by_one_rad)
+    }
 }
 
 /// Greatest change of the turn rate while each wheel accelerates by at most its bound: (a + a)/W.

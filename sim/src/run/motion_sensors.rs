@@ -11,8 +11,6 @@ pub struct MotionSensors {
     pub greatest_gyro_noise_rad_per_s: f64,
     /// Greatest bias in one.
     pub greatest_gyro_bias_rad_per_s: f64,
-    /// Least and greatest bias, with its sign.
-    pub gyro_biases_rad_per_s: Option<[f64; 2]>,
     /// What the noise added up to beyond its rate, at most.
     pub greatest_gyro_angle_rad: f64,
     /// Greatest change of the bias over time, between two readings in a row.
@@ -67,8 +65,6 @@ impl MotionSensors {
                 self.greatest_gyro_noise_rad_per_s = self.greatest_gyro_noise_rad_per_s.max(noise);
                 self.greatest_gyro_bias_rad_per_s = self.greatest_gyro_bias_rad_per_s.max(bias.abs());
                 self.greatest_gyro_angle_rad = self.greatest_gyro_angle_rad.max(observation.gyro_angle_rad);
-                let [least, greatest] = self.gyro_biases_rad_per_s.unwrap_or([bias; 2]);
-                self.gyro_biases_rad_per_s = Some([least.min(bias), greatest.max(bias)]);
                 if let Some((before_s, before)) = self.latest_bias
                     && measured_s > before_s
                 {

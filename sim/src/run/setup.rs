@@ -17,10 +17,10 @@ use crate::scene::{
 /// The localizer that the scene asks for, told what the scene tells it.
 pub(crate) fn localizer(scene: &Scene) -> Localizer {
     let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
-    match scene.localizer.gyro_bias_wander_deg_per_s2 {
-        Some(wander_deg_per_s2) => localizer
-            .learning_gyro_bias(wander_deg_per_s2.to_radians(), scene.bounds.rest_turn_deg.map(f64::to_radians)),
-        None => localizer,
+    if scene.localizer.learns_gyro {
+        localizer.learning_gyro(scene.bounds.rest_turn_deg.map(f64::to_radians))
+    } else {
+        localizer
     }
 }
 

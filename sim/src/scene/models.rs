@@ -194,7 +194,7 @@ fn gyro_model(gyro: &Gyro) -> GyroModel {
         noise_rad_per_s: gyro.noise_deg_per_s.to_radians(),
         angle_floor_rad: gyro.angle_floor_deg.map_or(f64::INFINITY, f64::to_radians),
         angle_rad_per_s: gyro.angle_deg_per_s.to_radians(),
-        bias_spread_rad_per_s: gyro.bias_spread_deg_per_s.map_or(f64::INFINITY, f64::to_radians),
+        bias_wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
         period_s: gyro.period_s,
     }
 }

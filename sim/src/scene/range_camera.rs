@@ -142,8 +142,8 @@ pub struct Gyro {
     /// Angle random walk N, white noise of the rate; unless stated a third of the bound is one reading's standard deviation.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub angle_random_walk_deg_per_sqrt_h: Option<f64>,
-    /// `gyro.angle`: over any span, noise adds up to at most this and `angle_deg_per_s` times the span; drawn again where it would be
-    /// more. Unless stated, to as much as every reading's bound allows.
+    /// `gyro.angle`: over any span, noise and what the bias has departed from its first value by add up to at most this and
+    /// `angle_deg_per_s` times the span; noise is drawn again where it would be more. Unless stated, every reading alone is bounded.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub angle_floor_deg: Option<f64>,
     /// What that grows by.
@@ -158,9 +158,6 @@ pub struct Gyro {
     /// `gyro.wander`: the bias changes by at most this per time; whatever would be more is cut off.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub bias_wander_deg_per_s2: f64,
-    /// `gyro.spread`: two biases of one run differ by at most this, whenever they are; whatever would be more is cut off.
-    #[schemars(range(min = 0.0, max = 100.0))]
-    pub bias_spread_deg_per_s: Option<f64>,
     /// Time between two readings, over which each averages; a multiple of 0.001.
     #[schemars(range(min = 0.001, max = 1.0))]
     pub period_s: f64,
@@ -179,7 +176,6 @@ impl Default for Gyro {
             bias_instability_deg_per_h: 0.0,
             rate_random_walk_deg_per_h_per_sqrt_h: 0.0,
             bias_wander_deg_per_s2: 0.0,
-            bias_spread_deg_per_s: None,
             period_s: 0.005,
         }
     }

@@ -53,8 +53,8 @@ impl GyroSensor {
         let before = self.before.replace(*truth)?;
         let turned_rad = truth.pose.heading_rad - before.pose.heading_rad;
         let true_rad_per_s = turned_rad / (truth.time_s - before.time_s);
-        let gyro_noise_rad_per_s = self.draw_bounded_rad_per_s();
         let gyro_bias_rad_per_s = self.bias.at(0.5 * (before.time_s + truth.time_s));
+        let gyro_noise_rad_per_s = self.draw_bounded_rad_per_s(gyro_bias_rad_per_s - self.calibration.bias_rad_per_s);
         let rate_rad_per_s = self.calibration.scale * true_rad_per_s + gyro_bias_rad_per_s + gyro_noise_rad_per_s;
         let reading = Reading::Gyro { measured_s: truth.time_s, arrived_s: truth.time_s, rate_rad_per_s };
         let gyro_angle_rad = self.angle.beyond_rad;
@@ -66,17 +66,18 @@ impl GyroSensor {
         })
     }
 
-    /// Noise whose sum over any span keeps to its bound, drawn again when it would not.
-    fn draw_bounded_rad_per_s(&mut self) -> f64 {
-        /// A bound so tight that none of as many draws keeps to it is kept to by no noise at all.
+    /// Noise that with the bias's departure from its first value adds up, over any span, to what is declared; drawn again otherwise.
+    fn draw_bounded_rad_per_s(&mut self, departed_rad_per_s: f64) -> f64 {
+        /// What none of as many draws keeps to breaks the bound, and is named.
         const MOST_DRAWS: usize = 1000;
         for _ in 0..MOST_DRAWS {
             let noise_rad_per_s = self.draw_noise_rad_per_s();
-            if self.angle.take(noise_rad_per_s) {
+            if self.angle.allows(departed_rad_per_s + noise_rad_per_s) {
+                self.angle.take(departed_rad_per_s + noise_rad_per_s);
                 return noise_rad_per_s;
             }
         }
-        self.angle.take(0.0);
+        self.angle.take(departed_rad_per_s);
         0.0
     }
 
@@ -104,7 +105,7 @@ impl GyroSensor {
     }
 }
 
-/// What noise has added up to, kept within floor + rate·|t − s| between any two times s and t.
+/// What errors of readings have added up to, kept within floor + rate·|t − s| between any two times s and t.
 ///
 /// With W the sum, W(t) − W(s) ≤ a + r·(t − s) for all s before t is W(t) − r·t ≤ a + min (W(s) − r·s), and likewise below.
 struct BoundedAngle {
@@ -133,17 +134,24 @@ impl BoundedAngle {
         }
     }
 
-    /// Adds one reading's noise; false, and nothing done, when the sum would leave its bound.
-    fn take(&mut self, noise_rad_per_s: f64) -> bool {
-        let (time_s, sum_rad) = (self.time_s + self.period_s, self.sum_rad + noise_rad_per_s * self.period_s);
+    /// Time, sum and what of it is beyond rate·|t − s| after one more reading.
+    fn after(&self, error_rad_per_s: f64) -> [f64; 3] {
+        let (time_s, sum_rad) = (self.time_s + self.period_s, self.sum_rad + error_rad_per_s * self.period_s);
         let (low, high) = (sum_rad - self.rad_per_s * time_s, sum_rad + self.rad_per_s * time_s);
-        let beyond_rad = (low - self.least_rad).max(self.greatest_rad - high);
-        if beyond_rad > self.floor_rad {
-            return false;
-        }
+        [time_s, sum_rad, (low - self.least_rad).max(self.greatest_rad - high)]
+    }
+
+    /// Whether the sum keeps to its bound with one more reading's error.
+    fn allows(&self, error_rad_per_s: f64) -> bool {
+        self.after(error_rad_per_s)[2] <= self.floor_rad
+    }
+
+    /// Adds one reading's error.
+    fn take(&mut self, error_rad_per_s: f64) {
+        let [time_s, sum_rad, beyond_rad] = self.after(error_rad_per_s);
         self.beyond_rad = beyond_rad.max(0.0);
         (self.time_s, self.sum_rad) = (time_s, sum_rad);
-        (self.least_rad, self.greatest_rad) = (self.least_rad.min(low), self.greatest_rad.max(high));
-        true
+        self.least_rad = self.least_rad.min(sum_rad - self.rad_per_s * time_s);
+        self.greatest_rad = self.greatest_rad.max(sum_rad + self.rad_per_s * time_s);
     }
 }

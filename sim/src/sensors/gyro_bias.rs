@@ -21,9 +21,6 @@ pub struct WanderingBias {
     drawn_rad_per_s: f64,
     tolerance_rad_per_s: f64,
     wander_rad_per_s2: f64,
-    /// Greatest distance from the middle of what the spread allows, which is the bias at the beginning.
-    away_rad_per_s: f64,
-    first_rad_per_s: f64,
     walk_per_node_rad_per_s: f64,
     flicker_deviation_rad_per_s: f64,
     walk_rad_per_s: f64,
@@ -48,8 +45,6 @@ impl WanderingBias {
             drawn_rad_per_s,
             tolerance_rad_per_s: gyro.bias_tolerance_deg_per_s.to_radians(),
             wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
-            away_rad_per_s: gyro.bias_spread_deg_per_s.map_or(f64::INFINITY, |spread| 0.5 * spread.to_radians()),
-            first_rad_per_s: drawn_rad_per_s,
             walk_per_node_rad_per_s: walk_rad_per_s_per_sqrt_s * NODE_S.sqrt(),
             flicker_deviation_rad_per_s,
             walk_rad_per_s: 0.0,
@@ -87,9 +82,7 @@ impl WanderingBias {
         let before = self.around_rad_per_s[1];
         let wanted = self.drawn_rad_per_s + self.walk_rad_per_s + self.flicker_rad_per_s.iter().sum::<f64>();
         let step = (wanted - before).clamp(-self.wander_rad_per_s2 * NODE_S, self.wander_rad_per_s2 * NODE_S);
-        let after = (before + step)
-            .clamp(self.first_rad_per_s - self.away_rad_per_s, self.first_rad_per_s + self.away_rad_per_s)
-            .clamp(-self.tolerance_rad_per_s, self.tolerance_rad_per_s);
+        let after = (before + step).clamp(-self.tolerance_rad_per_s, self.tolerance_rad_per_s);
         self.around_rad_per_s = [before, after];
     }
 }

@@ -36,18 +36,11 @@ fn gyro(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
             gyro.angle_floor_deg.map_or(f64::INFINITY, f64::to_radians),
             truth.greatest_gyro_angle_rad * ROUNDING,
         ),
-        constant(
-            record,
-            "gyro.spread",
-            gyro.bias_spread_deg_per_s.map_or(f64::INFINITY, f64::to_radians),
-            truth.gyro_biases_rad_per_s.map_or(0.0, |[least, greatest]| greatest - least),
-        ),
         constant(record, "gyro.noise", gyro.noise_deg_per_s.to_radians(), truth.greatest_gyro_noise_rad_per_s),
         constant(
             record,
             "gyro.wander",
-            // What the localizer is told, where it is told of it.
-            scene.localizer.gyro_bias_wander_deg_per_s2.unwrap_or(gyro.bias_wander_deg_per_s2).to_radians(),
+            gyro.bias_wander_deg_per_s2.to_radians(),
             truth.greatest_gyro_wander_rad_per_s2 * ROUNDING,
         ),
     ]

@@ -1,0 +1,74 @@
+//! What the localizer learns of the gyroscope, at rest and from headings fixed, and what that tells of the heading now.
+
+use crate::{Constraint, Interval, Localizer, PoseUnion, motion::greatest_change_rad_per_s2};
+
+use super::{REMEMBER_S, after_turn::AfterTurn, heading_fixes::HeadingFixes};
+
+impl Localizer {
+    /// The same, learning the gyroscope's bias and scale between fixes of the heading, and at rest if the body turns by at most
+    /// `rest_turn_rad` there.
+    pub fn learning_gyro(mut self, rest_turn_rad: Option<f64>) -> Self {
+        let change_rad_per_s2 = greatest_change_rad_per_s2(&self.robot.wheels, &self.robot.reach);
+        self.fixes = self.robot.gyro.map(|model| HeadingFixes::new(model, change_rad_per_s2, rest_turn_rad));
+        self.begin_fixes();
+        self
+    }
+
+    /// The start is the first heading known.
+    pub(super) fn begin_fixes(&mut self) {
+        if let Some(fixes) = &mut self.fixes {
+            self.relies_on.extend(fixes.relies_on());
+            fixes.begin(self.current.hull()[2]);
+        }
+    }
+
+    /// The gyroscope's bias as known now: as declared unless it is learnt; `None` without a gyroscope.
+    pub fn gyro_bias_rad_per_s(&self) -> Option<Interval> {
+        let declared = self.robot.gyro?.bias_rad_per_s;
+        Some(self.fixes.as_ref().map_or(declared, |fixes| fixes.bias_over(0.0, self.now_s)))
+    }
+
+    /// Learns the gyroscope's bias while the encoders count nothing.
+    pub(super) fn learn_at_rest(&mut self, time_s: f64, ticks: [i64; 2]) {
+        let (since_s, _) = *self.at_rest.take_if(|(_, before)| *before == ticks).get_or_insert((time_s, ticks));
+        self.at_rest = Some((since_s, ticks));
+        if let Some(fixes) = self.fixes.as_mut().filter(|_| self.doubt.is_none())
+            && fixes.rest([since_s, time_s])
+        {
+            self.wheels.learn_gyro(fixes.bias_over(REMEMBER_S, time_s), fixes.scale());
+        }
+    }
+
+    /// A constraint of the heading, told at the stamp of the wheel reading before it: a slot that cuts no reading in two costs the
+    /// motion nothing, and a heading is carried over the few milliseconds by the gyroscope.
+    pub(super) fn on_a_reading(&self, constraint: Constraint) -> Constraint {
+        let at_s = self.wheels.reading_before(constraint.stamp_s);
+        let turn = at_s
+            .and_then(|at_s| self.wheels.gyro_turn(at_s, constraint.stamp_s, &self.robot.wheels, &self.robot.reach));
+        match at_s.zip(turn) {
+            Some((stamp_s, turn)) => {
+                Constraint { stamp_s, on_pose: Box::new(AfterTurn { turn, on_pose: constraint.on_pose }), ..constraint }
+            }
+            None => constraint,
+        }
+    }
+
+    /// Learns the gyroscope's bias from a heading just fixed, unless an assumption is doubted.
+    pub(super) fn learn_heading(&mut self, stamp_s: f64, heading: Interval) {
+        let Some(fixes) = &mut self.fixes else { return };
+        if self.doubt.is_none() && !heading.is_empty() {
+            fixes.learn(stamp_s, heading);
+            // The memory of motion goes back so far.
+            self.wheels.learn_gyro(fixes.bias_over(REMEMBER_S, self.now_s), fixes.scale());
+        }
+    }
+
+    /// A union at a stamp without the headings that those fixed before rule out.
+    pub(super) fn as_fixed_before(&self, mut union: PoseUnion, stamp_s: f64) -> PoseUnion {
+        let Some(fixes) = self.fixes.as_ref().filter(|_| self.doubt.is_none()) else { return union };
+        let heading = fixes.heading(stamp_s);
+        union.branches.iter_mut().for_each(|branch| branch[2] = branch[2].intersect(heading));
+        union.branches.retain(|branch| !branch.is_empty());
+        union
+    }
+}

@@ -1,0 +1,150 @@
+//! The gyroscope's bias and scale, learnt together from turns known from elsewhere: against biases and turns made here.
+
+use localizer::{
+    Interval, Outcome,
+    motion::{GyroErrors, GyroHistory},
+    robot::GyroModel,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const SCALE_TOLERANCE: f64 = 0.002;
+const BIAS_TOLERANCE_RAD_PER_S: f64 = 0.01;
+
+fn gyro() -> GyroModel {
+    GyroModel {
+        bias_rad_per_s: Interval::centred(0.0, BIAS_TOLERANCE_RAD_PER_S),
+        scale: Interval::centred(1.0, SCALE_TOLERANCE),
+        noise_rad_per_s: 0.0005,
+        angle_floor_rad: f64::INFINITY,
+        angle_rad_per_s: 0.0,
+        bias_wander_rad_per_s2: 0.0,
+        period_s: 0.01,
+    }
+}
+
+#[test]
+fn the_bias_shrinks_at_rest_and_between_two_headings() {
+    let (bias, scale) = (0.0042, 1.0019);
+    for rate in [0.0, 0.3] {
+        let mut history = GyroHistory::new(gyro(), 60.0);
+        for step in 1..=1000 {
+            let noise = 0.00049 * if step % 3 == 0 { 1.0 } else { -1.0 };
+            history.push(0.01 * f64::from(step), scale * rate + bias + noise);
+        }
+        // A heading fix at either end tells the turn to 0.004 rad.
+        let read = history.sum(0.0, 10.0, 1.0).unwrap();
+        let mut errors = GyroErrors::new(&gyro());
+        assert_eq!(errors.learn([0.0, 10.0], read, Interval::centred(10.0 * rate, 0.002)), Outcome::Feasible);
+        let known = errors.bias_over([10.0, 10.0]);
+        assert!(known.contains(bias), "{known:?} at {rate} rad/s");
+        // Noise 0.0005, the turn 0.0002, and scale 0.002·rate, each way.
+        let expected = 2.0 * (0.0005 + 0.0002 * 1.002 + SCALE_TOLERANCE * rate);
+        assert!((known.width() - expected).abs() < 1e-5, "{} wide, expected {expected}", known.width());
+    }
+}
+
+#[test]
+fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
+    let exact = GyroModel { scale: Interval::point(1.0), bias_wander_rad_per_s2: 1e-5, ..gyro() };
+    let mut errors = GyroErrors::new(&exact);
+    let still = |errors: &mut GyroErrors, span_s: [f64; 2], bias: [f64; 2]| {
+        let lasts_s = span_s[1] - span_s[0];
+        errors.learn(span_s, Interval::new(bias[0] * lasts_s, bias[1] * lasts_s), Interval::ZERO)
+    };
+    assert_eq!(still(&mut errors, [0.0, 10.0], [0.002, 0.006]), Outcome::Feasible);
+    assert_eq!(still(&mut errors, [10.0, 20.0], [0.004, 0.005]), Outcome::Feasible);
+    let at = |errors: &GyroErrors, stamp_s: f64| errors.bias_over([stamp_s; 2]);
+    assert!(at(&errors, 20.0).is_subset_of(Interval::new(0.0039 - 1e-9, 0.0051 + 1e-9)));
+    // It wanders: 1e-5 rad/s² for 100 s.
+    assert!(at(&errors, 120.0).contains(0.0029) && !at(&errors, 120.0).contains(0.0028));
+    assert!(matches!(still(&mut errors, [20.0, 21.0], [-0.009, -0.008]), Outcome::Empty(_)));
+    errors.forget_since(15.0);
+    assert!(at(&errors, 20.0).contains(0.0020) && at(&errors, 20.0).contains(0.0060));
+    errors.forget_since(5.0);
+    let declared = at(&errors, 20.0);
+    assert!((declared.width() - 2.0 * BIAS_TOLERANCE_RAD_PER_S).abs() < 1e-9, "{declared:?}");
+}
+
+#[test]
+fn laps_of_one_sense_hide_the_scale_in_the_bias_and_the_next_lap_pays_for_neither() {
+    let exact = GyroModel { noise_rad_per_s: 0.0, ..gyro() };
+    let (bias, scale) = (0.003, 0.9985);
+    // Laps of 40 s, a quarter turn in each of four corners; headings are known to 2 mrad either way.
+    let lap_rad = std::f64::consts::TAU;
+    let read = |turn_rad: f64, lasts_s: f64| Interval::point(scale * turn_rad + bias * lasts_s);
+    let mut errors = GyroErrors::new(&exact);
+    let known = Interval::centred(0.0, 0.004);
+    assert_eq!(
+        errors.learn([0.0, 80.0], read(2.0 * lap_rad, 80.0), known + Interval::point(2.0 * lap_rad)),
+        Outcome::Feasible
+    );
+    let next = errors.turn([80.0, 120.0], read(lap_rad, 40.0));
+    assert!(next.contains(lap_rad), "{next:?}");
+    // By hand: half of what the two laps were known to, and nothing of the scale, whose 0.2 % are 25 mrad a lap.
+    assert!(next.width() < 1.05 * 0.5 * known.width(), "{} rad wide", next.width());
+    // A straight of 10 s: a bias that hid a quarter lap's scale, 2·0.002·π/2, and a quarter of what one lap is known to.
+    let straight = errors.turn([80.0, 90.0], read(0.0, 10.0));
+    let expected = 2.0 * SCALE_TOLERANCE * lap_rad / 4.0 + known.width() / 8.0;
+    assert!(straight.contains(0.0), "{straight:?}");
+    assert!((straight.width() / expected - 1.0).abs() < 0.02, "{} wide, expected {expected}", straight.width());
+}
+
+/// Heading and sum of readings after each second, and the scale: the bias wanders as fast as allowed, or departs from a constant by what
+/// the floor and the rate of `gyro.angle` allow.
+fn drive(rng: &mut ChaCha8Rng, model: &GyroModel) -> (Vec<[f64; 2]>, f64) {
+    let scale = 1.0 + SCALE_TOLERANCE * corner(rng);
+    let (wander, floor, rate) = (model.bias_wander_rad_per_s2, model.angle_floor_rad, model.angle_rad_per_s);
+    let mut bias = 0.9 * BIAS_TOLERANCE_RAD_PER_S * corner(rng);
+    let (constant, slower) = (bias, corner(rng));
+    let mut states = vec![[0.0_f64; 2]];
+    for second in 1..=300 {
+        let turn = [0.0, 0.7, -0.2][rng.random_range(0..3)];
+        let [heading, sum] = *states.last().unwrap();
+        let next = if floor.is_finite() {
+            // A steady departure, and half of the floor to either side of it.
+            scale * (heading + turn) + (constant + rate * slower) * f64::from(second) + 0.5 * floor * corner(rng)
+        } else {
+            bias = (bias + wander * corner(rng)).clamp(-BIAS_TOLERANCE_RAD_PER_S, BIAS_TOLERANCE_RAD_PER_S);
+            sum + scale * turn + bias
+        };
+        states.push([heading + turn, next]);
+    }
+    (states, scale)
+}
+
+fn corner(rng: &mut ChaCha8Rng) -> f64 {
+    [-1.0, 1.0, rng.random_range(-1.0..1.0)][rng.random_range(0..3)]
+}
+
+#[test]
+fn biases_and_scales_at_their_corners_and_every_turn_stay_inside() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let (mut widest, mut n_learnt) = (0.0_f64, 0);
+    for round in 0..200 {
+        let (floor, rate) = if round % 2 == 0 { (0.001, 0.0003) } else { (f64::INFINITY, 0.0) };
+        let bias_wander_rad_per_s2 = if round % 4 == 1 { 0.0 } else { 2e-5 };
+        let model = GyroModel { angle_floor_rad: floor, angle_rad_per_s: rate, bias_wander_rad_per_s2, ..gyro() };
+        let (states, scale) = drive(&mut rng, &model);
+        let mut errors = GyroErrors::new(&model);
+        for to in 20..=300 {
+            let from = to - rng.random_range(1..=to.min(120));
+            let [turned, read] = [0, 1].map(|axis| states[to][axis] - states[from][axis]);
+            let span_s = [from as f64, to as f64];
+            let slack = if floor.is_finite() { floor + rate * (to - from) as f64 } else { 1e-12 };
+            let read = Interval::centred(read, slack);
+            let turn = errors.turn(span_s, read);
+            assert!(turn.contains(turned), "round {round}: {turned} is not in {turn:?} of {span_s:?}");
+            if to > 200 {
+                widest = widest.max(turn.width() / (to - from) as f64);
+            }
+            let known = Interval::centred(turned + rng.random_range(-0.005..0.005), 0.005);
+            assert_eq!(errors.learn(span_s, read, known), Outcome::Feasible, "round {round}");
+            n_learnt += 1;
+        }
+        assert!(errors.scale().contains(scale), "round {round}: {scale} is not in {:?}", errors.scale());
+    }
+    assert!(n_learnt > 50_000);
+    // Unlearnt: a bias of 0.01 and a scale of 0.002 at 0.7 rad/s, both ways.
+    assert!(widest < 0.5 * 2.0 * (BIAS_TOLERANCE_RAD_PER_S + 0.7 * SCALE_TOLERANCE), "{widest} rad/s");
+}
