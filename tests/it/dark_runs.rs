@@ -61,7 +61,9 @@ fn a_direction_that_no_wall_has_is_named() {
     assert!((violation.true_value.to_degrees() - 1.5).abs() < 1e-9, "{violation:?}");
     let containment = &verdict.containment;
     assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
-    assert!(containment.bound_broken > 0, "{containment:?}");
+    // Lost, or noticed: images that agree on no heading are a contradiction.
+    let is_noticed = verdict.metrics["recovering_share"] > 0.5;
+    assert!(containment.bound_broken > 0 || is_noticed, "{containment:?}");
 }
 
 #[test]

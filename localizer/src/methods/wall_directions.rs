@@ -5,7 +5,7 @@
 //! one of the building's directions α and some k: nearest-k without a gate, as every k that the prior allows stays. At most q of
 //! an image's edges may run along none of the directions, and at most [`WRONG_IMAGES`] of the last [`IMAGES_APART`] images may have
 //! more such edges. How robot and camera lean turns all edges of an image, each by another angle: where the building's edges are sharp
-//! the lean is solved for with them, and the edges of the last [`IMAGES`] images count together, at most [`wrong_held`] of them wrong.
+//! the lean is solved for with them, and the edges of the last [`IMAGES`] images count together, at most [`wrong_held`] of them wrong, in at most [`SPOILT_IMAGES`] images.
 //! Directions that no map tells of are learnt as intervals, as wide as the heading was when they were seen.
 
 mod agreement;
@@ -45,6 +45,8 @@ pub const RELIES_ON: [Assumption; 8] = [
 ];
 /// Images that are held together, carried by the motion between them.
 pub const IMAGES: usize = 20;
+/// At most so many of them have a wrong edge at all: clutter and people are in view for a while, and then not.
+pub const SPOILT_IMAGES: usize = 14;
 /// Where an image's edges do not tell the lean together, so many are held,
 pub const IMAGES_APART: usize = 10;
 /// of which as many may have more wrong edges than their q.
@@ -53,7 +55,7 @@ pub const WRONG_IMAGES: usize = 2;
 /// are wrong together.
 const FEWEST_LINES: usize = 3;
 /// Fewer edges of all images held say nothing together.
-const FEWEST_HELD: usize = 12;
+const FEWEST_HELD: usize = 20;
 /// Where edges count image by image fewer of them may be wrong: their ends are claimed to as many times their bound, 0.12 px and 3 σ.
 const APART_BOUNDS: f64 = 1.2;
 /// Share of an edge's motion across itself during the exposure by which its ends may be off: other edges blur into it.
@@ -109,6 +111,8 @@ pub struct WallDirections {
     decides: bool,
     solves_lean: bool,
     floor_edges: bool,
+    /// An edge whose direction is known no better, were the lean known, says nothing.
+    widest_rad: f64,
     body_tilt_rad: f64,
     stamp_turn_rad: f64,
     directions: Vec<Direction>,
@@ -155,7 +159,9 @@ impl WallDirections {
         let directions_rad = &map.wall_directions_rad;
         let walls = Self::with(robot.forward_camera?, &robot.body, &robot.reach, directions_rad, setup.learns);
         let Setup { chain, solves_lean, floor_edges, decides, .. } = setup;
-        Some(WallDirections { chain, solves_lean, floor_edges, decides, ..walls })
+        let is_refitted = solves_lean && chain == Chain::Direct;
+        let widest_rad = if is_refitted { sight::WIDEST_REFITTED_RAD } else { sight::WIDEST_RAD };
+        Some(WallDirections { chain, solves_lean, floor_edges, widest_rad, decides, ..walls })
     }
 
     /// The method for a camera, with the directions that the map tells; `learns` says whether the building may have more.
@@ -173,6 +179,7 @@ impl WallDirections {
             decides: false,
             solves_lean: false,
             floor_edges: false,
+            widest_rad: sight::WIDEST_RAD,
             body_tilt_rad: body.tilt_rad,
             stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
             directions: directions_rad.iter().map(known).collect(),
@@ -237,7 +244,7 @@ impl WallDirections {
     /// What the images held say together.
     fn headings_held(&self) -> WallHeadings {
         if self.solves_lean {
-            return WallHeadings::of_edges(self.seen.iter().flat_map(Seen::now).collect());
+            return WallHeadings::of_edges(self.seen.iter().map(|seen| seen.now().collect()).collect());
         }
         let of_image = |seen: &Seen| {
             let n_level = seen.agreement.len();

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use localizer::{
     Claim,
-    methods::wall_directions::{IMAGES, IMAGES_APART, WRONG_IMAGES, wrong_held, wrong_lines},
+    methods::wall_directions::{IMAGES, IMAGES_APART, SPOILT_IMAGES, WRONG_IMAGES, wrong_held, wrong_lines},
 };
 
 use crate::{
@@ -58,7 +58,7 @@ pub(super) fn misperceived(scene: &Scene, record: &RunRecord, judged: &[FalseCla
         let too_many = judged.others > image.q_items;
         match edges {
             None => image.method != "wall_directions" && too_many,
-            Some(edges) if solves_lean => edges.wrong > wrong_held(edges.all),
+            Some(edges) if solves_lean => edges.are_more_than_declared(),
             Some(_) => {
                 held.push_back(too_many);
                 if held.len() > IMAGES_APART {
@@ -77,6 +77,14 @@ pub(super) struct HeldEdges {
     pub(super) all: usize,
     /// Those that run along no wall, and those of images with too many wrong upright edges: they have no right lean.
     pub(super) wrong: usize,
+    /// Images with any such.
+    pub(super) spoilt_images: usize,
+}
+
+impl HeldEdges {
+    fn are_more_than_declared(self) -> bool {
+        self.wrong > wrong_held(self.all) || self.spoilt_images > SPOILT_IMAGES
+    }
 }
 
 /// The same for each image; `None` where it told nothing, and of other methods.
@@ -89,13 +97,29 @@ pub(super) fn held_edges(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Opti
         let n_upright = image.claims.iter().filter(|claim| matches!(claim, Claim::UprightLine { .. })).count();
         let all = image.claims.len() - n_upright;
         let wrong = if judged.upright > wrong_lines(n_upright) { all } else { judged.others };
-        held.push_back(HeldEdges { all, wrong });
+        held.push_back(HeldEdges { all, wrong, spoilt_images: usize::from(wrong > 0) });
         if held.len() > IMAGES {
             held.pop_front();
         }
-        let sum =
-            |sum: HeldEdges, image: &HeldEdges| HeldEdges { all: sum.all + image.all, wrong: sum.wrong + image.wrong };
+        let sum = |sum: HeldEdges, image: &HeldEdges| HeldEdges {
+            all: sum.all + image.all,
+            wrong: sum.wrong + image.wrong,
+            spoilt_images: sum.spoilt_images + image.spoilt_images,
+        };
         Some(held.iter().fold(HeldEdges::default(), sum))
     });
     with_each.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HeldEdges;
+
+    #[test]
+    fn edges_are_counted_and_so_are_the_images_that_they_spoil() {
+        // By hand: of 150 edges 150/6 + 5 = 30, and 14 images.
+        for (wrong, spoilt_images, too_many) in [(30, 14, false), (31, 14, true), (15, 15, true), (0, 0, false)] {
+            assert_eq!(HeldEdges { all: 150, wrong, spoilt_images }.are_more_than_declared(), too_many);
+        }
+    }
 }

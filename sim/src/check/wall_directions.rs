@@ -39,6 +39,7 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
     let widths_rad: f64 = fixes.iter().map(|(heading, _)| heading.width()).sum();
     let is_level = |claim: &&Claim| matches!(claim, Claim::WallLine { .. });
     let lines: usize = images.iter().map(|image| image.claims.iter().filter(is_level).count()).sum();
+    let spoilt = held_edges(record, judged).into_iter().flatten().map(|held| held.spoilt_images).max().unwrap_or(0);
     let wrong_shares = held_edges(record, judged).into_iter().flatten().filter(|held| held.all >= 10);
     let wrong_share_max = wrong_shares.map(|held| held.wrong as f64 / held.all as f64).fold(0.0, f64::max);
     let deg = |name: &str, value_rad: f64| (name.to_owned(), value_rad.to_degrees());
@@ -51,6 +52,7 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
         deg("vanishing_point_error_median_deg", quantile(&mut paper_off_rad, 0.5)),
         deg("vanishing_point_error_p95_deg", quantile(&mut paper_off_rad, 0.95)),
         ("wall_wrong_share_max".to_owned(), wrong_share_max),
+        ("wall_spoilt_images_max".to_owned(), spoilt as f64),
         ("wall_images".to_owned(), images.len() as f64),
         ("wall_lines_per_image".to_owned(), lines as f64 / images.len() as f64),
         ("wall_fix_share".to_owned(), share(fixes.len(), images.len())),

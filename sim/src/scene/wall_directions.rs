@@ -18,7 +18,7 @@ pub struct WallDirectionsSetup {
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
     /// Whether the edges of an image tell the body's lean together; otherwise each of them may have been seen at any lean within `body.tilt`.
-    /// Together they need sharp edges: soft shadows along a bright room's ceiling put more of them off by a pixel than may be wrong.
+    /// Together they need sharp edges: in a bright room with soft shadows more of them were found off than may be wrong.
     pub solves_lean: bool,
     /// Whether edges on the floor run along walls if they are long, as skirtings, foots of walls and borders of fitted carpets do. Joints of tiles
     /// need not.

@@ -2,7 +2,7 @@
 
 use crate::{Contractor, Interval, IntervalBox, Outcome, vision::forward::EdgeLine};
 
-use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, WRONG_IMAGES, headings};
+use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, SPOILT_IMAGES, WRONG_IMAGES, headings};
 
 /// The headings at which edges are claimed: near the prior's, or farther off where hardly any edge is near and many are not.
 pub(super) fn about(
@@ -25,39 +25,60 @@ pub fn wrong_lines(lines: usize) -> usize {
     lines / 3
 }
 
-/// At most this many of the level edges of [`super::IMAGES`] images together run along none of the directions.
+/// At most this many of the level edges of [`super::IMAGES`] images together run along none of the directions: a share, and what clutter
+/// that is in view for a while adds.
 pub fn wrong_held(lines: usize) -> usize {
-    lines / 4 + 1
+    lines / 6 + 5
 }
 
 /// Headings on which enough sets agree.
-pub(super) struct WallHeadings {
+#[derive(Clone, Debug)]
+struct Rule {
     /// Headings by set; a heading lies in as many as edges, or images, allow it.
-    pub(super) sets: Vec<Vec<Interval>>,
-    /// As many must; none says nothing.
-    pub(super) needed: Option<usize>,
+    sets: Vec<Vec<Interval>>,
+    /// As many must.
+    needed: usize,
+}
+
+/// Headings that all rules allow; without a rule, walls say nothing.
+#[derive(Clone, Debug)]
+pub(super) struct WallHeadings {
+    rules: Vec<Rule>,
 }
 
 impl WallHeadings {
-    /// All but [`wrong_held`] of the edges of several images agree.
-    pub(super) fn of_edges(sets: Vec<Vec<Interval>>) -> Self {
-        let needed = (sets.len() >= FEWEST_HELD).then(|| sets.len() - wrong_held(sets.len()));
-        WallHeadings { sets, needed }
+    /// All but [`wrong_held`] of the edges of several images agree, and all but [`SPOILT_IMAGES`] of the images have none wrong.
+    pub(super) fn of_edges(images: Vec<Vec<Vec<Interval>>>) -> Self {
+        let whole: Vec<Vec<Interval>> =
+            images.iter().map(|by_count| by_count.last().cloned().unwrap_or_default()).collect();
+        let sets: Vec<Vec<Interval>> = images.into_iter().flatten().collect();
+        let mut rules = Vec::new();
+        if sets.len() >= FEWEST_HELD {
+            rules.push(Rule { needed: sets.len() - wrong_held(sets.len()), sets });
+        }
+        if whole.len() > SPOILT_IMAGES {
+            rules.push(Rule { needed: whole.len() - SPOILT_IMAGES, sets: whole });
+        }
+        WallHeadings { rules }
     }
 
     /// All but [`WRONG_IMAGES`] of several images allow it, each by all but [`wrong_lines`] of its edges.
     pub(super) fn of_images(sets: Vec<Vec<Interval>>) -> Self {
-        let needed = (sets.len() > WRONG_IMAGES).then(|| sets.len() - WRONG_IMAGES);
-        WallHeadings { sets, needed }
+        let says = sets.len() > WRONG_IMAGES;
+        let rule = || Rule { needed: sets.len() - WRONG_IMAGES, sets };
+        WallHeadings { rules: says.then(rule).into_iter().collect() }
     }
 
     fn within(&self, heading: Interval) -> Vec<Interval> {
         // Walls say nothing of a heading that may be anything.
-        let Some(needed) = self.needed.filter(|_| !heading.is_empty() && heading.width() <= 100.0) else {
+        if heading.is_empty() || heading.width() > 100.0 {
             return vec![heading];
-        };
-        let agreed = headings::agreed(&self.sets, needed);
-        agreed.into_iter().map(|set| set.intersect(heading)).filter(|set| !set.is_empty()).collect()
+        }
+        self.rules.iter().fold(vec![heading], |left, rule| {
+            let agreed = headings::agreed(&rule.sets, rule.needed);
+            let pairs = left.iter().flat_map(|set| agreed.iter().map(|other| set.intersect(*other)));
+            pairs.filter(|set| !set.is_empty()).collect()
+        })
     }
 }
 

@@ -46,7 +46,8 @@ impl WallDirections {
             if is_on_floor && (is_short || !self.floor_edges) {
                 return None;
             }
-            let azimuth = sight::azimuth(line, &self.camera, self.body_tilt_rad)?.inflate(self.stamp_turn_rad);
+            let azimuth = sight::azimuth(line, &self.camera, self.body_tilt_rad, self.widest_rad)?;
+            let azimuth = azimuth.inflate(self.stamp_turn_rad);
             (self.solves_lean || azimuth.width() <= sight::WIDEST_RAD).then_some(azimuth)
         };
         let mut sighted: Vec<(EdgeLine, Option<Interval>)> =

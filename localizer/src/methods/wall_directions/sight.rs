@@ -6,8 +6,11 @@ use crate::{Interval, robot::ForwardCameraModel, vision::forward::EdgeLine};
 
 /// Steeper than this, a plane through camera and edge holds the vertical nearly as well: the edge may be a door post.
 const LEAST_SLOPE: f64 = 0.12;
-/// An edge whose direction is known no better, were it known how the robot leans, says nothing.
+/// An edge whose direction is known no better says nothing.
 pub(super) const WIDEST_RAD: f64 = 0.1;
+/// Nor, where the lean is solved for and edges are refitted, does one whose direction would be known no better were the lean known:
+/// edges so short, or so near the horizon, are wrong seven times as often as the others.
+pub(super) const WIDEST_REFITTED_RAD: f64 = 0.035;
 /// Nor does one that any lean turns by so much.
 const MOST_TURNED_RAD: f64 = 0.4;
 /// Rays that dip deeper meet the floor, whose texture, grazed, makes false level lines,
@@ -83,8 +86,13 @@ fn in_robot(part: Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
 /// The plane through the optical centre and the edge has the normal n = (−dv, du, u·dv − v·du) in the camera's frame, with u and v
 /// of one end and du, dv to the other, all over the focal length. A level line d in it has d·n = 0, hence its direction is
 /// atan2(−n_forward, n_left). With both ends' offsets across the edge, n is bilinear: it stays in the hull of four corners.
-pub(super) fn azimuth(line: &EdgeLine, camera: &ForwardCameraModel, body_tilt_rad: f64) -> Option<Interval> {
-    direction(line, camera, 0.0).filter(|direction| direction.width() <= WIDEST_RAD)?;
+pub(super) fn azimuth(
+    line: &EdgeLine,
+    camera: &ForwardCameraModel,
+    body_tilt_rad: f64,
+    widest_rad: f64,
+) -> Option<Interval> {
+    direction(line, camera, 0.0).filter(|direction| direction.width() <= widest_rad)?;
     direction(line, camera, camera.tilt_error_rad + body_tilt_rad)
         .filter(|direction| direction.width() <= MOST_TURNED_RAD)
 }
