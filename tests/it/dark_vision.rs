@@ -28,12 +28,16 @@ fn photons(mean: f64, rng: &mut ChaCha8Rng) -> f64 {
 
 /// Twice the photons on one side of the straight line through (0, `left_px`) and (639, `right_px`), and Poisson noise.
 fn step_edge(left_px: f64, right_px: f64, electrons: f64, seed: u64) -> Picture {
+    step_below(|u| left_px + (right_px - left_px) * u / 639.0, electrons, seed)
+}
+
+/// The same for any edge, by the row at which it crosses a column.
+fn step_below(edge: impl Fn(f64) -> f64, electrons: f64, seed: u64) -> Picture {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut picture = Picture::filled(640, 480, 0.0);
     for (idx, value) in picture.values.iter_mut().enumerate() {
         let (u, v) = ((idx % 640) as f64, (idx / 640) as f64);
-        let edge = left_px + (right_px - left_px) * u / 639.0;
-        let below = (v + 0.5 - edge).clamp(0.0, 1.0);
+        let below = (v + 0.5 - edge(u)).clamp(0.0, 1.0);
         *value = photons(electrons * (1.0 + below), &mut rng) as f32;
     }
     picture
@@ -55,6 +59,20 @@ fn an_edge_of_twenty_electrons_is_found_within_its_claimed_bound() {
         let longest =
             lines.iter().map(|line| line.ends_px[1][0] - line.ends_px[0][0]).fold(0.0, |a: f64, b| a.max(b.abs()));
         assert!(longest > 300.0, "the longest piece spans {longest} px of 640");
+    }
+}
+
+#[test]
+fn what_bends_by_a_pixel_is_no_edge_of_a_building() {
+    // A hill that rises by so much over the picture's width; its fourths lie up to half of that from the line that fits best.
+    let longest_px = |rise_px: f64, seed: u64| {
+        let hill = |u: f64| 240.0 - 4.0 * rise_px * (u / 639.0) * (1.0 - u / 639.0) + 0.02 * u;
+        let length = |[a, b]: [[f64; 2]; 2]| (b[0] - a[0]).hypot(b[1] - a[1]);
+        detect(&step_below(hill, 400.0, seed)).iter().map(|line| length(line.ends_px)).fold(0.0, f64::max)
+    };
+    for seed in 0..4 {
+        assert!(longest_px(0.0, seed) > 500.0, "{} px of a straight edge", longest_px(0.0, seed));
+        assert!(longest_px(1.5, seed) < 300.0, "{} px of a hill", longest_px(1.5, seed));
     }
 }
 

@@ -3,6 +3,8 @@
 //! The edge is moved and turned until the gradient across it, summed along it, is greatest: for a step in even noise that is the
 //! place of greatest likelihood.
 
+use std::ops::Range;
+
 use super::{EdgeLine, Picture, Segment};
 
 /// Half the width of the band that is looked at.
@@ -20,6 +22,12 @@ const ACROSS_PX: f64 = 1.2;
 const SYSTEMATIC_PX: f64 = 0.1;
 /// Standard deviations of noise in a bound.
 const DEVIATIONS: f64 = 2.5;
+/// No fourth of a straight edge is farther from it than this,
+const STRAIGHT_PX: f64 = 0.15;
+/// and so many standard deviations of noise: a hill in a painting is.
+const BENT_DEVIATIONS: f64 = 3.0;
+/// Fourths.
+const PARTS: usize = 4;
 /// Wider bounds are of no use.
 const WIDEST_PX: f64 = 2.0;
 
@@ -33,7 +41,8 @@ pub fn refit(picture: &Picture, segment: &Segment) -> Option<EdgeLine> {
     // four times the variance of its middle.
     let variance = 4.0 * 2.0 * std::f64::consts::PI.sqrt() * ACROSS_PX / (step * step * segment.length_px());
     let bound_px = SYSTEMATIC_PX + DEVIATIONS * variance.sqrt();
-    if bound_px > WIDEST_PX {
+    // The middle of a fourth of the edge is known as well as an end of the whole.
+    if bound_px > WIDEST_PX || bend_px(&profiles, at_ends) > STRAIGHT_PX + BENT_DEVIATIONS * variance.sqrt() {
         return None;
     }
     let along = segment.along();
@@ -97,15 +106,7 @@ fn responses(picture: &Picture, segment: &Segment) -> Vec<Vec<f64>> {
 /// Offsets of the two ends with the steepest mean gradient, and that gradient; `None` at the edge of what was tried.
 fn steepest(profiles: &[Vec<f64>]) -> Option<([f64; 2], f64)> {
     let last = offsets() - 1;
-    let mean = |first: f64, end: f64| -> f64 {
-        let slices = profiles.iter().enumerate().map(|(slice, profile)| {
-            let share = (slice as f64 + 0.5) / SLICES as f64;
-            let at = first + share * (end - first);
-            let below = (at as usize).min(last - 1);
-            profile[below] + (at - below as f64) * (profile[below + 1] - profile[below])
-        });
-        slices.sum::<f64>() / SLICES as f64
-    };
+    let mean = |first: f64, end: f64| mean_along(profiles, 0..SLICES, first, end);
     // The sign is that of the segment as found, in the middle of the band.
     let sign = mean(last as f64 / 2.0, last as f64 / 2.0).signum();
     let mut best = (0, 0, f64::NEG_INFINITY);
@@ -127,6 +128,30 @@ fn steepest(profiles: &[Vec<f64>]) -> Option<([f64; 2], f64)> {
     let turned = vertex(|by| sign * mean(x + by, y - by));
     let px = |steps: f64| steps * STEP_PX - MOVED_PX;
     Some(([px(x + common + turned), px(y + common - turned)], sign * value))
+}
+
+/// Greatest distance from the line with its ends at these offsets of the steepest place of a fourth of the edge, up to `STEP_PX`.
+fn bend_px(profiles: &[Vec<f64>], at_ends_px: [f64; 2]) -> f64 {
+    let [first, end] = at_ends_px.map(|at_px| (at_px + MOVED_PX) / STEP_PX);
+    let sign = mean_along(profiles, 0..SLICES, first, end).signum();
+    let parts = (0..PARTS).map(|part| part * SLICES / PARTS..(part + 1) * SLICES / PARTS);
+    parts
+        .map(|part| vertex(|by| sign * mean_along(profiles, part.clone(), first + by, end + by)).abs() * STEP_PX)
+        .fold(0.0, f64::max)
+}
+
+/// Mean response of some of the slices on the line from one offset to another, in steps.
+fn mean_along(profiles: &[Vec<f64>], slices: Range<usize>, first: f64, end: f64) -> f64 {
+    let last = offsets() - 1;
+    let n_slices = slices.len() as f64;
+    let responses = slices.map(|slice| {
+        let share = (slice as f64 + 0.5) / SLICES as f64;
+        let at = first + share * (end - first);
+        let below = (at.max(0.0) as usize).min(last - 1);
+        let profile = &profiles[slice];
+        profile[below] + (at - below as f64) * (profile[below + 1] - profile[below])
+    });
+    responses.sum::<f64>() / n_slices
 }
 
 /// Where the parabola through the values one step below, at, and above has its vertex, within one step.
