@@ -81,6 +81,8 @@ pub struct Constraint {
     pub claims: Vec<Claim>,
     /// At most this many of the claims may be false.
     pub q_items: usize,
+    /// Its claims count together with those of earlier readings held, so many with its own.
+    pub n_held: usize,
     /// Whether it speaks of x, y and heading: only such a constraint may end a doubt.
     pub decides: bool,
     /// What was looked at and rejected, for debug frames: segments in pixels `[u0, v0, u1, v1]`.

@@ -132,6 +132,7 @@ fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
         method: "floor_tiles",
         claims: vec![Claim::FloorJoint { points_px, share_wrong: 0.2 }],
         q_items: 0,
+        n_held: 1,
         alone_heading_rad: None,
         rejected_px: Vec::new(),
         constrained: true,
@@ -197,7 +198,9 @@ fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
 
 fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, q_items: usize) {
     let image = image(record, Vec::new());
-    record.images.push(ImageRecord { method: "wall_directions", claims, q_items, ..image });
+    let n_held = record.images.len() + 1;
+    let alone_heading_rad = Some(Interval::ZERO);
+    record.images.push(ImageRecord { method: "wall_directions", claims, q_items, n_held, alone_heading_rad, ..image });
 }
 
 /// Without a forward camera no claim of it is true.

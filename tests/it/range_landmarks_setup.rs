@@ -227,6 +227,7 @@ pub(crate) fn says(method: &'static str, reading: &Reading, component: usize, wi
         q_items: 0,
         rejected_px: Vec::new(),
         decides: true,
+        n_held: 1,
         alone_heading_rad: None,
     }
 }

@@ -11,6 +11,8 @@ pub struct Account {
     pub claims: Vec<Claim>,
     /// At most this many of the claims may be false.
     pub q_items: usize,
+    /// Readings, with this one, whose claims count together.
+    pub n_held: usize,
     /// Segments looked at and rejected, `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
     /// Heading that this reading told without those before it.
@@ -33,6 +35,7 @@ impl Account {
             method,
             claims: Vec::new(),
             q_items: 0,
+            n_held: 0,
             rejected_px: Vec::new(),
             alone_heading_rad: None,
             constrained: false,
@@ -48,6 +51,7 @@ impl Account {
             method: constraint.method,
             claims: constraint.claims.clone(),
             q_items: constraint.q_items,
+            n_held: constraint.n_held,
             rejected_px: constraint.rejected_px.clone(),
             alone_heading_rad: constraint.alone_heading_rad,
             constrained: true,

@@ -118,6 +118,7 @@ impl CeilingMarkers {
             claims,
             q_items: self.camera.q_items,
             decides: true,
+            n_held: 1,
             alone_heading_rad: None,
             rejected_px,
         })

@@ -110,6 +110,7 @@ impl FloorTiles {
             rejected_px,
             // Joints of one family leave the place along them open, but those of a doubt's many images do not.
             decides: true,
+            n_held: 1,
             alone_heading_rad: None,
         })
     }

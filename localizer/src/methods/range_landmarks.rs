@@ -131,6 +131,7 @@ impl Method for RangeLandmarks {
             q_items: self.q_items,
             rejected_px: Vec::new(),
             decides,
+            n_held: 1,
             alone_heading_rad: None,
         })
     }

@@ -235,6 +235,7 @@ impl WallDirections {
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
             q_items: wrong_lines(n_level),
+            n_held: self.seen.len(),
             decides: self.decides,
             rejected_px: edges.rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),

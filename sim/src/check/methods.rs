@@ -1,10 +1,10 @@
 //! What each method read and said, and its part in narrowing the box.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 use localizer::{
     Claim,
-    methods::wall_directions::{IMAGES, IMAGES_APART, SPOILT_IMAGES, WRONG_IMAGES, wrong_held, wrong_lines},
+    methods::wall_directions::{SPOILT_IMAGES, WRONG_IMAGES, wrong_held, wrong_lines},
 };
 
 use crate::{
@@ -53,19 +53,12 @@ impl Halvings {
 pub(super) fn misperceived(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
     let solves_lean = scene.localizer.wall_directions().solves_lean;
     let edges = held_edges(record, judged);
-    let mut held: VecDeque<bool> = VecDeque::new();
     let is_misperceived = record.images.iter().zip(judged).zip(edges).map(|((image, judged), edges)| {
         let too_many = judged.others > image.q_items;
         match edges {
             None => image.method != "wall_directions" && too_many,
             Some(edges) if solves_lean => edges.are_more_than_declared(),
-            Some(_) => {
-                held.push_back(too_many);
-                if held.len() > IMAGES_APART {
-                    held.pop_front();
-                }
-                too_many && held.iter().filter(|wrong| **wrong).count() > WRONG_IMAGES
-            }
+            Some(edges) => too_many && edges.misread_images > WRONG_IMAGES,
         }
     });
     is_misperceived.collect()
@@ -79,9 +72,23 @@ pub(super) struct HeldEdges {
     pub(super) wrong: usize,
     /// Images with any such.
     pub(super) spoilt_images: usize,
+    /// Images with more such than their q.
+    misread_images: usize,
 }
 
 impl HeldEdges {
+    fn of(image: &ImageRecord, judged: FalseClaims) -> Self {
+        let n_upright = image.claims.iter().filter(|claim| matches!(claim, Claim::UprightLine { .. })).count();
+        let all = image.claims.len() - n_upright;
+        let wrong = if judged.upright > wrong_lines(n_upright) { all } else { judged.others };
+        HeldEdges {
+            all,
+            wrong,
+            spoilt_images: usize::from(wrong > 0),
+            misread_images: usize::from(judged.others > image.q_items),
+        }
+    }
+
     fn are_more_than_declared(self) -> bool {
         self.wrong > wrong_held(self.all) || self.spoilt_images > SPOILT_IMAGES
     }
@@ -89,24 +96,22 @@ impl HeldEdges {
 
 /// The same for each image; `None` where it told nothing, and of other methods.
 pub(super) fn held_edges(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldEdges>> {
-    let mut held: VecDeque<HeldEdges> = VecDeque::new();
+    let mut seen: Vec<HeldEdges> = Vec::new();
     let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
         if image.method != "wall_directions" || !image.constrained {
             return None;
         }
-        let n_upright = image.claims.iter().filter(|claim| matches!(claim, Claim::UprightLine { .. })).count();
-        let all = image.claims.len() - n_upright;
-        let wrong = if judged.upright > wrong_lines(n_upright) { all } else { judged.others };
-        held.push_back(HeldEdges { all, wrong, spoilt_images: usize::from(wrong > 0) });
-        if held.len() > IMAGES {
-            held.pop_front();
+        // What tells no heading of its own is not held.
+        if image.alone_heading_rad.is_some() {
+            seen.push(HeldEdges::of(image, *judged));
         }
-        let sum = |sum: HeldEdges, image: &HeldEdges| HeldEdges {
+        let held = seen.iter().rev().take(image.n_held);
+        Some(held.fold(HeldEdges::default(), |sum, image| HeldEdges {
             all: sum.all + image.all,
             wrong: sum.wrong + image.wrong,
             spoilt_images: sum.spoilt_images + image.spoilt_images,
-        };
-        Some(held.iter().fold(HeldEdges::default(), sum))
+            misread_images: sum.misread_images + image.misread_images,
+        }))
     });
     with_each.collect()
 }
@@ -119,7 +124,10 @@ mod tests {
     fn edges_are_counted_and_so_are_the_images_that_they_spoil() {
         // By hand: of 150 edges 150/6 + 5 = 30, and 14 images.
         for (wrong, spoilt_images, too_many) in [(30, 14, false), (31, 14, true), (15, 15, true), (0, 0, false)] {
-            assert_eq!(HeldEdges { all: 150, wrong, spoilt_images }.are_more_than_declared(), too_many);
+            assert_eq!(
+                HeldEdges { all: 150, wrong, spoilt_images, misread_images: 0 }.are_more_than_declared(),
+                too_many
+            );
         }
     }
 }

@@ -63,6 +63,8 @@ pub struct ImageRecord {
     pub claims: Vec<Claim>,
     /// At most this many of them may be false.
     pub q_items: usize,
+    /// Readings of the method, with this one if it told a heading of its own, whose claims count together.
+    pub n_held: usize,
     /// Segments looked at and rejected: `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
     /// Heading that it told without those before it.

@@ -139,6 +139,7 @@ impl<'a> Recorder<'a> {
                 method: account.method,
                 claims: account.claims,
                 q_items: account.q_items,
+                n_held: account.n_held,
                 rejected_px: account.rejected_px,
                 alone_heading_rad: account.alone_heading_rad,
                 constrained: account.constrained,
