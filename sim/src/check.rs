@@ -39,6 +39,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
         &methods::misperceived(scene, record, &judged),
         &false_claims,
         &landmarks::misled(scene, record),
+        scene.localizer.learns_gyro,
     );
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();

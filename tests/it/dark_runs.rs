@@ -67,6 +67,21 @@ fn a_direction_that_no_wall_has_is_named() {
 }
 
 #[test]
+fn a_wall_that_the_map_does_not_tell_is_named() {
+    let room = "[[building.room]]\nx_m = 4.0\ny_m = 2.0\nwidth_m = 1.2\ndepth_m = 1.0\nheading_deg = 2.0\n\n[robot]\n";
+    let changes = [["duration_s = 60.0", "duration_s = 0.4"], ["[robot]\n", room]];
+    for (setup, is_named) in [("mapped_deg = [0.0]", true), ("mapped_deg = [0.0, 2.0]", false), ("", false)] {
+        let (_, verdict) = judged(&scene(&changes, setup), 4);
+        let named = verdict.violations.iter().find(|violation| violation.bound == "wall_directions.direction");
+        assert_eq!(
+            named.map(|violation| violation.true_value.to_degrees().round()),
+            is_named.then_some(2.0),
+            "{setup}"
+        );
+    }
+}
+
+#[test]
 fn images_from_one_place_are_one_witness() {
     let slow = ["speed_m_per_s = 0.25", "speed_m_per_s = 0.002"];
     let (_, verdict) = judged(&scene(&[["duration_s = 60.0", "duration_s = 2.8"], slow], ""), 4);

@@ -152,5 +152,27 @@ fn a_heading_fixed_once_is_carried_on_without_a_toll_at_every_slot() {
     let carried = width(Some((0.0, None)));
     let expected = 2.0 * FIX_RAD + 20.0 * 2.0 * (0.01 + NOISE_RAD_PER_S) / 0.998;
     assert!(carried < 1.02 * expected && carried > 0.9 * expected, "{carried}, expected {expected}");
-    assert!(width(None) >= carried);
+    assert!(width(None) >= carried - 1e-9);
+}
+
+#[test]
+fn a_bias_that_wanders_is_known_the_less_the_longer_nothing_fixes_the_heading() {
+    let mut widths = Vec::new();
+    let last_fix_s = 10.0;
+    drive(
+        Some((1e-3, None)),
+        f64::INFINITY,
+        20.0,
+        |_| 0,
+        |second, localizer| {
+            if second <= last_fix_s {
+                let measured_s = second - 0.0043;
+                localizer.observe(&Reading::Range { measured_s, arrived_s: second, sightings: Vec::new() });
+            }
+            widths.push(localizer.estimate().pose.hull()[2].width());
+        },
+    );
+    // By hand: each second adds bias and noise, and the bias may be 0.001 rad/s farther off than the second before.
+    let grown = |second: usize| widths[second] - widths[second - 1];
+    assert!(grown(14) > grown(12) + 0.001, "{} and {}", grown(12), grown(14));
 }

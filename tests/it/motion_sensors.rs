@@ -10,7 +10,7 @@ use sim::{
     truth::Truth,
 };
 
-use crate::world_setup::scene;
+use crate::{command::root, world_setup::scene};
 
 /// Rates that a gyroscope at rest reads, one per period, with its drawn bias taken off.
 fn rates_at_rest(gyro: serde_json::Value, seed: u64, n: usize) -> Vec<f64> {
@@ -150,6 +150,20 @@ fn noise_makes_up_for_a_bias_that_would_depart_too_far() {
         }
     }
     assert!(farthest > 0.04 && farthest <= 0.05 + 1e-9, "{farthest}");
+}
+
+#[test]
+fn a_noise_bound_that_would_cut_the_random_walk_off_is_refused() {
+    // By hand: 0.15/60/√0.005 = 0.0354 °/s, three times that 0.1061.
+    for (noise_deg_per_s, is_taken) in [(0.107, true), (0.105, false), (0.0, false)] {
+        let text = std::fs::read_to_string(root().join("scenes/dark/pushed.toml")).unwrap();
+        let text = text.replace("noise_deg_per_s = 0.12", &format!("noise_deg_per_s = {noise_deg_per_s:?}"));
+        let parsed = Scene::parse(&text, "scene.toml");
+        assert_eq!(parsed.is_ok(), is_taken, "{noise_deg_per_s}");
+        if let Err(error) = parsed {
+            assert!(error.to_string().contains("robot.gyro.noise_deg_per_s"), "{error}");
+        }
+    }
 }
 
 fn flow_scene(more: serde_json::Value) -> Scene {

@@ -62,8 +62,8 @@ impl Localizer {
     fn unlearn_since(&mut self, since_s: f64) {
         if let Some(fixes) = &mut self.fixes {
             fixes.forget_since(since_s);
-            self.wheels.learn_gyro(fixes.bias_over(REMEMBER_S, self.now_s), fixes.scale());
         }
+        self.tell_wheels_of_gyro();
         for method in &mut self.methods {
             method.forget_since(since_s);
             for idx in 0..self.ring.len() {

@@ -70,18 +70,17 @@ impl HeadingFixes {
         std::iter::once(self.errors.relies_on()).chain(self.rest_turn_rad.map(|_| REST))
     }
 
-    /// Learns from encoders that have counted nothing for a span; answers whether it did.
-    pub(super) fn rest(&mut self, [since_s, now_s]: [f64; 2]) -> bool {
+    /// Learns from encoders that have counted nothing for a span.
+    pub(super) fn rest(&mut self, [since_s, now_s]: [f64; 2]) {
         let from_s = since_s + SETTLED_S;
         let Some(turn_rad) = self.rest_turn_rad.filter(|_| now_s >= self.rested_s.max(from_s) + REST_AGAIN_S) else {
-            return false;
+            return;
         };
         self.rested_s = now_s;
         let turn = Interval::centred(0.0, turn_rad);
         if let Some(read) = self.readings.sum(from_s, now_s, self.change_rad_per_s2) {
             let _contradiction = self.errors.learn([from_s, now_s], read, turn);
         }
-        true
     }
 
     pub(super) fn read(&mut self, time_s: f64, rate_rad_per_s: f64) {

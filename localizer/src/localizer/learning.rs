@@ -32,11 +32,10 @@ impl Localizer {
     pub(super) fn learn_at_rest(&mut self, time_s: f64, ticks: [i64; 2]) {
         let (since_s, _) = *self.at_rest.take_if(|(_, before)| *before == ticks).get_or_insert((time_s, ticks));
         self.at_rest = Some((since_s, ticks));
-        if let Some(fixes) = self.fixes.as_mut().filter(|_| self.doubt.is_none())
-            && fixes.rest([since_s, time_s])
-        {
-            self.wheels.learn_gyro(fixes.bias_over(REMEMBER_S, time_s), fixes.scale());
+        if let Some(fixes) = self.fixes.as_mut().filter(|_| self.doubt.is_none()) {
+            fixes.rest([since_s, time_s]);
         }
+        self.tell_wheels_of_gyro();
     }
 
     /// A constraint of the heading, told at the stamp of the wheel reading before it: a slot that cuts no reading in two costs the
@@ -58,6 +57,13 @@ impl Localizer {
         let Some(fixes) = &mut self.fixes else { return };
         if self.doubt.is_none() && !heading.is_empty() {
             fixes.learn(stamp_s, heading);
+        }
+        self.tell_wheels_of_gyro();
+    }
+
+    /// Tells what is known of bias and scale now: a bias that wanders is known the less the longer it has not been learnt.
+    pub(super) fn tell_wheels_of_gyro(&mut self) {
+        if let Some(fixes) = &self.fixes {
             // The memory of motion goes back so far.
             self.wheels.learn_gyro(fixes.bias_over(REMEMBER_S, self.now_s), fixes.scale());
         }

@@ -10,18 +10,21 @@ const CAUSE_WITHIN_S: f64 = 3.0;
 /// The judgement of every step, their counts, and the first step outside.
 ///
 /// A step outside inherits the cause of the step before it: a box that went wrong stays wrong until something resolves it. What was
-/// learnt wrongly misleads for as long as it is believed: in one of the spans `misled`, whatever was broken before it is a cause.
+/// learnt wrongly misleads for as long as it is believed: in one of the spans `misled`, whatever was broken before it is a cause; what
+/// is learnt of the gyroscope, at rest and from images, is believed to the end.
 pub(super) fn containment(
     record: &RunRecord,
     violations: &[Violation],
     misperceived: &[bool],
     false_claims: &[usize],
     misled: &[[f64; 2]],
+    learns_gyro: bool,
 ) -> (Containment, Vec<Judgement>) {
     let mut judgements = Vec::with_capacity(record.truths.len());
     let mut counts = Containment { checks: record.truths.len().min(record.estimates.len()), ..Containment::default() };
     let mut last_contained_s = 0.0;
     let mut standing: Option<(Judgement, String)> = None;
+    let rests: Vec<Violation> = violations.iter().filter(|broken| broken.bound == "wheels.rest").cloned().collect();
     for (truth, estimate) in record.truths.iter().zip(&record.estimates) {
         if estimate.pose.contains(truth.pose) {
             counts.contained += 1;
@@ -40,6 +43,9 @@ pub(super) fn containment(
                     let relied_on = relied_on_at(record, *from_s);
                     // Key frames keep the way since the start of the drive: a push hides in them until a landmark comes into view again.
                     blame(record, violations, misperceived, false_claims, relied_on, [0.0, *from_s])
+                }
+                ((Judgement::Unsound, _), None) if learns_gyro => {
+                    blame(record, &rests, misperceived, false_claims, &estimate.relies_on, [0.0, truth.time_s])
                 }
                 (found, _) => found,
             });

@@ -77,15 +77,14 @@ pub(super) struct HeldEdges {
 }
 
 impl HeldEdges {
-    fn of(image: &ImageRecord, judged: FalseClaims) -> Self {
-        let n_upright = image.claims.iter().filter(|claim| matches!(claim, Claim::UprightLine { .. })).count();
-        let all = image.claims.len() - n_upright;
+    /// An image of so many level and upright edges, of which `q_items` and a third may be wrong.
+    fn of([all, n_upright]: [usize; 2], q_items: usize, judged: FalseClaims) -> Self {
         let wrong = if judged.upright > wrong_lines(n_upright) { all } else { judged.others };
         HeldEdges {
             all,
             wrong,
             spoilt_images: usize::from(wrong > 0),
-            misread_images: usize::from(judged.others > image.q_items),
+            misread_images: usize::from(judged.others > q_items),
         }
     }
 
@@ -103,7 +102,9 @@ pub(super) fn held_edges(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Opti
         }
         // What tells no heading of its own is not held.
         if image.alone_heading_rad.is_some() {
-            seen.push(HeldEdges::of(image, *judged));
+            let is_upright = |claim: &&Claim| matches!(claim, Claim::UprightLine { .. });
+            let n_upright = image.claims.iter().filter(is_upright).count();
+            seen.push(HeldEdges::of([image.claims.len() - n_upright, n_upright], image.q_items, *judged));
         }
         let held = seen.iter().rev().take(image.n_held);
         Some(held.fold(HeldEdges::default(), |sum, image| HeldEdges {
@@ -118,7 +119,15 @@ pub(super) fn held_edges(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Opti
 
 #[cfg(test)]
 mod tests {
-    use super::HeldEdges;
+    use super::{FalseClaims, HeldEdges};
+
+    #[test]
+    fn without_a_right_lean_no_edge_of_an_image_is_right() {
+        // By hand: of three upright edges one may be wrong.
+        for (upright, wrong) in [(0, 2), (1, 2), (2, 6)] {
+            assert_eq!(HeldEdges::of([6, 3], 2, FalseClaims { upright, others: 2 }).wrong, wrong);
+        }
+    }
 
     #[test]
     fn edges_are_counted_and_so_are_the_images_that_they_spoil() {

@@ -29,6 +29,15 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
         }
     }
     if let Some(gyro) = &scene.robot.gyro
+        && let Some(walk_deg) = gyro.angle_random_walk_deg_per_sqrt_h
+        && gyro.noise_deg_per_s < 3.0 * gyro.deviation_deg_per_s(walk_deg)
+    {
+        let least = 3.0 * gyro.deviation_deg_per_s(walk_deg);
+        let expected =
+            format!("cuts the angle random walk off, expected at least {least:.4}: three standard deviations");
+        found.push(Contradiction { key: "robot.gyro.noise_deg_per_s".to_owned(), expected });
+    }
+    if let Some(gyro) = &scene.robot.gyro
         && gyro.bias_wander_deg_per_s2 == 0.0
         && gyro.bias_instability_deg_per_h + gyro.rate_random_walk_deg_per_h_per_sqrt_h > 0.0
     {

@@ -163,6 +163,13 @@ pub struct Gyro {
     pub period_s: f64,
 }
 
+impl Gyro {
+    /// Standard deviation of one reading's noise for an angle random walk: N/√T for the mean over a period T.
+    pub(crate) fn deviation_deg_per_s(&self, walk_deg_per_sqrt_h: f64) -> f64 {
+        walk_deg_per_sqrt_h / 60.0 / self.period_s.sqrt()
+    }
+}
+
 impl Default for Gyro {
     /// A good gyroscope, calibrated at rest: bias within 0.02 °/s, 0.0007 °/s/√Hz at 200 Hz.
     fn default() -> Self {

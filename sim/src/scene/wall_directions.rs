@@ -14,11 +14,12 @@ pub struct WallDirectionsSetup {
     /// Directions of walls from world x that the map tells, modulo 90. Those of `[room]` and of every `[[building.room]]` unless stated.
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mapped_deg: Option<Vec<f64>>,
-    /// `wall_directions.direction`: a direction that the map tells is within this of a wall's.
+    /// `wall_directions.direction`: a direction that the map tells is within this of a wall's, and each wall's, unless `learns` is set, is
+    /// within this of one that the map tells.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
     /// Whether the edges of an image tell the body's lean together; otherwise each of them may have been seen at any lean within `body.tilt`.
-    /// Together they need sharp edges: in a bright room with soft shadows more of them were found off than may be wrong.
+    /// Together fewer of them may be wrong: a sixth and five of those of twenty images, and none in six of them.
     pub solves_lean: bool,
     /// Whether edges on the floor run along walls if they are long, as skirtings, foots of walls and borders of fitted carpets do. Joints of tiles
     /// need not.

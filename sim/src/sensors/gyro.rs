@@ -29,8 +29,7 @@ impl GyroSensor {
     /// The scene's gyroscope, or `None` if the robot has none.
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
         let (gyro, calibration) = (scene.robot.gyro.clone()?, drawn.gyro?);
-        // N/√T for the mean over a period T.
-        let of_random_walk = |walk_deg_per_sqrt_h: f64| walk_deg_per_sqrt_h.to_radians() / 60.0 / gyro.period_s.sqrt();
+        let of_random_walk = |walk_deg: f64| gyro.deviation_deg_per_s(walk_deg).to_radians();
         let third_rad_per_s = gyro.noise_deg_per_s.to_radians() / 3.0;
         Some(GyroSensor {
             noise_deviation_rad_per_s: gyro.angle_random_walk_deg_per_sqrt_h.map_or(third_rad_per_s, of_random_walk),

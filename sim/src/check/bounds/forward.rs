@@ -52,14 +52,20 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
 /// The mapped direction that is farthest from every wall's, modulo quarter turns.
 fn mapped_directions(scene: &Scene, record: &RunRecord) -> Option<Violation> {
     let true_deg = scene.true_wall_directions_deg();
-    let off_deg = |mapped_deg: f64| {
-        let from = |wall_deg: &f64| {
-            let turn_deg = (mapped_deg - wall_deg).rem_euclid(90.0);
-            turn_deg.min(90.0 - turn_deg)
+    let mapped_deg = scene.mapped_wall_directions_deg();
+    let farthest_deg = |some_deg: &[f64], others_deg: &[f64]| {
+        let off_deg = |of_deg: &f64| {
+            let from = |other_deg: &f64| {
+                let turn_deg = (of_deg - other_deg).rem_euclid(90.0);
+                turn_deg.min(90.0 - turn_deg)
+            };
+            others_deg.iter().map(from).fold(90.0, f64::min)
         };
-        true_deg.iter().map(from).fold(f64::INFINITY, f64::min)
+        some_deg.iter().map(off_deg).fold(0.0, f64::max)
     };
-    let farthest_deg = scene.mapped_wall_directions_deg().into_iter().map(off_deg).fold(0.0, f64::max);
+    // A direction that the map does not tell is as wrong as one that no wall has, unless the building is said to have such.
+    let untold_deg = if scene.localizer.wall_directions().learns { 0.0 } else { farthest_deg(&true_deg, &mapped_deg) };
+    let farthest_deg = farthest_deg(&mapped_deg, &true_deg).max(untold_deg);
     let tolerance_deg = scene.localizer.wall_directions().tolerance_deg;
     constant(record, "wall_directions.direction", tolerance_deg.to_radians(), farthest_deg.to_radians())
 }
