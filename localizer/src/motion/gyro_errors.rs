@@ -70,7 +70,8 @@ impl GyroErrors {
         let declared = self.declared.side(0);
         // Monotonic in the bias, and in the scale, wherever the other is: extreme at corners.
         known.corners().fold(Interval::EMPTY, |turn, [bias, scale]| {
-            let bias = Interval::centred(bias, departs).intersect(declared);
+            // A corner may lie outside of what is declared by a rounding, and counts all the same.
+            let bias = Interval::centred(bias, departs).intersect(declared.hull(Interval::point(bias)));
             turn.hull((read - bias * lasts_s) / Interval::point(scale))
         })
     }

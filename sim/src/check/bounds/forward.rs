@@ -49,7 +49,7 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     found
 }
 
-/// The mapped direction that is farthest from every wall's, modulo quarter turns.
+/// The mapped direction that is farthest from every wall's, or the wall's that is farthest from every mapped one, modulo quarter turns.
 fn mapped_directions(scene: &Scene, record: &RunRecord) -> Option<Violation> {
     let true_deg = scene.true_wall_directions_deg();
     let mapped_deg = scene.mapped_wall_directions_deg();
