@@ -236,7 +236,9 @@ impl Localizer {
                 let Some(fixes) = fixes else { return motion };
                 // Headings are remembered for longer than places.
                 let mut motion = motion.unwrap_or_else(|| wheels.reach_motion(from_s, to_s, &robot.reach));
-                motion[2] = motion[2].intersect(fixes.turn(from_s, to_s)?);
+                let turn =
+                    if doubted { fixes.turn_if_pushed(from_s, to_s, &robot.reach) } else { fixes.turn(from_s, to_s) };
+                motion[2] = motion[2].intersect(turn?);
                 Some(motion)
             });
             let Some(constraint) = self.methods[idx].constrain(reading, &prior, &twist) else {

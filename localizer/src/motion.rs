@@ -21,7 +21,7 @@ use crate::{
 
 pub use flow::{Agreement, FlowIntegral, agree};
 pub use flow_history::FlowHistory;
-pub use gyro::{GyroHistory, greatest_change_rad_per_s2};
+pub use gyro::{GyroHistory, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
 pub use gyro_errors::GyroErrors;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
@@ -100,17 +100,16 @@ impl WheelHistory {
 
     /// Turn as the gyroscope tells it, with wheels that keep their acceleration; `None` without one.
     pub fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
-        self.gyro.as_ref()?.turn(from_s, to_s, gyro::greatest_change_rad_per_s2(wheels, reach))
+        self.gyro.as_ref()?.turn(from_s, to_s, greatest_change_rad_per_s2(wheels, reach))
     }
 
     /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip.
     pub fn reach_motion(&self, from_s: f64, to_s: f64, reach: &Reach) -> Motion {
         let mut motion = reach_motion(to_s - from_s, reach);
-        // Pushed, a robot may change its turn rate Ω to its opposite at once. In a part s of a period T the turn then departs from the
-        // mean by up to 2·Ω·s·(1 − s/T), at most Ω·T/2: that of a rate which changes by 4·Ω in each period.
-        let sudden_rad_per_s2 =
-            self.gyro.as_ref().map(|gyro| 4.0 * reach.turn_rate_rad_per_s / gyro.period_s()).unwrap_or_default();
-        let turn = self.gyro.as_ref().and_then(|gyro| gyro.turn(from_s, to_s, sudden_rad_per_s2));
+        let turn = self
+            .gyro
+            .as_ref()
+            .and_then(|gyro| gyro.turn(from_s, to_s, sudden_change_rad_per_s2(reach, gyro.period_s())));
         if let Some(turn) = turn {
             motion[2] = motion[2].intersect(turn);
         }

@@ -67,6 +67,21 @@ fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
 }
 
 #[test]
+fn what_comes_late_is_taken_back_with_what_was_known_when_it_came() {
+    let mut errors = GyroErrors::new(&GyroModel { bias_wander_rad_per_s2: 1e-5, ..gyro() });
+    let exact = |bias: [f64; 2], lasts_s: f64| Interval::new(bias[0] * lasts_s, bias[1] * lasts_s);
+    assert_eq!(errors.learn([10.0, 20.0], exact([0.002, 0.006], 10.0), Interval::ZERO), Outcome::Feasible);
+    // An image of 8 s, read after 20 s.
+    assert_eq!(errors.learn([0.0, 8.0], exact([0.003, 0.008], 8.0), Interval::ZERO), Outcome::Feasible);
+    let known = errors.bias_over([20.0; 2]);
+    // By hand: it wanders by up to 1e-5·20 from the beginning of its span to 20 s.
+    assert!(known.contains(0.0029) && !known.contains(0.0027) && known.contains(0.0060), "{known:?}");
+    errors.forget_since(15.0);
+    let declared = errors.bias_over([20.0; 2]);
+    assert!((declared.width() - 2.0 * BIAS_TOLERANCE_RAD_PER_S).abs() < 1e-9, "{declared:?}");
+}
+
+#[test]
 fn laps_of_one_sense_hide_the_scale_in_the_bias_and_the_next_lap_pays_for_neither() {
     let exact = GyroModel { noise_rad_per_s: 0.0, ..gyro() };
     let (bias, scale) = (0.003, 0.9985);

@@ -166,6 +166,26 @@ fn a_noise_bound_that_would_cut_the_random_walk_off_is_refused() {
     }
 }
 
+#[test]
+fn what_would_bound_or_tell_nothing_is_refused() {
+    let text = std::fs::read_to_string(root().join("scenes/papers/dark_carpet.toml")).unwrap();
+    let refusal = |text: &str| Scene::parse(text, "scene.toml").unwrap_err().to_string();
+    for (from, to, key) in [
+        ("angle_floor_deg = 0.02\n", "", "robot.gyro.angle_deg_per_s"),
+        ("solves_lean = true", "mapped_deg = []", "localizer.wall_directions.mapped_deg"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let error = refusal(&text.replace(from, to));
+        assert!(error.contains(key), "{key}: {error}");
+    }
+    // The P3-DX has no gyroscope unless its scene states one.
+    let mut gyroless = text.replace("preset = \"vacuum\"", "preset = \"p3dx\"");
+    let own = gyroless.find("[robot.gyro]").unwrap()..gyroless.find("[robot.forward_camera]").unwrap();
+    gyroless.replace_range(own, "");
+    let error = refusal(&gyroless);
+    assert!(error.contains("localizer.learns_gyro") && error.contains("[robot.gyro]"), "{error}");
+}
+
 fn flow_scene(more: serde_json::Value) -> Scene {
     let mut keys = serde_json::json!({ "robot": { "flow": { "forward_m": -0.06, "left_m": 0.02 } } });
     for (key, value) in more.as_object().unwrap() {

@@ -1,8 +1,8 @@
 //! Level edges to headings, against a camera, rooms and lines of the tests' own.
 
 use localizer::{
-    Claim, Interval, Method, PoseBox, PoseUnion,
-    methods::wall_directions::{IMAGES, SPOILT_IMAGES, WallDirections, wrong_held, wrong_lines},
+    Claim, Interval, Map, Method, PoseBox, PoseUnion, RobotModel,
+    methods::wall_directions::{IMAGES, SPOILT_IMAGES, Setup, WallDirections, wrong_held, wrong_lines},
     robot::{BodyModel, ForwardCameraModel, Reach},
     vision::forward::EdgeLine,
 };
@@ -279,6 +279,29 @@ fn no_lean_falls_between_two_squares() {
         let headings = fixed(&mut on_a_body_that_leans(0.012), &edges, &union(0.0, 0.05)).unwrap();
         assert!(holds(&headings, 0.0), "lean {lean_rad} about {about}: {headings:?}");
     }
+}
+
+#[test]
+fn images_that_hold_too_few_edges_to_say_anything_end_no_doubt() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let truth = TrueCamera::draw(&mut rng);
+    let map = Map {
+        room_m: [Interval::new(-2.0, 2.0); 2],
+        tiles: None,
+        markers: None,
+        wall_directions_rad: vec![Interval::ZERO],
+    };
+    let robot = RobotModel { forward_camera: Some(camera([0.0; 5])), ..crate::range_landmarks_setup::robot(0, 0) };
+    let setup = Setup { solves_lean: true, decides: true, ..Setup::default() };
+    let mut walls = WallDirections::new(&map, &robot, setup).unwrap();
+    let mut n_held = 0;
+    let edges: Vec<EdgeLine> = (0..12).map(|_| truth.edge(0.0, 0.2, &mut rng)).collect();
+    for _ in 0..8 {
+        let constraint = walls.constraint(0.0, &edges, &union(0.2, 0.1)).unwrap();
+        n_held += constraint.claims.iter().filter(|claim| matches!(claim, Claim::WallLine { .. })).count();
+        assert_eq!(constraint.decides, n_held >= 20, "{n_held} edges held");
+    }
+    assert!(n_held > 24, "{n_held}");
 }
 
 #[test]

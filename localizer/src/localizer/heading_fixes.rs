@@ -8,8 +8,8 @@ use std::collections::VecDeque;
 use crate::{
     Interval,
     method::Assumption,
-    motion::{GyroErrors, GyroHistory},
-    robot::GyroModel,
+    motion::{GyroErrors, GyroHistory, sudden_change_rad_per_s2},
+    robot::{GyroModel, Reach},
 };
 
 /// The bound that a bias learnt at rest stands on.
@@ -120,9 +120,18 @@ impl HeadingFixes {
         })
     }
 
-    /// Turn between two stamps by the gyroscope alone.
+    /// Turn between two stamps by the gyroscope alone, while wheels keep their acceleration.
     pub(super) fn turn(&self, from_s: f64, to_s: f64) -> Option<Interval> {
-        let read = self.readings.sum(from_s, to_s, self.change_rad_per_s2)?;
+        self.turn_at_change(from_s, to_s, self.change_rad_per_s2)
+    }
+
+    /// The same whatever happens to a robot that keeps its reach.
+    pub(super) fn turn_if_pushed(&self, from_s: f64, to_s: f64, reach: &Reach) -> Option<Interval> {
+        self.turn_at_change(from_s, to_s, sudden_change_rad_per_s2(reach, self.model.period_s))
+    }
+
+    fn turn_at_change(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
+        let read = self.readings.sum(from_s, to_s, change_rad_per_s2)?;
         Some(self.errors.turn([from_s, to_s], read))
     }
 

@@ -228,15 +228,17 @@ impl WallDirections {
         let level = edges.level.iter().map(|line| Claim::WallLine { ends_px: line.ends_px, bound_px: line.bound_px });
         let upright =
             edges.upright.iter().map(|line| Claim::UprightLine { ends_px: line.ends_px, bound_px: line.bound_px });
+        let held = self.headings_held();
         Some(Constraint {
             method: self.name(),
             stamp_s,
-            on_pose: Box::new(self.headings_held()),
+            // Images that say nothing yet agree with anything: they end no doubt.
+            decides: self.decides && held.says_something(),
+            on_pose: Box::new(held),
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
             q_items: wrong_lines(n_level),
             n_held: self.seen.len(),
-            decides: self.decides,
             rejected_px: edges.rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),
         })

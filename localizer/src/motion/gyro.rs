@@ -176,3 +176,10 @@ impl Sums {
 pub fn greatest_change_rad_per_s2(wheels: &WheelModel, reach: &Reach) -> f64 {
     2.0 * reach.acceleration_m_per_s2 / wheels.track_m.lo()
 }
+
+/// Greatest change of the turn rate of a robot that is pushed: it may change its rate Ω to its opposite at once. In a part s of a
+/// period T the turn then departs from the mean by up to 2·Ω·s·(1 − s/T), at most Ω·T/2: that of a rate which changes by 4·Ω in
+/// each period.
+pub fn sudden_change_rad_per_s2(reach: &Reach, period_s: f64) -> f64 {
+    4.0 * reach.turn_rate_rad_per_s / period_s
+}

@@ -8,6 +8,9 @@ use crate::{Interval, contractor::Outcome, method::Assumption, robot::GyroModel}
 
 use super::polygon::Polygon;
 
+/// What was learnt is taken back stamp by stamp no further back than this; a doubt that goes further back takes back all.
+const UNLEARN_S: f64 = 300.0;
+
 /// What is known of bias and scale, and since when.
 #[derive(Clone, Debug)]
 pub struct GyroErrors {
@@ -86,15 +89,17 @@ impl GyroErrors {
             return Outcome::Feasible;
         }
         let (known_s, latest) = self.latest(to_s);
+        // What a late reading tells is known from now on, not since its stamp: it is cut from all that was known before it came.
+        let at_s = known_s.max(to_s);
         let known = match self.drift {
             Drift::None => latest.clone(),
             Drift::Wander(rad_per_s2) => {
                 let declared = self.declared.side(0);
-                latest.wider(rad_per_s2 * (to_s - known_s).abs()).below(0.0, declared.hi()).above(0.0, declared.lo())
+                latest.wider(rad_per_s2 * (at_s - known_s)).below(0.0, declared.hi()).above(0.0, declared.lo())
             }
         };
         // bias + scale·Δθ/T = R/T, for some turn and some sum of their enclosures.
-        let mean = (read / lasts_s).inflate(self.drift.departs(to_s, span_s));
+        let mean = (read / lasts_s).inflate(self.drift.departs(at_s, span_s));
         let rate = turn / lasts_s;
         let left = known.below(rate.lo(), mean.hi()).above(rate.hi(), mean.lo());
         if left.is_empty() {
@@ -102,8 +107,11 @@ impl GyroErrors {
         }
         if left != *latest {
             // One a stamp: what unlearns goes by stamps.
-            self.known.pop_if(|(stamp_s, _)| *stamp_s == to_s);
-            self.known.push((to_s, left));
+            self.known.pop_if(|(stamp_s, _)| *stamp_s == at_s);
+            self.known.push((at_s, left));
+            let deepest_s = at_s - UNLEARN_S;
+            let first = self.known.iter().rposition(|(stamp_s, _)| *stamp_s <= deepest_s).unwrap_or(0);
+            self.known.drain(..first);
         }
         Outcome::Feasible
     }

@@ -3,6 +3,7 @@
 mod building;
 mod errands;
 mod markers;
+mod sensors;
 
 use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
@@ -20,30 +21,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     building::contradictions(scene, &mut found);
     errands::contradictions(scene, &mut found);
     markers::contradictions(scene, &mut found);
-    let gyro_s = scene.robot.gyro.as_ref().map(|gyro| ("robot.gyro.period_s", gyro.period_s));
-    let flow_s = scene.robot.flow.as_ref().map(|flow| ("robot.flow.period_s", flow.period_s));
-    let encoders_s = [("robot.encoders.period_s", scene.robot.encoders.period_s)];
-    for (key, period_s) in encoders_s.into_iter().chain(gyro_s).chain(flow_s) {
-        if let Some(expected) = sampling(period_s) {
-            found.push(Contradiction { key: key.to_owned(), expected });
-        }
-    }
-    if let Some(gyro) = &scene.robot.gyro
-        && let Some(walk_deg) = gyro.angle_random_walk_deg_per_sqrt_h
-        && gyro.noise_deg_per_s < 3.0 * gyro.deviation_deg_per_s(walk_deg)
-    {
-        let least = 3.0 * gyro.deviation_deg_per_s(walk_deg);
-        let expected =
-            format!("cuts the angle random walk off, expected at least {least:.4}: three standard deviations");
-        found.push(Contradiction { key: "robot.gyro.noise_deg_per_s".to_owned(), expected });
-    }
-    if let Some(gyro) = &scene.robot.gyro
-        && gyro.bias_wander_deg_per_s2 == 0.0
-        && gyro.bias_instability_deg_per_h + gyro.rate_random_walk_deg_per_h_per_sqrt_h > 0.0
-    {
-        let expected = "the bias would be held fast, expected more than 0 to let it wander".to_owned();
-        found.push(Contradiction { key: "robot.gyro.bias_wander_deg_per_s2".to_owned(), expected });
-    }
+    sensors::contradictions(scene, &mut found);
     found.extend(
         scene
             .expect
@@ -234,12 +212,6 @@ fn events(scene: &Scene, found: &mut Vec<Contradiction>) {
             }
         }
     }
-}
-
-/// What is wrong with the time between two encoder readings: physics advances in steps of 1 ms.
-fn sampling(period_s: f64) -> Option<String> {
-    let steps = period_s / 0.001;
-    ((steps - steps.round()).abs() > 1e-6).then(|| "expected a multiple of 0.001, the step of the physics".to_owned())
 }
 
 /// A number without the noise of binary fractions.

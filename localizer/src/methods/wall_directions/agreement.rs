@@ -69,6 +69,11 @@ impl WallHeadings {
         WallHeadings { rules: says.then(rule).into_iter().collect() }
     }
 
+    /// Whether any heading at all may be ruled out.
+    pub(super) fn says_something(&self) -> bool {
+        !self.rules.is_empty()
+    }
+
     fn within(&self, heading: Interval) -> Vec<Interval> {
         // Walls say nothing of a heading that may be anything.
         if heading.is_empty() || heading.width() > 100.0 {
