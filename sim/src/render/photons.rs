@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use super::{
     View,
     device::Graphics,
-    target::{Target, levels_format},
+    target::{PAIR_FORMAT, Target, levels_format, pairs},
 };
 use crate::{scene::BitDepth, sensors::lens::Lens};
 
@@ -107,46 +107,50 @@ impl PhotonPass {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
         };
         let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-        let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only });
         let uniform = buffer(wgpu::BufferBindingType::Uniform);
-        let texture = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D2,
+        let view_dimension = wgpu::TextureViewDimension::D2;
+        let texture = |filterable| wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable },
+            view_dimension,
             multisampled: false,
+        };
+        let laid = wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::WriteOnly,
+            format: PAIR_FORMAT,
+            view_dimension,
         };
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         let (fragment, compute) = (wgpu::ShaderStages::FRAGMENT, wgpu::ShaderStages::COMPUTE);
-        let pattern_layout = layout("pattern", compute, &[uniform, storage(false)]);
+        let pattern_layout = layout("pattern", compute, &[uniform, laid]);
         PhotonPass {
             made: BTreeMap::new(),
             lay_pattern: pattern_pipeline(device, &pattern_layout),
-            readout_layout: layout("readout", fragment, &[uniform, storage(true)]),
+            readout_layout: layout("readout", fragment, &[uniform, texture(false)]),
             pattern_layout,
-            luminance_layout: layout("luminance", fragment, &[texture]),
-            lens_layout: layout("lens", fragment, &[uniform, texture, storage(true), sampler]),
+            luminance_layout: layout("luminance", fragment, &[texture(true)]),
+            lens_layout: layout("lens", fragment, &[uniform, texture(true), texture(false), sampler]),
         }
     }
 
     /// Bindings that read one view's luminance.
     pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView) -> PhotonSlot {
         let size = luminance.texture().size();
-        let n_pixels = u64::from(size.width) * u64::from(size.height);
-        let buffer = |label, size, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
-        };
-        let pattern = buffer("pattern", n_pixels * size_of::<[f32; 2]>() as u64, wgpu::BufferUsages::STORAGE);
-        let uniform = buffer(
-            "readout",
-            size_of::<ReadoutOnDevice>() as u64,
-            wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        );
+        let laid = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
+        let pattern = pairs(device, "pattern", [size.width, size.height], laid)
+            .create_view(&wgpu::TextureViewDescriptor::default());
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readout"),
+            size: size_of::<ReadoutOnDevice>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
         let both = |layout| {
             device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("readout"),
                 layout,
                 entries: &[
                     wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: pattern.as_entire_binding() },
+                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&pattern) },
                 ],
             })
         };

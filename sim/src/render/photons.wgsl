@@ -4,8 +4,8 @@
 // Whether pixels differ in sensitivity, offset and dark current.
 override UNEVEN: bool = false;
 
-// As pattern.wgsl laid it.
-@group(0) @binding(1) var<storage, read> pattern: array<vec2<f32>>;
+// As pattern.wgsl laid it. A software driver reads a texture for eight pixels at once, where from storage it loads pixel by pixel.
+@group(0) @binding(1) var pattern: texture_2d<f32>;
 
 // From this mean on, shot noise is taken from a normal variable by Cornish and Fisher's expansion: its distribution function
 // then departs from the Poisson law's by 5e-4 at most. Below, the Poisson law is sampled exactly.
@@ -21,11 +21,11 @@ fn whole_picture(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f
 fn read_out(@builtin(position) position: vec4<f32>) -> @location(0) u32 {
     let place = vec2<u32>(position.xy);
     let index = place.y * readout.size_px.x + place.x;
-    let light = luminance_at(place, index) * readout.electrons_per_luminance;
+    let light = luminance_at(place) * readout.electrons_per_luminance;
     if (!UNEVEN) {
         return level_of(light, 0.0, index);
     }
-    let own = pattern[index];
+    let own = textureLoad(pattern, place, 0).xy;
     return level_of(light * own.x + readout.dark_electrons, own.y, index);
 }
 

@@ -25,6 +25,8 @@ struct Strip {
     @location(1) @interpolate(flat) size: vec2<f32>,
     @location(2) @interpolate(flat) contrast: vec3<f32>,
     @location(3) @interpolate(flat) look: vec4<f32>,
+    // From storage it would be loaded pixel by pixel.
+    @location(4) @interpolate(flat) sub_frames: u32,
 }
 
 @vertex
@@ -40,6 +42,7 @@ fn band_corner(@builtin(vertex_index) index: u32, band: Band) -> Strip {
         vec2(band.half_length_m, band.half_width_m),
         band.contrast,
         vec4(band.albedo, band.step, band.shade, band.capped),
+        counted.sub_frames,
     );
 }
 
@@ -52,7 +55,7 @@ fn band_luminance(strip: Strip) -> @location(0) vec4<f32> {
     var on_the_left = 0.0;
     var start = place_at(view.sub_frame_ends[0], pixel);
     let sides = sides_at(view.middle, pixel, place_at(view.middle, pixel));
-    for (var frame = 0u; frame < counted.sub_frames; frame++) {
+    for (var frame = 0u; frame < strip.sub_frames; frame++) {
         let end = place_at(counted.sub_frame_ends[frame + 1u], pixel);
         let footprint = Footprint(sides[0], sides[1], end - start);
         let from_middle = 0.5 * (start + end) - strip.line.xy;

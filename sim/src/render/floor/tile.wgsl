@@ -15,13 +15,15 @@ struct Face {
     @location(0) @interpolate(flat) anchor: vec2<f32>,
     @location(1) @interpolate(flat) albedo: f32,
     @location(2) @interpolate(flat) seed: u32,
+    // From storage it would be loaded pixel by pixel.
+    @location(3) @interpolate(flat) samples: u32,
 }
 
 @vertex
 fn tile_corner(@builtin(vertex_index) index: u32, tile: Tile) -> Face {
     let pair = select(tile.low_corners, tile.high_corners, index >= 2u);
     let corner = select(pair.xy, pair.zw, (index & 1u) == 1u);
-    return Face(clip_at(corner), tile.anchor, tile.albedo, tile.seed);
+    return Face(clip_at(corner), tile.anchor, tile.albedo, tile.seed, counted.pattern_samples);
 }
 
 @fragment
@@ -40,7 +42,7 @@ fn tile_luminance(face: Face) -> @location(0) vec4<f32> {
         let extent = abs(sides[0]) + abs(sides[1]) + step * abs(end - start);
         let size_m = 0.5 * (extent.x + extent.y);
         var sum = 0.0;
-        for (var sample = 0u; sample < counted.pattern_samples; sample++) {
+        for (var sample = 0u; sample < face.samples; sample++) {
             let time = (f32(sample) + 0.5) * step;
             let place = start + time * (speed + time * bend);
             sum += pattern_at(place - face.anchor, face.seed, size_m, extent.x);

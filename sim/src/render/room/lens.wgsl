@@ -20,8 +20,8 @@ override VIGNETTING: bool = false;
 @group(1) @binding(0) var<uniform> sheet: Sheet;
 // Mean over the sub-frames.
 @group(1) @binding(1) var plate: texture_2d<f32>;
-// Place on the plate of every pixel of the sensor, row by row.
-@group(1) @binding(2) var<storage, read> places_px: array<vec2<f32>>;
+// Place on the plate of every pixel of the sensor.
+@group(1) @binding(2) var places_px: texture_2d<f32>;
 @group(1) @binding(3) var between: sampler;
 
 // The four pixels around a corner between pixels, which a software driver reads in half the time of a filtered look: lower left, lower right,
@@ -56,10 +56,10 @@ fn smooth_at(place: vec2<f32>) -> f32 {
         + after.y * (before.x * third.x + here.x * third.y + after.x * last.y);
 }
 
-fn luminance_at(pixel: vec2<u32>, index: u32) -> f32 {
+fn luminance_at(pixel: vec2<u32>) -> f32 {
     var place = vec2<f32>(pixel);
     if (BENT || DEFOCUSED) {
-        place = places_px[index];
+        place = textureLoad(places_px, pixel, 0).xy;
     }
     var luminance = 0.0;
     if (DEFOCUSED) {

@@ -13,6 +13,8 @@ pub(super) struct LensMap {
     pub(super) centre_px: [f64; 2],
     /// Place on the plate of every pixel, row by row; one entry when the plate is the image itself.
     pub(super) places_px: Vec<[f32; 2]>,
+    /// Width and height of these.
+    pub(super) places_size_px: [u32; 2],
 }
 
 impl LensMap {
@@ -23,6 +25,7 @@ impl LensMap {
                 size_px: lens.size_px,
                 centre_px: lens.principal_point_px,
                 places_px: vec![[0.0; 2]],
+                places_size_px: [1, 1],
             });
         }
         let [width, height] = lens.size_px;
@@ -56,6 +59,7 @@ impl LensMap {
             size_px: size.map(|side| side as u32),
             centre_px,
             places_px: places.iter().map(on_plate).collect(),
+            places_size_px: lens.size_px,
         })
     }
 }

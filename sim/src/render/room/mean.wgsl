@@ -13,17 +13,25 @@ struct Sheet {
 // One layer for each sub-frame.
 @group(0) @binding(1) var plates: texture_2d_array<f32>;
 
+struct Plate {
+    @builtin(position) position: vec4<f32>,
+    // From storage both would be loaded pixel by pixel.
+    @location(0) @interpolate(flat) count: u32,
+    @location(1) @interpolate(flat) share: f32,
+}
+
 @vertex
-fn whole_plate(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
-    return vec4(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+fn whole_plate(@builtin(vertex_index) index: u32) -> Plate {
+    let corner = vec4(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+    return Plate(corner, sheet.n_plates, sheet.share);
 }
 
 @fragment
-fn mean_luminance(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let place = vec2<u32>(position.xy);
+fn mean_luminance(whole: Plate) -> @location(0) vec4<f32> {
+    let place = vec2<u32>(whole.position.xy);
     var sum = 0.0;
-    for (var plate = 0u; plate < sheet.n_plates; plate++) {
+    for (var plate = 0u; plate < whole.count; plate++) {
         sum += textureLoad(plates, place, plate, 0).x;
     }
-    return vec4(sum * sheet.share, 0.0, 0.0, 1.0);
+    return vec4(sum * whole.share, 0.0, 0.0, 1.0);
 }

@@ -10,7 +10,11 @@ use super::{
     world::{RoomWorld, buffer},
 };
 use crate::{
-    render::{RenderError, device::Graphics, target::LUMINANCE_FORMAT},
+    render::{
+        RenderError,
+        device::Graphics,
+        target::{LUMINANCE_FORMAT, pairs},
+    },
     sensors::lens::Lens,
 };
 
@@ -40,7 +44,7 @@ pub(in crate::render) struct RoomSlot {
     n_plates: usize,
     views: wgpu::Buffer,
     sheet: wgpu::Buffer,
-    places: wgpu::Buffer,
+    places: wgpu::TextureView,
     /// Which cells of the world's faces are drawn, and how.
     pub(super) chosen: wgpu::Buffer,
     plate_size_px: [u32; 2],
@@ -150,7 +154,7 @@ impl RoomSlot {
         let (plates, plate_views) = plates(device, map.size_px, 1);
         let depth = attachment(device, map.size_px, 1, DEPTH_FORMAT, wgpu::TextureUsages::empty())
             .create_view(&wgpu::TextureViewDescriptor::default());
-        let places = buffer(graphics, "lens map", wgpu::BufferUsages::STORAGE, &map.places_px);
+        let places = places(graphics, &map);
         let empty = |label, size, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
@@ -272,7 +276,7 @@ fn bind(
     layout: &wgpu::BindGroupLayout,
     sheet: &wgpu::Buffer,
     plate: &wgpu::TextureView,
-    places: &wgpu::Buffer,
+    places: &wgpu::TextureView,
     linear: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -281,7 +285,7 @@ fn bind(
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(plate) },
-            wgpu::BindGroupEntry { binding: 2, resource: places.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(places) },
             wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(linear) },
         ],
     })
@@ -306,6 +310,24 @@ fn bind_mean(
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&layers) },
         ],
     })
+}
+
+/// Where on the plate each pixel of the sensor takes its light from.
+fn places(graphics: &Graphics, map: &LensMap) -> wgpu::TextureView {
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let [width, height] = map.places_size_px;
+    let texture = pairs(&graphics.device, "lens map", map.places_size_px, usage);
+    graphics.queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&map.places_px),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(width * size_of::<[f32; 2]>() as u32),
+            rows_per_image: Some(height),
+        },
+        texture.size(),
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Plates in layers, and a view of each.
