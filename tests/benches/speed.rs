@@ -4,14 +4,19 @@
 
 use std::{hint::black_box, path::Path, time::Instant};
 
-use localizer::{Interval, Pose, reading::Camera};
+use localizer::{
+    Interval, IntervalBox, Pose, PoseUnion,
+    methods::wall_directions::{Setup, WallDirections},
+    reading::Camera,
+    vision::forward::{self, Picture, stabilise},
+};
 use nalgebra::{Isometry3, Translation3};
 use sim::{
     drawn::Drawn,
     render::{Renderer, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
-    still::views_at,
+    still::{take, views_at},
 };
 
 fn main() {
@@ -20,6 +25,7 @@ fn main() {
     if !std::env::args().any(|argument| argument == "views") {
         intervals();
         runs();
+        forward_frames();
     }
     views();
     memory();
@@ -87,6 +93,52 @@ fn runs() {
     };
     line("floor_tiles, an image of 640 × 480", per_image(|record| record.timing.vision_s), "ms", "≤ 3");
     line("rendering and sensor, an image of 640 × 480", per_image(|record| record.timing.render_s), "ms", "");
+}
+
+/// Each step of `wall_directions` on frames of a room at 0.1 lx, on one core.
+fn forward_frames() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let scene = Scene::load(&root.join("scenes/papers/dark_carpet.toml")).unwrap();
+    let drawn = Drawn::draw(&scene, 0);
+    let mut renderer = Renderer::new().unwrap();
+    let world = renderer.upload_room(&scene, &drawn).unwrap();
+    let lux = world.illuminance_at_floor_lux().unwrap();
+    let setup = Setup { solves_lean: true, floor_edges: true, ..Setup::default() };
+    let mut steps: [Vec<f64>; 6] = Default::default();
+    for index in 0..24 {
+        let heading_rad = f64::from(index) * std::f64::consts::TAU / 24.0;
+        let pose = Pose { x_m: 2.2, y_m: 1.8, heading_rad };
+        let cameras = (&[Camera::Forward][..], 0);
+        let stills = take(&mut renderer, &world, &scene, &drawn, pose, lux, cameras).unwrap();
+        let picture = Picture::from(&stills[0].image);
+        let near = IntervalBox::from([pose.x_m, pose.y_m, heading_rad].map(|at| Interval::centred(at, 0.05)));
+        let mut walls = WallDirections::new(&scene.map(), &scene.robot_model(), setup).unwrap();
+        let mut began = Instant::now();
+        let mut step = |which: usize| {
+            steps[which].push(1e3 * began.elapsed().as_secs_f64());
+            began = Instant::now();
+        };
+        let even = black_box(stabilise::stabilised(&picture));
+        let binned = even.binned();
+        step(0);
+        let filtered = black_box(forward::guided(&binned));
+        step(1);
+        let found = black_box(forward::long_segments(&filtered, &picture));
+        step(2);
+        let lines = black_box(forward::refitted(&even, &found));
+        step(3);
+        black_box(walls.constraint(0.0, &lines, &PoseUnion::single(near)));
+        step(4);
+        black_box(forward::detect(&picture));
+        step(5);
+    }
+    let names = ["noise made even, bins", "rolling guidance", "segments", "refit", "headings and lean"];
+    let medians = steps.map(median);
+    for (name, milliseconds) in names.iter().zip(medians) {
+        line(&format!("wall_directions: {name}"), milliseconds, "ms", "");
+    }
+    // Detected at once, the first four steps; with what follows, the whole of a frame.
+    line("wall_directions, an image of 640 × 480", medians[5] + medians[4], "ms", "≤ 30");
 }
 
 /// Three cameras a tick in a room with lamps, shadows and furniture, sensor model on.

@@ -15,14 +15,10 @@ use crate::{
 /// The bound that a bias learnt at rest stands on.
 const REST: Assumption = "wheels.rest";
 
-/// Fixes and readings are kept for so long: a bias is known to a heading's width over as much.
-const KEEP_S: f64 = 300.0;
-/// Fixes nearer to each other than this tell nothing more,
-const APART_S: f64 = 1.0;
-/// nor do old ones nearer than this.
-const OLD_APART_S: f64 = 5.0;
-/// Fixes are old after so long.
-const OLD_S: f64 = 10.0;
+/// Fixes and readings are kept for so long: a bias is known to a heading's width over as much, and to what it drifts.
+const KEEP_S: f64 = 900.0;
+/// Of the fixes up to so old, the narrowest in so long a while is kept.
+const WHILES_S: [[f64; 2]; 3] = [[10.0, 1.0], [60.0, 5.0], [KEEP_S, 30.0]];
 /// Wheels that brake may roll on for so long without a count.
 const SETTLED_S: f64 = 0.5;
 /// At rest, the bias is learnt again after so long each time.
@@ -95,20 +91,26 @@ impl HeadingFixes {
                 let _contradiction = self.errors.learn([fixed_s, stamp_s], read, heading - before);
             }
         }
-        if self.fixes.back().is_none_or(|(fixed_s, _)| *fixed_s <= stamp_s - APART_S) {
-            self.fixes.push_back((stamp_s, heading));
-            self.thin_out(stamp_s);
-        }
+        self.fixes.push_back((stamp_s, heading));
+        self.thin_out(stamp_s);
     }
 
+    /// Keeps the narrowest fix of each while.
     fn thin_out(&mut self, now_s: f64) {
-        let mut latest_kept_s = f64::NEG_INFINITY;
-        self.fixes.retain(|(fixed_s, _)| {
-            let apart_s = if *fixed_s < now_s - OLD_S { OLD_APART_S } else { APART_S };
-            let is_kept = *fixed_s > now_s - KEEP_S && *fixed_s >= latest_kept_s + apart_s;
-            latest_kept_s = if is_kept { *fixed_s } else { latest_kept_s };
-            is_kept
-        });
+        let while_of = |fixed_s: f64| {
+            let [_, while_s] = WHILES_S.into_iter().find(|[old_s, _]| now_s - fixed_s <= *old_s)?;
+            Some((while_s, (fixed_s / while_s).floor()))
+        };
+        let is_narrower = |one: &(f64, Interval), other: &(f64, Interval)| one.1.width() < other.1.width();
+        let mut kept: VecDeque<(f64, Interval)> = VecDeque::with_capacity(self.fixes.len());
+        for fix in self.fixes.iter().filter(|(fixed_s, _)| while_of(*fixed_s).is_some()) {
+            match kept.back_mut().filter(|last| while_of(last.0) == while_of(fix.0)) {
+                Some(last) if is_narrower(fix, last) => *last = *fix,
+                Some(_) => {}
+                None => kept.push_back(*fix),
+            }
+        }
+        self.fixes = kept;
     }
 
     /// Heading at a stamp by every fix of the last while.

@@ -63,15 +63,28 @@ pub fn detect_as_printed(
 /// in the unfiltered one, because the filter moves edges.
 pub fn detect(picture: &Picture) -> Vec<EdgeLine> {
     let even = stabilise::stabilised(picture);
-    let binned = even.binned();
+    let filtered = guided(&even.binned());
+    refitted(&even, &long_segments(&filtered, picture))
+}
+
+/// A binned picture without what is smaller than an edge.
+pub fn guided(binned: &Picture) -> Picture {
     // Binning four pixels halves the noise.
-    let filtered = guidance_filter::rolling_guidance_at_speed(&binned, GUIDANCE_PX, 0.5, ROUNDS);
-    let mut lines: Vec<EdgeLine> = segments::segments(&filtered, segments::NOISE_FLOOR)
+    guidance_filter::rolling_guidance_at_speed(binned, GUIDANCE_PX, 0.5, ROUNDS)
+}
+
+/// Segments of the binned picture that are long enough in `whole`, without their ends, in pixels of that.
+pub fn long_segments(filtered: &Picture, whole: &Picture) -> Vec<Segment> {
+    segments::segments(filtered, segments::NOISE_FLOOR)
         .iter()
-        .filter_map(|segment| segment.unbinned().within(picture.width, picture.height, BORDER_PX)?.trimmed(TRIM_PX))
+        .filter_map(|segment| segment.unbinned().within(whole.width, whole.height, BORDER_PX)?.trimmed(TRIM_PX))
         .filter(|segment| segment.length_px() >= SHORTEST_PX)
-        .filter_map(|segment| refit::refit(&even, &segment))
-        .collect();
+        .collect()
+}
+
+/// Segments measured again in the unfiltered picture, each edge once.
+pub fn refitted(even: &Picture, segments: &[Segment]) -> Vec<EdgeLine> {
+    let mut lines: Vec<EdgeLine> = segments.iter().filter_map(|segment| refit::refit(even, segment)).collect();
     refit::drop_repeats(&mut lines);
     lines
 }
