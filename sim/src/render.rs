@@ -16,7 +16,7 @@ use crate::{
     building::{Building, UprightBody},
     drawn::Drawn,
     light::{FloorField, bake},
-    scene::{BitDepth, Scene, SensorModel},
+    scene::{BitDepth, MAX_LAMPS, Scene, SensorModel},
     sensors::{camera::Intrinsics, lens::Lens},
 };
 
@@ -33,7 +33,7 @@ pub use light::FloorLight;
 use device::Graphics;
 use floor::{Floor, FloorPass};
 use photons::PhotonPass;
-use room::{MAX_LAMPS, RoomPass, RoomWorld};
+use room::{RoomPass, RoomWorld};
 use target::{Levels, Target};
 
 /// Grey levels of more than eight bits.

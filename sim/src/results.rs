@@ -23,7 +23,7 @@ mod table;
 pub use csv_file::{from_csv, to_csv};
 #[cfg(feature = "parquet")]
 pub use parquet_file::to_parquet;
-pub use replay::{Replay, quoted};
+pub use replay::{Replay, program, quoted};
 pub use table::{Cell, Table};
 
 /// All cases in a stable order.

@@ -44,7 +44,7 @@ pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use flow::{Delivery, Flow, FlowOptics};
 pub use keys_page::keys_markdown;
-pub use lamps::{Lamp, LampKind, Spectrum};
+pub use lamps::{Lamp, LampKind, MAX_LAMPS, Spectrum};
 pub(crate) use markers::UNDER_CEILING_M;
 pub use markers::{Coding, Layout, Marker, Markers};
 pub use navigation::{Errand, FollowerName, Navigation, Proximity};

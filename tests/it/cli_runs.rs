@@ -22,12 +22,15 @@ fn a_missed_expectation_ends_with_code_1_and_a_command_that_replays_it() {
     let scenes = folder.join("its own place");
     fs::create_dir(&scenes).unwrap();
     fs::write(scenes.join("a scene.toml"), blind_scene(1.0, "[expect]\ncontainment.checks = 1\n")).unwrap();
-    let (code, _, stderr) =
-        outcome(&mut wherein(&folder, &["run", "its own place", "--seed", "6", "--out", "my results"]));
+    let (code, _, stderr) = outcome(&mut wherein(
+        &folder,
+        &["run", "its own place", "--seed", "6", "--out", "my results", "--adapter", "my card"],
+    ));
     assert_eq!(code, 1, "{stderr}");
     assert!(stderr.contains("FAILED a scene seed 6"), "{stderr}");
     assert!(stderr.contains("containment.checks is "), "{stderr}");
     let replay = stderr.lines().find_map(|line| line.trim().strip_prefix("replay: ")).unwrap();
+    assert!(replay.contains(" '--adapter=my card' run "), "{replay}");
     if cfg!(unix) {
         let (code, _, again) = outcome(Command::new("sh").arg("-c").arg(replay).current_dir(&folder));
         assert_eq!(code, 1, "{again}");

@@ -262,6 +262,7 @@ fn lamps_doors_and_lenses_that_cannot_be_are_refused() {
         (format!("{lamp}height_m = 2.7\n"), "expected less than the ceiling's height, 2.6 m"),
         (format!("{window}height_m = 2.2\n"), "the window reaches beyond its wall"),
         (lamp.replace("x_m = 1.0", "x_m = 3.5"), "outside the building, expected a number from 0 to 3"),
+        (lamp.repeat(1025), "1025 of them, expected at most 1024"),
         (lamp.replace("panel", "candle"), "expected one of panel, tube, point, window"),
         ("[light]\nilluminance_at_camera_lux = 0.1\n".to_owned(), "stands without `[robot.forward_camera]`"),
         (

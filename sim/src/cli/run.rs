@@ -1,6 +1,6 @@
 //! `wherein run`: scenes and seeds, one after another, each recorded as soon as it is done.
 
-use std::{env, io::Write, net::SocketAddr, path::PathBuf, process::ExitCode};
+use std::{io::Write, net::SocketAddr, path::PathBuf, process::ExitCode};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
@@ -11,7 +11,7 @@ use crate::{
     recording::{Form, LiveServer, Recording},
     render::Renderer,
     report::Overview,
-    results::{CaseResult, Results, quoted},
+    results::{CaseResult, Results, program, quoted},
     run::{RunOptions, run_witnessed},
     scene::{SceneFile, SceneTemplate},
     sweep,
@@ -183,11 +183,11 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
             outcome.replace('_', " ")
         );
     }
-    let program = env::args().next().unwrap_or_else(|| "wherein".to_owned());
+    let program = program().iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     text += &format!("  recorded in {}\n", one.folder.display());
     text += &format!(
         "  replay: {} run {}{} --seed {} --frames failures --out {}\n",
-        quoted(&program),
+        program,
         quoted(&one.file.path.display().to_string()),
         arguments.set.iter().map(|set| format!(" --set {}", quoted(&set.to_string()))).collect::<String>(),
         one.outcome.seed,

@@ -23,7 +23,6 @@ mod plate;
 mod slivers;
 mod world;
 
-pub(super) use faces::MAX_LAMPS;
 pub(super) use plate::RoomSlot;
 pub(super) use world::RoomWorld;
 

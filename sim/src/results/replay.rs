@@ -11,8 +11,8 @@ pub struct Replay(String);
 impl Replay {
     /// The command for `case`; `out` is where its results go.
     pub fn of(case: &CaseResult, out: &str) -> Replay {
-        let program = env::args().next().unwrap_or_else(|| "wherein".to_owned());
-        let mut words = vec![program, "run".to_owned(), case.scene_path.display().to_string()];
+        let mut words = program();
+        words.extend(["run".to_owned(), case.scene_path.display().to_string()]);
         for setting in &case.settings {
             words.extend(["--set".to_owned(), setting.to_string()]);
         }
@@ -29,6 +29,18 @@ impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
+}
+
+/// This program as it was called, with the adapter that it was told to render with: other adapters give other bytes.
+pub fn program() -> Vec<String> {
+    let mut arguments = env::args();
+    let mut words = vec![arguments.next().unwrap_or_else(|| "wherein".to_owned())];
+    while let Some(argument) = arguments.next() {
+        let value = argument.strip_prefix("--adapter=").map(str::to_owned);
+        let value = if argument == "--adapter" { arguments.next() } else { value };
+        words.extend(value.map(|value| format!("--adapter={value}")));
+    }
+    words
 }
 
 /// `text` as a POSIX shell reads it as one word.

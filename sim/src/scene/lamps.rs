@@ -3,6 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// As many as uniform memory of the size that every adapter has can hold.
+pub const MAX_LAMPS: usize = 1024;
+
 /// Something that gives light. Without any lamp, matt panels in a grid under the ceiling give what `[light]` states.
 ///
 /// When each lamp states its output, that is what it gives. Otherwise outputs are proportions only, 1000 lm for a lamp that

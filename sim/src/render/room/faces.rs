@@ -14,8 +14,6 @@ use crate::{
 
 /// Faces are cut into cells no longer than this, within which a row of a rolling shutter is interpolated linearly.
 const CELL_M: f64 = 0.5;
-/// Lamps that uniform memory of the size that every adapter has can hold.
-pub(in crate::render) const MAX_LAMPS: usize = 1024;
 /// Albedo of a lamp's diffuser, as in lamp.wgsl.
 const DIFFUSER_ALBEDO: f64 = 0.7;
 /// Albedo of a retro-reflective dot in light that does not come from the camera.

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::{
     edges::{self, Edges},
-    faces::{self, Cells, MAX_LAMPS},
+    faces::{self, Cells},
     people::People,
     pipelines::Pipelines,
 };
@@ -13,7 +13,7 @@ use crate::{
     drawn::Drawn,
     light::{FloorField, LightMap, Lighting, bake},
     render::device::Graphics,
-    scene::Scene,
+    scene::{MAX_LAMPS, Scene},
 };
 
 /// Everything of a building that stands still.

@@ -41,7 +41,7 @@ struct Grid {
 
 @group(1) @binding(0) var<storage, read> surfaces: array<Surface>;
 // In uniform memory, as the view: from storage a software driver loads each value for each pixel.
-@group(1) @binding(1) var<uniform> lamps: array<Lamp, 1024>; // MAX_LAMPS of faces.rs
+@group(1) @binding(1) var<uniform> lamps: array<Lamp, 1024>; // MAX_LAMPS of scene/lamps.rs
 @group(1) @binding(2) var<uniform> grid: Grid;
 @group(1) @binding(3) var<storage, read> tile_albedo: array<f32>;
 // Equivalent lux at the nodes, linear between them in both directions.

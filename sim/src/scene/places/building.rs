@@ -1,7 +1,7 @@
 //! Lamps, doors and lenses that cannot be.
 
 use crate::{
-    scene::{Lamp, LampKind, LensKeys, Scene, parse::Contradiction},
+    scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene, parse::Contradiction},
     sensors::lens::Lens,
 };
 
@@ -10,6 +10,10 @@ const SITE_M: f64 = 200.0;
 
 /// Everything about building and cameras in which `scene` contradicts itself.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
+    if scene.lamps.len() > MAX_LAMPS {
+        let expected = format!("{} of them, expected at most {MAX_LAMPS}", scene.lamps.len());
+        found.push(Contradiction { key: "lamp".to_owned(), expected });
+    }
     for (index, lamp) in scene.lamps.iter().enumerate() {
         found.extend(
             lamp_problem(scene, lamp)
