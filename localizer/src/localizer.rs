@@ -300,9 +300,10 @@ impl Localizer {
                 self.relies_on.push(assumption);
             }
         }
-        let agrees = constraint.decides && self.agrees_with_wheels(&constraint);
+        // What says nothing neither ends a doubt nor prolongs it.
+        let agrees = constraint.decides.then(|| self.agrees_with_wheels(&constraint));
         self.ring.insert(Slot { stamp_s, union: PoseUnion::default(), constraint: Some(constraint) });
-        if let Some(doubt) = &mut self.doubt {
+        if let Some((doubt, agrees)) = self.doubt.as_mut().zip(agrees) {
             doubt.agreeing = if agrees { doubt.agreeing + 1 } else { 0 };
         }
         account.emptied = !self.replay(stamp_s);

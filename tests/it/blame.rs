@@ -97,6 +97,28 @@ fn slip_beyond_its_bound_takes_the_blame_and_is_measured() {
 }
 
 #[test]
+fn a_gyroscope_learnt_from_a_false_heading_misleads_by_the_same_cause_later() {
+    let mut scene = scene();
+    for (learns_gyro, expected) in [(false, [80, 11, 0, 10]), (true, [80, 21, 0, 0])] {
+        scene.localizer.learns_gyro = learns_gyro;
+        let mut record = record(&scene);
+        // Ten times as slow: the cause may lie 3 s before.
+        record.truths.iter_mut().for_each(|truth| truth.time_s *= 10.0);
+        record.estimates.iter_mut().for_each(|estimate| estimate.time_s *= 10.0);
+        for truth in &mut record.truths[10..] {
+            truth.lateral_travel_m += 0.03;
+        }
+        // Outside by the slip about 1 s, inside again, and outside from 9.1 s on.
+        let lost = (10..21).chain(91..101);
+        for step in lost {
+            let hull = record.estimates[step].pose.hull();
+            record.estimates[step].pose = PoseUnion::single(PoseBox::from([hull[0], hull[1], hull[2] + 0.05]));
+        }
+        assert_eq!(counts(&check(&scene, &record)), expected, "learns_gyro = {learns_gyro}");
+    }
+}
+
+#[test]
 fn a_violation_that_leaves_the_truth_inside_is_listed_all_the_same() {
     let scene = scene();
     let mut record = record(&scene);

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use localizer::{Claim, Reading};
-use sim::{check::is_true, scene::Scene};
+use localizer::{Claim, Reading, Status};
+use sim::{check::is_true, run::RunRecord, scene::Scene};
 
 use crate::{command::root, render_studio::judged};
 
@@ -50,6 +50,41 @@ fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
         }
     }
     assert!(n_claims > 80, "{n_claims} true claims");
+}
+
+/// The full system on paper 2's rectangle: carpet, flow sensor, a gyroscope that is learnt.
+fn rectangle(duration_s: f64, event: &str) -> Scene {
+    let text = fs::read_to_string(root().join("scenes/papers/dark_carpet.toml")).unwrap();
+    let text = text.replace("duration_s = 872.0", &format!("duration_s = {duration_s:?}"));
+    let text = text.replace("[expect]\n", &format!("{event}\n[expect]\n"));
+    Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+}
+
+#[test]
+fn the_whole_system_rounds_its_first_corner_with_the_heading_known() {
+    let (record, verdict) = judged(&rectangle(24.0, ""), 4);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+    assert!(verdict.metrics["wall_fix_share"] > 0.2, "{:?}", verdict.metrics);
+    // The start is known to 1 degree; the bound of each reading by itself, over 24 s, would add 2·24·(0.02 + 0.12) degrees.
+    let last = record.estimates.last().unwrap().pose.hull()[2];
+    assert!(last.width().to_degrees() < 1.9, "{last:?}");
+    let truth = record.truths.last().unwrap();
+    assert!(truth.pose.heading_rad > 1.5 && (last.mid() - truth.pose.heading_rad).abs().to_degrees() < 0.3, "{last:?}");
+}
+
+#[test]
+fn a_doubt_ends_when_images_agree_again_though_few_say_something() {
+    let lift = "[[event]]\nkind = \"lift\"\nat_s = 12.0\nturn_deg = 50\nlasts_s = 4.0\n";
+    let (record, verdict) = judged(&rectangle(32.0, lift), 4);
+    let containment = &verdict.containment;
+    assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
+    let doubted = |record: &RunRecord, from_s: f64| {
+        let late = record.estimates.iter().filter(move |estimate| estimate.time_s >= from_s);
+        late.filter(|estimate| estimate.status == Status::Recovering).count()
+    };
+    assert!(doubted(&record, 0.0) > 100, "the lift was not noticed");
+    assert_eq!(doubted(&record, 31.0), 0, "still in doubt fifteen seconds after it stood again");
 }
 
 #[test]

@@ -13,6 +13,8 @@ const NOISE_RAD_PER_S: f64 = 0.0005;
 /// Says at each range reading that the heading is near 0, from `wrong_from_s` on that it is near 0.3.
 struct Compass {
     wrong_from_s: f64,
+    /// Whether it says so ten times as widely but every fifth second.
+    mostly_wide: bool,
 }
 
 impl Method for Compass {
@@ -26,16 +28,25 @@ impl Method for Compass {
 
     fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
         let says_rad = if reading.measured_s() < self.wrong_from_s { 0.0 } else { 0.3 };
-        Some(says(self.name(), reading, 2, Interval::centred(says_rad, FIX_RAD)))
+        let is_wide = self.mostly_wide && reading.measured_s().ceil() % 5.0 != 3.0;
+        let radius_rad = if is_wide { 10.0 * FIX_RAD } else { FIX_RAD };
+        Some(says(self.name(), reading, 2, Interval::centred(says_rad, radius_rad)))
     }
 }
 
+/// Never wrong, and as narrow at every reading.
+const RIGHT: Compass = Compass { wrong_from_s: f64::INFINITY, mostly_wide: false };
+
 /// A robot that stands still, with a fix every second from a stamp that no gyroscope's period ends at.
 fn biases(lasts_s: f64, wrong_from_s: f64, wander_rad_per_s2: Option<f64>) -> Vec<Interval> {
+    biases_by(Compass { wrong_from_s, mostly_wide: false }, lasts_s, wander_rad_per_s2)
+}
+
+fn biases_by(compass: Compass, lasts_s: f64, wander_rad_per_s2: Option<f64>) -> Vec<Interval> {
     let mut known = Vec::new();
     drive(
         wander_rad_per_s2.map(|wander| (wander, None)),
-        wrong_from_s,
+        compass,
         lasts_s,
         |_| 0,
         |second, localizer| {
@@ -50,7 +61,7 @@ fn biases(lasts_s: f64, wrong_from_s: f64, wander_rad_per_s2: Option<f64>) -> Ve
 /// A robot that does not turn, with what its gyroscope reads and its encoders count; `look` is called each second.
 fn drive(
     learns: Option<(f64, Option<f64>)>,
-    wrong_from_s: f64,
+    compass: Compass,
     lasts_s: f64,
     ticks: impl Fn(f64) -> i64,
     mut look: impl FnMut(f64, &mut Localizer),
@@ -70,7 +81,7 @@ fn drive(
     let room = Interval::new(-5.0, 5.0);
     let map = Map { room_m: [room, room], tiles: None, markers: None, wall_directions_rad: Vec::new() };
     let start = PoseBox::from([Interval::ZERO, Interval::ZERO, Interval::centred(0.0, FIX_RAD)]);
-    let mut localizer = Localizer::new(map, robot, vec![Box::new(Compass { wrong_from_s })], start);
+    let mut localizer = Localizer::new(map, robot, vec![Box::new(compass)], start);
     if let Some((_, rest_turn_rad)) = learns {
         localizer = localizer.learning_gyro(rest_turn_rad);
     }
@@ -101,6 +112,16 @@ fn fixes_of_the_heading_narrow_the_bias_to_noise_and_width_over_time() {
 }
 
 #[test]
+fn the_narrowest_heading_of_each_while_is_kept() {
+    let known = biases_by(Compass { mostly_wide: true, ..RIGHT }, 23.5, Some(0.0));
+    assert!(known.iter().all(|bias| bias.contains(BIAS_RAD_PER_S)), "{known:?}");
+    // From the narrow fix at 3 s to that at 23 s, or from the start.
+    let expected = 2.0 * (NOISE_RAD_PER_S + 2.0 * FIX_RAD / 20.0);
+    let width = known[22].width();
+    assert!(width <= 1.1 * expected && width > 0.5 * expected, "{width} rad/s wide, expected {expected}");
+}
+
+#[test]
 fn a_doubt_takes_back_what_the_last_seconds_taught_of_the_bias() {
     let known = biases(20.0, 19.5, Some(0.0));
     // The doubt at 20 s goes 3 s back.
@@ -114,7 +135,7 @@ fn encoders_at_rest_narrow_the_bias_to_noise_and_the_turn_they_may_hide() {
     let rest_turn_rad = 0.002;
     let known = |ticks: &dyn Fn(f64) -> i64, rest_turn_rad: Option<f64>| {
         let mut known = Vec::new();
-        drive(Some((0.0, rest_turn_rad)), f64::INFINITY, 11.0, ticks, |_, localizer| {
+        drive(Some((0.0, rest_turn_rad)), RIGHT, 11.0, ticks, |_, localizer| {
             known.push(localizer.gyro_bias_rad_per_s().unwrap());
         });
         known
@@ -137,7 +158,7 @@ fn a_heading_fixed_once_is_carried_on_without_a_toll_at_every_slot() {
         let mut width = 0.0;
         drive(
             learns,
-            f64::INFINITY,
+            RIGHT,
             20.0,
             |_| 0,
             |_, localizer| {
@@ -161,7 +182,7 @@ fn a_bias_that_wanders_is_known_the_less_the_longer_nothing_fixes_the_heading() 
     let last_fix_s = 10.0;
     drive(
         Some((1e-3, None)),
-        f64::INFINITY,
+        RIGHT,
         20.0,
         |_| 0,
         |second, localizer| {

@@ -428,6 +428,37 @@ fn a_direction_is_learnt_no_better_than_the_heading_was_known_and_goes_with_a_do
 }
 
 #[test]
+fn of_directions_that_the_edges_leave_open_none_is_learnt() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let (heading_rad, wall_rad) = (0.1, 0.5);
+    let mut n_learnt = 0;
+    for _ in 0..600 {
+        let truth = TrueCamera::draw(&mut rng);
+        // Of five that are strange to the map, the fewest that teach, one may be wrong; a little askew, it agrees with some of the others.
+        let n_wrong = rng.random_range(0..=1);
+        let edges: Vec<EdgeLine> = (0..6)
+            .map(|line| {
+                let askew_rad = if line < n_wrong { rng.random_range(-0.05..0.05) } else { 0.0 };
+                truth.edge(wall_rad + askew_rad, heading_rad, &mut rng)
+            })
+            .collect();
+        let mut walls = method(&[0.0], true);
+        let known = union(heading_rad + rng.random_range(-0.004..0.004), 0.005);
+        if walls.constraint(2.0, &edges, &known).is_none() {
+            continue;
+        }
+        walls.learn(&known, &|_, _| None);
+        if let [_, learnt] = walls.directions_rad()[..] {
+            n_learnt += 1;
+            let quarters = ((wall_rad - learnt.mid()) / std::f64::consts::FRAC_PI_2).round();
+            let turned = wall_rad - quarters * std::f64::consts::FRAC_PI_2;
+            assert!(learnt.contains(turned), "{turned} is not in {learnt:?}");
+        }
+    }
+    assert!(n_learnt > 150, "{n_learnt}");
+}
+
+#[test]
 fn images_are_carried_by_the_turn_between_them() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let truth = TrueCamera::draw(&mut rng);

@@ -89,9 +89,7 @@ impl Localizer {
 
     /// Whether the wheels lead from the last image's union to one that this constraint allows.
     pub(super) fn agrees_with_wheels(&self, constraint: &Constraint) -> bool {
-        let Some(before) = self.ring.before(constraint.stamp_s).filter(|slot| slot.constraint.is_some()) else {
-            return false;
-        };
+        let Some(before) = self.ring.image_before(constraint.stamp_s) else { return false };
         self.carried(&before.union, before.stamp_s, constraint.stamp_s, false)
             .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
     }

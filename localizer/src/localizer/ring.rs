@@ -40,6 +40,11 @@ impl Ring {
         self.slots.iter().rev().find(|slot| slot.stamp_s <= stamp_s)
     }
 
+    /// Last image's slot strictly before a stamp or at it; anchors between are passed over.
+    pub(super) fn image_before(&self, stamp_s: f64) -> Option<&Slot> {
+        self.slots.iter().rev().find(|slot| slot.stamp_s <= stamp_s && slot.constraint.is_some())
+    }
+
     /// Last slot at exactly this stamp.
     pub(super) fn at(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s == stamp_s)

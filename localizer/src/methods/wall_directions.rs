@@ -329,7 +329,7 @@ impl Method for WallDirections {
         let turned: Vec<Vec<Interval>> =
             self.strange_rad.iter().map(|&azimuth| headings::of_line(azimuth * -1.0, &[Interval::ZERO], any)).collect();
         let agreed = headings::agreed(&turned, turned.len() - wrong_lines(turned.len()));
-        let Some(&azimuth) = agreed.first() else { return };
+        let Some(azimuth) = one_direction(&agreed) else { return };
         let direction_rad = azimuth + heading;
         let near = |known: Interval| {
             let quarters = ((known.mid() - direction_rad.mid()) / quarter.mid()).round();
@@ -350,4 +350,14 @@ impl Method for WallDirections {
         self.seen.clear();
         self.directions.iter_mut().for_each(|direction| direction.since_s = f64::NEG_INFINITY);
     }
+}
+
+/// The direction that all sets are, but for quarter turns; `None` where they are several, and nobody knows which.
+fn one_direction(sets: &[Interval]) -> Option<Interval> {
+    let quarter = Interval::PI * 0.5;
+    let (&first, others) = sets.split_first()?;
+    others.iter().try_fold(first, |direction, &set| {
+        let again = set - quarter;
+        (!again.is_disjoint_from(first)).then(|| direction.hull(again))
+    })
 }

@@ -10,8 +10,8 @@ const CAUSE_WITHIN_S: f64 = 3.0;
 /// The judgement of every step, their counts, and the first step outside.
 ///
 /// A step outside inherits the cause of the step before it: a box that went wrong stays wrong until something resolves it. What was
-/// learnt wrongly misleads for as long as it is believed: in one of the spans `misled`, whatever was broken before it is a cause; what
-/// is learnt of the gyroscope, at rest and from images, is believed to the end.
+/// learnt wrongly misleads for as long as it is believed: in one of the spans `misled`, whatever was broken before it is a cause. What is
+/// learnt of the gyroscope is believed to the end: at rest, and from headings, which mislead where they were outside themselves.
 pub(super) fn containment(
     record: &RunRecord,
     violations: &[Violation],
@@ -25,6 +25,8 @@ pub(super) fn containment(
     let mut last_contained_s = 0.0;
     let mut standing: Option<(Judgement, String)> = None;
     let rests: Vec<Violation> = violations.iter().filter(|broken| broken.bound == "wheels.rest").cloned().collect();
+    // Why the truth was outside before.
+    let mut earlier: Option<(Judgement, String)> = None;
     for (truth, estimate) in record.truths.iter().zip(&record.estimates) {
         if estimate.pose.contains(truth.pose) {
             counts.contained += 1;
@@ -44,11 +46,12 @@ pub(super) fn containment(
                     // Key frames keep the way since the start of the drive: a push hides in them until a landmark comes into view again.
                     blame(record, violations, misperceived, false_claims, relied_on, [0.0, *from_s])
                 }
-                ((Judgement::Unsound, _), None) if learns_gyro => {
-                    blame(record, &rests, misperceived, false_claims, &estimate.relies_on, [0.0, truth.time_s])
-                }
+                ((Judgement::Unsound, _), None) if learns_gyro => earlier
+                    .clone()
+                    .unwrap_or_else(|| blame(record, &rests, &[], &[], &estimate.relies_on, [0.0, truth.time_s])),
                 (found, _) => found,
             });
+            earlier = standing.clone().filter(|(judgement, _)| *judgement != Judgement::Unsound).or(earlier);
         }
         let Some((judgement, cause)) = &standing else { continue };
         judgements.push(*judgement);
