@@ -65,7 +65,8 @@ fn the_whole_system_rounds_its_first_corner_with_the_heading_known() {
     let (record, verdict) = judged(&rectangle(24.0, ""), 4);
     assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
     assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
-    assert!(verdict.metrics["wall_fix_share"] > 0.2, "{:?}", verdict.metrics);
+    // Of the pictures, 50 of 120 are taken at rest, from one place.
+    assert!(verdict.metrics["wall_fix_share"] > 0.1, "{:?}", verdict.metrics);
     // The start is known to 1 degree; the bound of each reading by itself, over 24 s, would add 2·24·(0.02 + 0.12) degrees.
     let last = record.estimates.last().unwrap().pose.hull()[2];
     assert!(last.width().to_degrees() < 1.9, "{last:?}");
