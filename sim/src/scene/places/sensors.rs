@@ -21,10 +21,9 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         }
         None => {}
     }
-    let tells_no_wall = |mapped_deg: &Vec<f64>| mapped_deg.is_empty();
     if let Some(walls) = &localizer.wall_directions
         && !walls.learns
-        && walls.mapped_deg.as_ref().is_some_and(tells_no_wall)
+        && walls.mapped_deg.as_ref().is_some_and(Vec::is_empty)
     {
         let expected = "tells of no wall, expected a direction, or `learns = true`";
         found_at("localizer.wall_directions.mapped_deg", expected.to_owned());
