@@ -3,20 +3,23 @@
 // Takes the place of an image's number in what all images share.
 const PATTERN_KEY: u32 = 0xFFFFFFFFu;
 
-// Of every pixel its sensitivity as a factor and its offset in electrons.
-@group(0) @binding(1) var pattern: texture_storage_2d<rg32float, write>;
+struct Sheet {
+    @builtin(position) position: vec4<f32>,
+    // Width of the picture, and both halves of the seed.
+    @location(0) @interpolate(flat) key: vec3<u32>,
+}
 
-// Draws the pattern, for all images to come.
-@compute @workgroup_size(64)
-fn lay_pattern(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) count: vec3<u32>) {
-    let index = id.y * 64u * count.x + id.x;
-    if (index >= readout.size_px.x * readout.size_px.y) {
-        return;
-    }
-    let own = pcg4d(vec4(index, PATTERN_KEY, readout.seed));
+@vertex
+fn pattern_corner(@builtin(vertex_index) index: u32) -> Sheet {
+    return Sheet(whole_picture(index), vec3(readout.size_px.x, readout.seed));
+}
+
+// Two normal variables of every pixel, for its sensitivity and its offset, in bytes.
+@fragment
+fn lay_pattern(sheet: Sheet) -> @location(0) vec2<f32> {
+    let place = vec2<u32>(sheet.position.xy);
+    let own = pcg4d(vec4(place.y * sheet.key.x + place.x, PATTERN_KEY, sheet.key.yz));
     let size = sqrt(-2.0 * log(unit(own.x)));
     let turn = 6.2831853 * unit(own.y);
-    let sensitivity = max(1.0 + readout.sensitivity * size * cos(turn), 0.0);
-    let place = vec2(index % readout.size_px.x, index / readout.size_px.x);
-    textureStore(pattern, place, vec4(sensitivity, readout.offset_electrons * size * sin(turn), 0.0, 0.0));
+    return (MIDDLE + DEVIATION * clamp(size * vec2(cos(turn), sin(turn)), vec2(-4.0), vec2(4.0))) / 255.0;
 }

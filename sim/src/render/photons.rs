@@ -7,14 +7,12 @@ use bytemuck::{Pod, Zeroable};
 use super::{
     View,
     device::Graphics,
-    target::{PAIR_FORMAT, Target, levels_format, pairs},
+    target::{Target, levels_format},
 };
 use crate::{scene::BitDepth, sensors::lens::Lens};
 
-/// Invocations of a workgroup, as in pattern.wgsl.
-const WORKGROUP: u32 = 64;
-/// Workgroups in a row; a picture of any size then stays below the limit of every adapter in both directions.
-const WORKGROUPS_IN_ROW: u32 = 1024;
+/// Of what pixels differ by: two bytes each.
+const PATTERN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 
 const PATTERN_SHADER: &str = concat!(include_str!("readout.wgsl"), include_str!("pattern.wgsl"));
 const IDEAL_SHADER: &str =
@@ -25,7 +23,7 @@ const LENS_SHADER: &str =
 /// Pipelines of the sensor model, made when first needed.
 pub(super) struct PhotonPass {
     made: BTreeMap<Kind, wgpu::RenderPipeline>,
-    lay_pattern: wgpu::ComputePipeline,
+    lay_pattern: wgpu::RenderPipeline,
     readout_layout: wgpu::BindGroupLayout,
     pattern_layout: wgpu::BindGroupLayout,
     luminance_layout: wgpu::BindGroupLayout,
@@ -36,10 +34,11 @@ pub(super) struct PhotonPass {
 pub(super) struct PhotonSlot {
     uniform: wgpu::Buffer,
     readout: wgpu::BindGroup,
-    pattern: wgpu::BindGroup,
+    pattern: wgpu::TextureView,
+    pattern_bindings: wgpu::BindGroup,
     luminance: wgpu::BindGroup,
-    /// Which sensor's pattern is laid: its seed, and the spreads of offset and sensitivity.
-    laid: Option<(u64, [f64; 2])>,
+    /// The seed whose pattern is laid.
+    laid: Option<u64>,
 }
 
 /// What a pipeline is made for.
@@ -114,29 +113,37 @@ impl PhotonPass {
             view_dimension,
             multisampled: false,
         };
-        let laid = wgpu::BindingType::StorageTexture {
-            access: wgpu::StorageTextureAccess::WriteOnly,
-            format: PAIR_FORMAT,
-            view_dimension,
-        };
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let (fragment, compute) = (wgpu::ShaderStages::FRAGMENT, wgpu::ShaderStages::COMPUTE);
-        let pattern_layout = layout("pattern", compute, &[uniform, laid]);
+        let bends = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Sint,
+            view_dimension,
+            multisampled: false,
+        };
+        let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
+        let pattern_layout = layout("pattern", vertex, &[uniform]);
         PhotonPass {
             made: BTreeMap::new(),
             lay_pattern: pattern_pipeline(device, &pattern_layout),
-            readout_layout: layout("readout", fragment, &[uniform, texture(false)]),
+            readout_layout: layout("readout", vertex | fragment, &[uniform, texture(false)]),
             pattern_layout,
             luminance_layout: layout("luminance", fragment, &[texture(true)]),
-            lens_layout: layout("lens", fragment, &[uniform, texture(true), texture(false), sampler]),
+            lens_layout: layout("lens", vertex | fragment, &[uniform, texture(true), bends, sampler]),
         }
     }
 
     /// Bindings that read one view's luminance.
     pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView) -> PhotonSlot {
-        let size = luminance.texture().size();
-        let laid = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::TEXTURE_BINDING;
-        let pattern = pairs(device, "pattern", [size.width, size.height], laid)
+        let pattern = device
+            .create_texture(&wgpu::TextureDescriptor {
+                label: Some("pattern"),
+                size: luminance.texture().size(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: PATTERN_FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
             .create_view(&wgpu::TextureViewDescriptor::default());
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("readout"),
@@ -144,23 +151,17 @@ impl PhotonPass {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let both = |layout| {
-            device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("readout"),
-                layout,
-                entries: &[
-                    wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&pattern) },
-                ],
-            })
+        let bind = |label, layout, resources: Vec<wgpu::BindingResource>| {
+            let entries: Vec<_> =
+                (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+            device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
         };
-        let luminance = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("luminance"),
-            layout: &self.luminance_layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(luminance) }],
-        });
-        let (readout, pattern) = (both(&self.readout_layout), both(&self.pattern_layout));
-        PhotonSlot { uniform, readout, pattern, luminance, laid: None }
+        let values = uniform.as_entire_binding();
+        let readout =
+            bind("readout", &self.readout_layout, vec![values.clone(), wgpu::BindingResource::TextureView(&pattern)]);
+        let pattern_bindings = bind("pattern", &self.pattern_layout, vec![values]);
+        let luminance = bind("luminance", &self.luminance_layout, vec![wgpu::BindingResource::TextureView(luminance)]);
+        PhotonSlot { uniform, readout, pattern, pattern_bindings, luminance, laid: None }
     }
 
     /// Turns one view's luminance, or its plate, into grey levels.
@@ -171,19 +172,12 @@ impl PhotonPass {
         view: &View,
         target: &mut Target,
     ) {
-        let sensor = &view.sensor;
         graphics.queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&readout(view)));
 
         let kind = Kind::of(view);
-        let pattern = (view.noise.seed, [sensor.dsnu_electrons, sensor.prnu]);
-        if kind.uneven && target.photons.laid != Some(pattern) {
-            let workgroups = (target.size_px[0] * target.size_px[1]).div_ceil(WORKGROUP);
-            let columns = workgroups.min(WORKGROUPS_IN_ROW);
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&self.lay_pattern);
-            pass.set_bind_group(0, &target.photons.pattern, &[]);
-            pass.dispatch_workgroups(columns, workgroups.div_ceil(columns), 1);
-            target.photons.laid = Some(pattern);
+        if kind.uneven && target.photons.laid != Some(view.noise.seed) {
+            whole_picture(encoder, &target.photons.pattern, &self.lay_pattern, &[&target.photons.pattern_bindings]);
+            target.photons.laid = Some(view.noise.seed);
         }
         let (source_layout, source) = match (&target.room, &view.lens) {
             (Some(room), Some(_)) => (&self.lens_layout, room.lens_bindings()),
@@ -191,21 +185,32 @@ impl PhotonPass {
         };
         let layouts = [&self.readout_layout, source_layout];
         let read_out = self.made.entry(kind).or_insert_with(|| pipeline(&graphics.device, &layouts, kind));
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("sensor"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &target.levels,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(read_out);
-        pass.set_bind_group(0, &target.photons.readout, &[]);
-        pass.set_bind_group(1, source, &[]);
-        pass.draw(0..3, 0..1);
+        whole_picture(encoder, &target.levels, read_out, &[&target.photons.readout, source]);
     }
+}
+
+/// Runs a pipeline on every pixel of a picture.
+fn whole_picture(
+    encoder: &mut wgpu::CommandEncoder,
+    picture: &wgpu::TextureView,
+    pipeline: &wgpu::RenderPipeline,
+    bindings: &[&wgpu::BindGroup],
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("sensor"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: picture,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+        })],
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    for (bindings, group) in bindings.iter().zip(0..) {
+        pass.set_bind_group(group, *bindings, &[]);
+    }
+    pass.draw(0..3, 0..1);
 }
 
 /// What the shader knows of a view's sensor.
@@ -234,41 +239,45 @@ fn module(device: &wgpu::Device, source: &str) -> wgpu::ShaderModule {
     })
 }
 
-fn pattern_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::ComputePipeline {
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("pattern"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("pattern"),
-        layout: Some(&layout),
-        module: &module(device, PATTERN_SHADER),
-        entry_point: Some("lay_pattern"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    })
+fn pattern_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
+    let module = module(device, PATTERN_SHADER);
+    let entry_points = ["pattern_corner", "lay_pattern"];
+    on_whole_picture(device, &[layout], &module, entry_points, &[], PATTERN_FORMAT)
 }
 
-fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout; 2], kind: Kind) -> wgpu::RenderPipeline {
+fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], kind: Kind) -> wgpu::RenderPipeline {
     let flag = |on: bool| f64::from(u8::from(on));
     let mut constants = vec![("UNEVEN", flag(kind.uneven))];
     if let Some(lens) = kind.lens {
         let of_lens = [("BENT", lens.bent), ("DEFOCUSED", lens.defocused), ("VIGNETTING", lens.vignetting)];
         constants.extend(of_lens.map(|(name, on)| (name, flag(on))));
     }
+    let module = module(device, if kind.lens.is_some() { LENS_SHADER } else { IDEAL_SHADER });
+    let entry_points = ["picture_corner", "read_out"];
+    on_whole_picture(device, layouts, &module, entry_points, &constants, levels_format(kind.deep))
+}
+
+/// A pipeline for [`whole_picture`]; `entry_points` of the vertex and of the fragment shader, `constants` of the latter.
+fn on_whole_picture(
+    device: &wgpu::Device,
+    layouts: &[&wgpu::BindGroupLayout],
+    module: &wgpu::ShaderModule,
+    entry_points: [&str; 2],
+    constants: &[(&str, f64)],
+    format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let layouts: Vec<_> = layouts.iter().copied().map(Some).collect();
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("sensor"),
-        bind_group_layouts: &layouts.map(Some),
+        label: Some(entry_points[1]),
+        bind_group_layouts: &layouts,
         immediate_size: 0,
     });
-    let module = module(device, if kind.lens.is_some() { LENS_SHADER } else { IDEAL_SHADER });
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("sensor"),
+        label: Some(entry_points[1]),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("whole_picture"),
+            module,
+            entry_point: Some(entry_points[0]),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: &[],
         },
@@ -276,10 +285,10 @@ fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout; 2], kind: 
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("read_out"),
-            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
-            targets: &[Some(levels_format(kind.deep).into())],
+            module,
+            entry_point: Some(entry_points[1]),
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+            targets: &[Some(format.into())],
         }),
         multiview_mask: None,
         cache: None,

@@ -4,34 +4,69 @@
 // Whether pixels differ in sensitivity, offset and dark current.
 override UNEVEN: bool = false;
 
-// As pattern.wgsl laid it. A software driver reads a texture for eight pixels at once, where from storage it loads pixel by pixel.
+// As pattern.wgsl laid it.
 @group(0) @binding(1) var pattern: texture_2d<f32>;
 
 // From this mean on, shot noise is taken from a normal variable by Cornish and Fisher's expansion: its distribution function
 // then departs from the Poisson law's by 5e-4 at most. Below, the Poisson law is sampled exactly.
 const EXACT_BELOW: f32 = 20.0;
-// A triangle over the whole picture: a software driver runs a fragment shader on sixteen pixels at once, where a compute shader costs it 2 ms a
-// picture of 640 × 480 before it does anything.
+
+// A lens as a picture's corners carry it.
+struct Optics {
+    // A pixel's place on the plate where nothing bends it, less the pixel; a step of the map of places; radius of defocus.
+    placing: vec4<f32>,
+    // The optical axis on the plate, and one over the focal lengths.
+    axis: vec4<f32>,
+    // One over the plate's size.
+    per_size: vec2<f32>,
+}
+
+struct Picture {
+    @builtin(position) position: vec4<f32>,
+    // Width of the picture, both halves of the seed, number of the image.
+    @location(0) @interpolate(flat) key: vec4<u32>,
+    // Electrons per luminance and in the dark, the full well, and the noise of reading.
+    @location(1) @interpolate(flat) electrons: vec4<f32>,
+    // Levels per electron, the black level lifted by half a level, and the greatest.
+    @location(2) @interpolate(flat) levels: vec3<f32>,
+    // What a byte of the pattern makes of sensitivity and offset: what none makes, and then each step of 1/255.
+    @location(3) @interpolate(flat) own: vec4<f32>,
+    // Of the lens.
+    @location(4) @interpolate(flat) placing: vec4<f32>,
+    @location(5) @interpolate(flat) axis: vec4<f32>,
+    @location(6) @interpolate(flat) per_size: vec2<f32>,
+}
+
 @vertex
-fn whole_picture(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
-    return vec4(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+fn picture_corner(@builtin(vertex_index) index: u32) -> Picture {
+    let lens = optics();
+    let spread = vec2(readout.sensitivity, readout.offset_electrons) / DEVIATION;
+    return Picture(
+        whole_picture(index),
+        vec4(readout.size_px.x, readout.seed, readout.image),
+        vec4(readout.electrons_per_luminance, readout.dark_electrons, readout.full_well_electrons, readout.read_noise_electrons),
+        vec3(readout.gain_levels_per_electron, readout.lifted_levels, readout.greatest_level),
+        vec4(vec2(1.0, 0.0) - MIDDLE * spread, 255.0 * spread),
+        lens.placing,
+        lens.axis,
+        lens.per_size,
+    );
 }
 
 @fragment
-fn read_out(@builtin(position) position: vec4<f32>) -> @location(0) u32 {
-    let place = vec2<u32>(position.xy);
-    let index = place.y * readout.size_px.x + place.x;
-    let light = luminance_at(place) * readout.electrons_per_luminance;
+fn read_out(picture: Picture) -> @location(0) u32 {
+    let place = vec2<u32>(picture.position.xy);
+    let light = luminance_at(place, Optics(picture.placing, picture.axis, picture.per_size)) * picture.electrons.x;
     if (!UNEVEN) {
-        return level_of(light, 0.0, index);
+        return level_of(light, 0.0, place, picture);
     }
-    let own = textureLoad(pattern, place, 0).xy;
-    return level_of(light * own.x + readout.dark_electrons, own.y, index);
+    let own = picture.own.xy + picture.own.zw * textureLoad(pattern, place, 0).xy;
+    return level_of(light * max(own.x, 0.0) + picture.electrons.y, own.y, place, picture);
 }
 
 // Grey level of a pixel that gets `mean` electrons on average and reads `offset` more.
-fn level_of(mean: f32, offset: f32, index: u32) -> u32 {
-    let random = pcg4d(vec4(index, readout.image, readout.seed));
+fn level_of(mean: f32, offset: f32, place: vec2<u32>, picture: Picture) -> u32 {
+    let random = pcg4d(vec4(place.y * picture.key.x + place.x, picture.key.w, picture.key.yz));
     // Box and Muller: two uniform variables give two independent normal ones.
     let radius = sqrt(-2.0 * log(unit(random.x)));
     let angle = 6.2831853 * unit(random.y);
@@ -39,10 +74,10 @@ fn level_of(mean: f32, offset: f32, index: u32) -> u32 {
     if (mean < EXACT_BELOW) {
         electrons = poisson(mean, unit(random.z));
     }
-    let collected = min(electrons, readout.full_well_electrons) + offset;
-    let read = collected + readout.read_noise_electrons * radius * sin(angle);
-    let level = floor(read * readout.gain_levels_per_electron + readout.lifted_levels);
-    return u32(clamp(level, 0.0, readout.greatest_level));
+    let collected = min(electrons, picture.electrons.z) + offset;
+    let read = collected + picture.electrons.w * radius * sin(angle);
+    let level = floor(read * picture.levels.x + picture.levels.y);
+    return u32(clamp(level, 0.0, picture.levels.z));
 }
 
 // Poisson by inversion: counts while the distribution function is below the uniform variable.

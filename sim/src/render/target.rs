@@ -9,28 +9,6 @@ use super::{
 /// Luminance in cd/m², averaged over the exposure.
 pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
-/// Of what is two numbers for each pixel of a sensor.
-pub(super) const PAIR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Float;
-
-/// Two numbers for each pixel.
-pub(super) fn pairs(
-    device: &wgpu::Device,
-    label: &str,
-    [width, height]: [u32; 2],
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: PAIR_FORMAT,
-        usage,
-        view_formats: &[],
-    })
-}
-
 /// Of grey levels: one byte each, or two.
 pub(super) fn levels_format(deep: bool) -> wgpu::TextureFormat {
     if deep { wgpu::TextureFormat::R16Uint } else { wgpu::TextureFormat::R8Uint }

@@ -10,11 +10,7 @@ use super::{
     world::{RoomWorld, buffer},
 };
 use crate::{
-    render::{
-        RenderError,
-        device::Graphics,
-        target::{LUMINANCE_FORMAT, pairs},
-    },
+    render::{RenderError, device::Graphics, target::LUMINANCE_FORMAT},
     sensors::lens::Lens,
 };
 
@@ -44,11 +40,14 @@ pub(in crate::render) struct RoomSlot {
     n_plates: usize,
     views: wgpu::Buffer,
     sheet: wgpu::Buffer,
-    places: wgpu::TextureView,
+    bends: wgpu::TextureView,
     /// Which cells of the world's faces are drawn, and how.
     pub(super) chosen: wgpu::Buffer,
     plate_size_px: [u32; 2],
     plate_centre_px: [f64; 2],
+    /// As in [`LensMap`].
+    shift_px: [f64; 2],
+    step_px: f64,
 }
 
 /// `View` of view.wgsl.
@@ -87,10 +86,11 @@ struct SheetOnDevice {
     focal_px: [f32; 2],
     centre_px: [f32; 2],
     per_size: [f32; 2],
+    shift_px: [f32; 2],
     n_plates: u32,
     share: f32,
     defocus_radius_px: f32,
-    padding: f32,
+    step_px: f32,
 }
 
 impl ViewOnDevice {
@@ -154,7 +154,7 @@ impl RoomSlot {
         let (plates, plate_views) = plates(device, map.size_px, 1);
         let depth = attachment(device, map.size_px, 1, DEPTH_FORMAT, wgpu::TextureUsages::empty())
             .create_view(&wgpu::TextureViewDescriptor::default());
-        let places = places(graphics, &map);
+        let bends = bends(graphics, &map);
         let empty = |label, size, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
@@ -179,7 +179,7 @@ impl RoomSlot {
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&stepped) }],
         });
         let lens_bindings = [&plate_views[0], &stepped]
-            .map(|plate| bind(device, lens_layout, &sheet, plate, &places, &pipelines.linear));
+            .map(|plate| bind(device, lens_layout, &sheet, plate, &bends, &pipelines.linear));
         let mean_bindings = bind_mean(device, &pipelines.mean_layout, &sheet, &plates);
         Ok(RoomSlot {
             lens: lens.clone(),
@@ -194,10 +194,12 @@ impl RoomSlot {
             n_plates: 1,
             views,
             sheet,
-            places,
+            bends,
             chosen: buffer::<u32>(graphics, "chosen", wgpu::BufferUsages::INDEX, &[]),
             plate_size_px: map.size_px,
             plate_centre_px: map.centre_px,
+            shift_px: map.shift_px,
+            step_px: map.step_px,
         })
     }
 
@@ -214,7 +216,7 @@ impl RoomSlot {
             let device = &graphics.device;
             (self.plates, self.plate_views) = plates(device, self.plate_size_px, count as u32);
             let plate = &self.plate_views[0];
-            self.lens_bindings[0] = bind(device, lens_layout, &self.sheet, plate, &self.places, &pipelines.linear);
+            self.lens_bindings[0] = bind(device, lens_layout, &self.sheet, plate, &self.bends, &pipelines.linear);
             self.mean_bindings = bind_mean(device, &pipelines.mean_layout, &self.sheet, &self.plates);
         }
     }
@@ -261,10 +263,11 @@ impl RoomSlot {
             focal_px: self.lens.focal_px.map(|focal_px| focal_px as f32),
             centre_px: self.plate_centre_px.map(|at_px| at_px as f32),
             per_size: self.plate_size_px.map(|size_px| 1.0 / size_px as f32),
+            shift_px: self.shift_px.map(|shift_px| shift_px as f32),
             n_plates: n_plates as u32,
             share: 1.0 / n_plates as f32,
             defocus_radius_px: (self.lens.defocus_px / 2.0) as f32,
-            padding: 0.0,
+            step_px: self.step_px as f32,
         };
         graphics.queue.write_buffer(&self.sheet, 0, bytemuck::bytes_of(&sheet));
     }
@@ -276,7 +279,7 @@ fn bind(
     layout: &wgpu::BindGroupLayout,
     sheet: &wgpu::Buffer,
     plate: &wgpu::TextureView,
-    places: &wgpu::TextureView,
+    bends: &wgpu::TextureView,
     linear: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -285,7 +288,7 @@ fn bind(
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(plate) },
-            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(places) },
+            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(bends) },
             wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(linear) },
         ],
     })
@@ -312,17 +315,25 @@ fn bind_mean(
     })
 }
 
-/// Where on the plate each pixel of the sensor takes its light from.
-fn places(graphics: &Graphics, map: &LensMap) -> wgpu::TextureView {
-    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-    let [width, height] = map.places_size_px;
-    let texture = pairs(&graphics.device, "lens map", map.places_size_px, usage);
+/// How far each pixel of the sensor is bent away: four bytes a pixel, as what a software driver waits for is memory.
+fn bends(graphics: &Graphics, map: &LensMap) -> wgpu::TextureView {
+    let [width, height] = map.bends_size_px;
+    let texture = graphics.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("lens map"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rg16Sint,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
     graphics.queue.write_texture(
         texture.as_image_copy(),
-        bytemuck::cast_slice(&map.places_px),
+        bytemuck::cast_slice(&map.bends),
         wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(width * size_of::<[f32; 2]>() as u32),
+            bytes_per_row: Some(width * size_of::<[i16; 2]>() as u32),
             rows_per_image: Some(height),
         },
         texture.size(),
