@@ -61,7 +61,7 @@ fn stripes(across_m: f32, width_m: f32, spacing_m: f32) -> f32 {
 }
 
 // The pattern at a place counted from the tile's corner; every tile, by its seed, is cut from another place of the stone.
-fn pattern_at(place_m: vec2<f32>, seed: u32, footprint_m: f32, across_m: f32) -> f32 {
+fn pattern_at(place_m: vec2<f32>, seed: u32, footprint_m: f32, across_m: f32, spacing_m: f32) -> f32 {
     if (PATTERN == 1u) {
         return speckle(place_m, footprint_m, seed);
     }
@@ -69,7 +69,7 @@ fn pattern_at(place_m: vec2<f32>, seed: u32, footprint_m: f32, across_m: f32) ->
         return marble(place_m, footprint_m, seed);
     }
     if (PATTERN == 3u) {
-        return stripes(place_m.x, across_m, view.stripe_spacing_m);
+        return stripes(place_m.x, across_m, spacing_m);
     }
     return 0.0;
 }

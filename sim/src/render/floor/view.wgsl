@@ -35,7 +35,8 @@ struct View {
     sub_frame_ends: array<Homography, 33>, // MAX_SUB_FRAMES of exposure.rs, and one
 }
 
-// In uniform memory, which a software driver reads once for all pixels at hand, where from storage it loads pixel by pixel.
+// In uniform memory. What a fragment shader reads of it often travels with the corners instead: a software driver loads even a uniform number
+// anew for each pixel, but holds one number for all pixels of a triangle.
 @group(0) @binding(0) var<uniform> view: View;
 // The same in storage, for what a branch or a loop depends on: lavapipe compiles a shader anew for every new value of such
 // a uniform, which takes 90 ms and is never freed.
