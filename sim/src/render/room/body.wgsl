@@ -26,8 +26,9 @@ fn body_corner(corner: Corner) -> Skin {
 fn body_luminance(skin: Skin) -> @location(0) vec4<f32> {
     var luminance = skin.lit.x * view.luminance_per_lux;
     if (RING) {
-        let way = normalize(skin.world - view.eye.xyz);
-        luminance += skin.lit.y * ring_lux(skin.world) * max(-dot(way, normalize(skin.normal)), 0.0) / PI;
+        let way = skin.world - view.eye.xyz;
+        let cosine = max(-dot(normalize(way), normalize(skin.normal)), 0.0);
+        luminance += skin.lit.y * ring_lux(way, view.ring_candela.xyz) * cosine / PI;
     }
     return vec4(luminance, 0.0, 0.0, 1.0);
 }

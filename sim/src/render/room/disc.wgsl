@@ -60,7 +60,7 @@ fn disc_luminance(spot: Spot) -> @location(0) vec4<f32> {
         // Luminance of a retro-reflector: R_A·E⊥ (CIE 54), for light and eye in one place.
         luminance = spot.disc.z * view.luminance_per_lux;
         if (RING) {
-            luminance += spot.disc.y * ring_lux(spot.world);
+            luminance += spot.disc.y * ring_lux(spot.world - view.eye.xyz, view.ring_candela.xyz);
         }
     }
     return vec4(luminance * share, 0.0, 0.0, share);

@@ -26,8 +26,9 @@ fn lamp_corner(@builtin(vertex_index) index: u32, @builtin(instance_index) lamp_
 fn lamp_luminance(glow: Glow) -> @location(0) vec4<f32> {
     var luminance = glow.luminance;
     if (RING) {
-        let way = normalize(glow.world - view.eye.xyz);
-        luminance += DIFFUSER_ALBEDO * ring_lux(glow.world) * max(-dot(way, glow.normal), 0.0) / PI;
+        let way = glow.world - view.eye.xyz;
+        let cosine = max(-dot(normalize(way), glow.normal), 0.0);
+        luminance += DIFFUSER_ALBEDO * ring_lux(way, view.ring_candela.xyz) * cosine / PI;
     }
     return vec4(luminance, 0.0, 0.0, 1.0);
 }

@@ -7,10 +7,10 @@ fn below(deviations: f32) -> f32 {
 }
 
 // Luminance of lamps along a ray whose direction is spread by `roughness` (standard deviation, rad) about both axes: each lamp's share of
-// the spread, so that over all directions no light is lost or won.
-fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32) -> f32 {
+// the spread, so that over all directions no light is lost or won. `counts` are those of rectangles and of all lamps.
+fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, counts: vec2<u32>) -> f32 {
     var sum = 0.0;
-    for (var index = 0u; index < counted.first_bulb; index++) {
+    for (var index = 0u; index < counts.x; index++) {
         let lamp = lamps[index];
         let way = lamp.centre.xyz - from_place;
         let height = -dot(way, lamp.normal.xyz);
@@ -24,7 +24,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32) -> f
             * (below((at.y + half.y) * per_spread) - below((at.y - half.y) * per_spread));
         sum += select(0.0, lamp.centre.w * share, height > 0.0 && towards < -1e-4);
     }
-    for (var index = counted.first_bulb; index < counted.lamp_count; index++) {
+    for (var index = counts.x; index < counts.y; index++) {
         let lamp = lamps[index];
         let way = lamp.centre.xyz - from_place;
         let along = dot(way, direction);
@@ -34,14 +34,15 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32) -> f
             * exp(-0.5 * dot(aside, aside) / (spread * spread));
         sum += select(0.0, lamp.centre.w * min(share, 1.0), along > 0.0);
     }
-    return sum * view.lamp_factor;
+    return sum;
 }
 
-// Luminance of the nearest face or lamp along a ray.
-fn nearest_along(from_place: vec3<f32>, direction: vec3<f32>) -> f32 {
+// Luminance of the nearest face or lamp along a ray from a face.
+fn nearest_along(face: Face, direction: vec3<f32>) -> f32 {
+    let from_place = face.world + face.normal * 0.002;
     var nearest = 1e9;
     var seen = 0.0;
-    for (var index = 0u; index < counted.mirrored_count; index++) {
+    for (var index = 0u; index < face.counts.z; index++) {
         let surface = surfaces[index];
         let normal = cross(surface.along.xyz, surface.up.xyz);
         let towards = dot(direction, normal);
@@ -55,9 +56,9 @@ fn nearest_along(from_place: vec3<f32>, direction: vec3<f32>) -> f32 {
         if (towards < 0.0 && inside && distance > 0.0 && distance < nearest) {
             nearest = distance;
             let node = (surface.nodes.xy + surface.nodes.zw * share + 0.5) / vec2<f32>(textureDimensions(light_map));
-            seen = surface.corner.w * textureSampleLevel(light_map, between_nodes, node, 0.0).x * view.luminance_per_lux;
+            seen = surface.corner.w * textureSampleLevel(light_map, between_nodes, node, 0.0).x * face.eye.w;
         }
     }
-    let lamp_light = lamps_along(from_place, direction, 0.002);
+    let lamp_light = face.lamplight.w * lamps_along(from_place, direction, 0.002, face.counts.xy);
     return max(seen, lamp_light);
 }

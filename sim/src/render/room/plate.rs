@@ -68,15 +68,14 @@ pub(super) struct ViewOnDevice {
     middle_row: f32,
     last_row: f32,
     eye: [f32; 4],
-    axis: [f32; 4],
+    ring_candela: [f32; 4],
     luminance_per_lux: f32,
     lamp_factor: f32,
-    ring_candela: f32,
     first_bulb: u32,
     lamp_count: u32,
     mirrored_count: u32,
     bodies_s: f32,
-    padding: u32,
+    padding: [u32; 2],
 }
 
 /// `Sheet` of lens.wgsl.
@@ -98,8 +97,8 @@ impl ViewOnDevice {
     pub(super) fn new(lens: &Lens, slot: &RoomSlot, frame: &SubFrame, world: &RoomWorld, turned_up: f64) -> Self {
         let (camera_from_world, turn, drift) = super::twist_rows(frame);
         let [k1, k2, p1, p2, k3] = lens.distortion.map(|coefficient| coefficient as f32);
-        let (eye, axis) =
-            (frame.world_from_camera.translation.vector, frame.world_from_camera.rotation * nalgebra::Vector3::z());
+        let eye = frame.world_from_camera.translation.vector;
+        let ring = frame.world_from_camera.rotation * nalgebra::Vector3::z() * lens.ring_candela;
         let last_row = f64::from(lens.size_px[1] - 1);
         let lamp_factor = turned_up * world.lighting.dimming;
         ViewOnDevice {
@@ -117,16 +116,15 @@ impl ViewOnDevice {
             middle_row: (0.5 * last_row) as f32,
             last_row: last_row as f32,
             eye: [eye.x as f32, eye.y as f32, eye.z as f32, 0.0],
-            axis: [axis.x as f32, axis.y as f32, axis.z as f32, 0.0],
+            ring_candela: [ring.x as f32, ring.y as f32, ring.z as f32, 0.0],
             // A matt surface of albedo 1 under E has the luminance E/π.
             luminance_per_lux: (lamp_factor / std::f64::consts::PI) as f32,
             lamp_factor: lamp_factor as f32,
-            ring_candela: lens.ring_candela as f32,
             first_bulb: world.first_bulb,
             lamp_count: world.lamp_count,
             mirrored_count: world.mirrored_count,
             bodies_s: frame.before_end_s as f32,
-            padding: 0,
+            padding: [0; 2],
         }
     }
 }

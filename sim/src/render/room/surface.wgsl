@@ -24,6 +24,32 @@ struct Face {
     @location(5) @interpolate(flat) size: vec2<f32>,
     // First and last node: beyond are another face's, and some drivers interpolate a little too far.
     @location(6) @interpolate(flat) nodes: vec4<f32>,
+    // Of the view: eye and luminance per lux; the ring's candela along the axis and the factor on lamps; how many lamps are rectangles, how many
+    // there are, and how many faces a puddle mirrors.
+    @location(7) @interpolate(flat) eye: vec4<f32>,
+    @location(8) @interpolate(flat) lamplight: vec4<f32>,
+    @location(9) @interpolate(flat) counts: vec3<u32>,
+    // Of the tiles: turn and edges, phase and joints, the first tile and how many, contrast and mean albedo.
+    @location(10) @interpolate(flat) turn_and_edge: vec4<f32>,
+    @location(11) @interpolate(flat) phase_and_joint: vec4<f32>,
+    @location(12) @interpolate(flat) tiles: vec4<i32>,
+    @location(13) @interpolate(flat) tone: vec2<f32>,
+}
+
+fn grid_of(face: Face) -> Grid {
+    return Grid(
+        face.turn_and_edge.xy,
+        face.turn_and_edge.zw,
+        face.phase_and_joint.xy,
+        face.phase_and_joint.z,
+        face.phase_and_joint.w,
+        face.tiles.xy,
+        face.tiles.zw,
+        face.tone.x,
+        face.tone.y,
+        0u,
+        0u,
+    );
 }
 
 @vertex
@@ -40,6 +66,13 @@ fn surface_node(node: Node) -> Face {
         normalize(cross(surface.along.xyz, surface.up.xyz)),
         surface.size.xy,
         vec4((surface.nodes.xy + 0.5) * per_size, (surface.nodes.xy + surface.nodes.zw + 0.5) * per_size),
+        vec4(view.eye.xyz, view.luminance_per_lux),
+        vec4(view.ring_candela.xyz, view.lamp_factor),
+        vec3(counted.first_bulb, counted.lamp_count, counted.mirrored_count),
+        vec4(grid.turn, grid.edge_m),
+        vec4(grid.phase_m, grid.joint_width_m, grid.joint_albedo),
+        vec4(grid.first, grid.count),
+        vec2(grid.pattern_contrast, grid.mean_albedo),
     );
 }
 
@@ -55,7 +88,7 @@ fn texture_at(face: Face) -> f32 {
         return plaster(place, pixel_m, seed);
     }
     if (TEXTURE == 2u) {
-        return tiles(place, extent, pixel_m);
+        return tiles(place, extent, pixel_m, grid_of(face));
     }
     if (TEXTURE == 3u) {
         return concrete(place, pixel_m, seed);
@@ -71,7 +104,7 @@ fn texture_at(face: Face) -> f32 {
     }
     if (TEXTURE == 7u) {
         // Of what is below the water, tiles and concrete have a texture.
-        return select(concrete(place, pixel_m, 0u), tiles(place, extent, pixel_m), seed == 2u);
+        return select(concrete(place, pixel_m, 0u), tiles(place, extent, pixel_m, grid_of(face)), seed == 2u);
     }
     if (TEXTURE == 8u) {
         return chessboard(place, extent, face.size, seed);
@@ -86,15 +119,16 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
         albedo *= texture_at(face);
     }
     let lux = textureSampleLevel(light_map, between_nodes, clamp(face.node, face.nodes.xy, face.nodes.zw), 0.0).x;
-    let matt = lux * view.luminance_per_lux;
+    let matt = lux * face.eye.w;
     var lit = matt;
     if (!RING && !GLOSS) {
         return vec4(albedo * lit, 0.0, 0.0, 1.0);
     }
-    let way = normalize(face.world - view.eye.xyz);
+    let from_eye = face.world - face.eye.xyz;
+    let way = normalize(from_eye);
     let cosine = clamp(-dot(way, face.normal), 0.0, 1.0);
     if (RING) {
-        lit += ring_lux(face.world) * cosine / PI;
+        lit += ring_lux(from_eye, face.lamplight.xyz) * cosine / PI;
     }
     if (!GLOSS) {
         return vec4(albedo * lit, 0.0, 0.0, 1.0);
@@ -107,12 +141,12 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
     var seen = 0.5 * matt;
     if (GLINTS) {
-        seen += lamps_along(face.world, out, face.material.z);
+        seen += face.lamplight.w * lamps_along(face.world, out, face.material.z, face.counts.xy);
     }
     if (TEXTURE == 7u) {
         // Water mirrors what stands there and darkens what it soaks, within the edge of a puddle.
         let deep = puddle(face.place, face.size);
-        seen = mix(seen, nearest_along(face.world + face.normal * 0.002, out), deep);
+        seen = mix(seen, nearest_along(face, out), deep);
         albedo *= 1.0 - 0.35 * deep;
     }
     return vec4((1.0 - mirrored) * albedo * lit + mirrored * seen, 0.0, 0.0, 1.0);

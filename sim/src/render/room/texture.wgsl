@@ -44,7 +44,7 @@ fn plaster(place: vec2<f32>, pixel_m: f32, seed: u32) -> f32 {
 }
 
 // In infrared as much brighter as the surface's own mean is.
-fn tiles(world: vec2<f32>, extent: vec2<f32>, pixel_m: f32) -> f32 {
+fn tiles(world: vec2<f32>, extent: vec2<f32>, pixel_m: f32, grid: Grid) -> f32 {
     let turned = vec2(grid.turn.x * world.x + grid.turn.y * world.y, grid.turn.x * world.y - grid.turn.y * world.x);
     let place = turned - grid.phase_m;
     // The extents along world axes, turned, bound those along the grid's.

@@ -23,12 +23,11 @@ struct View {
     last_row: f32,
     // Of the camera, world.
     eye: vec4<f32>,
-    axis: vec4<f32>,
+    // Equivalent candela of the ring, along the axis.
+    ring_candela: vec4<f32>,
     // Luminance of an albedo of 1 for each equivalent lux of the map; luminance of lamps for that of their buffer.
     luminance_per_lux: f32,
     lamp_factor: f32,
-    // Equivalent candela of the ring along the axis.
-    ring_candela: f32,
     // Rectangles come first.
     first_bulb: u32,
     lamp_count: u32,
@@ -36,7 +35,8 @@ struct View {
     mirrored_count: u32,
     // From when people were placed to when the middle row is exposed.
     bodies_s: f32,
-    padding: u32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 override ROLLING: bool = false;
@@ -46,7 +46,7 @@ override BAND: u32 = 0u;
 
 const NEAR_M: f32 = 0.02;
 
-// In uniform memory, and in storage what loops depend on, as in the floor's view.wgsl.
+// In uniform memory, and in storage what loops depend on, as in the floor's view.wgsl; for faces both travel with the corners.
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> counted: View;
 
@@ -104,11 +104,11 @@ fn clip_of(seen: vec3<f32>) -> vec4<f32> {
     return vec4(xy.x, -xy.y, NEAR_M, seen.z);
 }
 
-// Equivalent lux that the ring gives at a place on a plane across the ray; its light falls with the cosine off the axis.
-fn ring_lux(world: vec3<f32>) -> f32 {
-    let way = world - view.eye.xyz;
+// Equivalent lux that the ring gives on a plane across the ray, this `way` from the eye; its light falls with the cosine off the axis, along
+// which `candela` points.
+fn ring_lux(way: vec3<f32>, candela: vec3<f32>) -> f32 {
     let square = max(dot(way, way), 1e-4);
-    return view.ring_candela * max(dot(way, view.axis.xyz), 0.0) / (square * sqrt(square));
+    return max(dot(way, candela), 0.0) / (square * sqrt(square));
 }
 
 const PI: f32 = 3.14159265;
