@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use super::{RenderError, View, device::Graphics};
-use crate::sensors::lens::Lens;
+use crate::{scene::MAX_LAMPS, sensors::lens::Lens};
 
 mod edges;
 mod faces;
@@ -26,14 +26,18 @@ mod world;
 pub(super) use plate::RoomSlot;
 pub(super) use world::RoomWorld;
 
+use faces::Run;
 use motion::{SubFrame, sub_frames};
 use people::run_of;
-use pipelines::{Kind, Pipelines, Use};
+use pipelines::{Pipelines, Use};
 use plate::ViewOnDevice;
 use slivers::is_sliver;
 
 /// Where no face is seen the plate is darker than any: edge.wgsl closes cracks between faces by that, and no sensor notices.
 const NOTHING: wgpu::Color = wgpu::Color { r: -1e-12, g: 0.0, b: 0.0, a: 1.0 };
+
+/// Numbers of lamps there can be, none included; as in surface.wgsl.
+const LAMP_ENDS: u32 = MAX_LAMPS as u32 + 1;
 
 /// Pipelines and layouts of the room.
 pub(super) struct RoomPass {
@@ -89,14 +93,14 @@ impl RoomPass {
             .map(|panel| is_sliver(panel, middle, lens) || frustum.hides(&panel.corners()))
             .collect();
         let people = world.people.seen_in(&frustum);
-        let drawing = world.cells.seen_from(&eyes, &world.lighting, &hidden);
+        let drawing = world.cells.seen_from(&eyes, &world.lighting, &hidden, lens.row_time_s > 0.0);
         let edges = world.edge_list.runs(&hidden);
         slot.choose(graphics, &drawing.indices);
-        self.pipelines.prepare(&graphics.device, &how, drawing.ranges.iter().map(|(kind, _)| *kind));
+        self.pipelines.prepare(&graphics.device, &how, drawing.runs.iter().map(|run| run.kind));
         let walked = world.lit_while_they_walk(graphics, &self.pipelines, &frames, how.band());
         for index in 0..frames.len() {
             let lit = walked.get(run_of(index, frames.len(), walked.len())).unwrap_or(world.bindings(how.band()));
-            self.draw_faces(encoder, (world, lit, &people), (&drawing.ranges, slot), &how, index);
+            self.draw_faces(encoder, (world, lit, &people), (&drawing.runs, slot), &how, index);
             encoder.copy_texture_to_texture(
                 slot.stepped.texture().as_image_copy(),
                 slot.plate(index),
@@ -131,7 +135,7 @@ impl RoomPass {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (world, lit, people): (&RoomWorld, &wgpu::BindGroup, &[usize]),
-        (ranges, slot): (&[(Kind, Range<u32>)], &RoomSlot),
+        (runs, slot): (&[Run], &RoomSlot),
         how: &Use,
         index: usize,
     ) {
@@ -164,9 +168,11 @@ impl RoomPass {
         }
         pass.set_vertex_buffer(0, world.nodes.slice(..));
         pass.set_index_buffer(slot.chosen.slice(..), wgpu::IndexFormat::Uint32);
-        for (kind, range) in ranges {
-            pass.set_pipeline(self.pipelines.surface(how, *kind));
-            pass.draw_indexed(range.clone(), 0, 0..1);
+        for run in runs {
+            pass.set_pipeline(self.pipelines.surface(how, run.kind));
+            // The instance's number tells which lamps may show.
+            let lamps = run.lamps.start + run.lamps.end * LAMP_ENDS;
+            pass.draw_indexed(run.indices.clone(), 0, lamps..lamps + 1);
         }
         pass.set_pipeline(self.pipelines.lamps(how));
         pass.draw(0..6, 0..world.first_bulb);

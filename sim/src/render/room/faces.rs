@@ -1,6 +1,6 @@
 //! Panels, lamps and discs of a building in the form in which the device reads them.
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Point3, Vector3};
@@ -8,7 +8,7 @@ use nalgebra::{Point3, Vector3};
 use super::{glints::GlossyCell, pipelines::Kind};
 use crate::{
     building::Building,
-    light::{Lighting, Patch, Shape},
+    light::{Lighting, Patch, Shape, Source},
     scene::Pattern,
 };
 
@@ -93,44 +93,79 @@ pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> V
 /// All panels cut into cells.
 #[derive(Debug)]
 pub(super) struct Cells {
-    /// Cells of each kind of surface.
-    by_kind: Vec<(Kind, Vec<Cell>)>,
+    /// Faces of each kind of surface.
+    by_kind: Vec<(Kind, Vec<Face>)>,
 }
 
-/// A rectangle of a panel.
+/// A panel as a whole, and cut into cells.
 #[derive(Debug)]
-struct Cell {
+struct Face {
     panel: usize,
-    /// Three nodes to a triangle.
-    indices: [u32; 6],
-    glossy: Option<GlossyCell>,
+    whole: Rectangle,
+    cells: Vec<Rectangle>,
+    /// Of each cell, where the panel mirrors.
+    glossy: Vec<GlossyCell>,
 }
 
-/// Nodes to draw, three to a triangle, and which of them belong to each kind of surface.
+/// Three nodes to a triangle.
+type Rectangle = [u32; 6];
+
+/// Nodes to draw, three to a triangle.
 #[derive(Debug, Default)]
 pub(super) struct Drawing {
     pub(super) indices: Vec<u32>,
-    pub(super) ranges: Vec<(Kind, Range<u32>)>,
+    pub(super) runs: Vec<Run>,
+}
+
+/// Nodes of one kind of surface.
+#[derive(Debug)]
+pub(super) struct Run {
+    pub(super) kind: Kind,
+    /// From the first lamp that may show in it to the last.
+    pub(super) lamps: Range<u32>,
+    /// Of the indices.
+    pub(super) indices: Range<u32>,
 }
 
 impl Cells {
-    /// Everything but the panels that are hidden, as it is seen from some places; lamps are looked for only where one may show.
-    pub(super) fn seen_from(&self, eyes: &[Point3<f64>], lighting: &Lighting, hidden: &[bool]) -> Drawing {
+    /// Everything but the panels that are hidden, as it is seen from some places; lamps are looked for only where they may show. Panels are cut
+    /// only where they have to be, for the rows of a rolling shutter or for lamps: along what triangles share, a driver shades pixels of both twice.
+    pub(super) fn seen_from(
+        &self,
+        eyes: &[Point3<f64>],
+        lighting: &Lighting,
+        hidden: &[bool],
+        rolling: bool,
+    ) -> Drawing {
+        let sources: Vec<&Source> = in_order(lighting).collect();
+        let lamps_in = |cell: &GlossyCell| {
+            let shows = |source: &&Source| eyes.iter().any(|eye| cell.shows(*eye, &source.shape));
+            let first = sources.iter().position(shows).unwrap_or(0);
+            let end = sources.iter().rposition(shows).map_or(0, |last| last + 1);
+            first as u32..end as u32
+        };
         let mut drawing = Drawing::default();
-        for (kind, cells) in &self.by_kind {
-            let shows = |cell: &&Cell| {
-                let glossy = cell.glossy.as_ref();
-                glossy.is_none_or(|cell| eyes.iter().any(|eye| cell.shows_a_lamp(*eye, lighting)))
-            };
-            let shown = cells.iter().filter(|cell| !hidden[cell.panel]);
-            let (all, none): (Vec<&Cell>, Vec<&Cell>) = shown.partition(shows);
-            for (kind, cells) in [(*kind, all), (kind.without_glints(), none)] {
+        for (kind, faces) in &self.by_kind {
+            let mut by_lamps: BTreeMap<[u32; 2], Vec<Rectangle>> = BTreeMap::new();
+            for face in faces.iter().filter(|face| !hidden[face.panel]) {
+                let lamps: Vec<Range<u32>> = face.glossy.iter().map(lamps_in).collect();
+                if !rolling && lamps.iter().all(Range::is_empty) {
+                    by_lamps.entry([0, 0]).or_default().push(face.whole);
+                    continue;
+                }
+                for (index, cell) in face.cells.iter().enumerate() {
+                    let lamps = lamps.get(index).map_or([0, 0], |lamps| [lamps.start, lamps.end]);
+                    by_lamps.entry(lamps).or_default().push(*cell);
+                }
+            }
+            for ([first, end], rectangles) in by_lamps {
                 let start = drawing.indices.len() as u32;
-                drawing.indices.extend(cells.iter().flat_map(|cell| cell.indices));
-                drawing.ranges.push((kind, start..drawing.indices.len() as u32));
+                drawing.indices.extend(rectangles.into_iter().flatten());
+                let kind = if first == end { kind.without_glints() } else { *kind };
+                let indices = start..drawing.indices.len() as u32;
+                drawing.runs.push(Run { kind, lamps: first..end, indices });
             }
         }
-        drawing.ranges.retain(|(_, range)| !range.is_empty());
         drawing
     }
 }
@@ -147,14 +182,14 @@ pub(super) fn cells(building: &Building) -> (Vec<NodeOnDevice>, Cells) {
     let mut order: Vec<usize> = (0..building.panels.len()).collect();
     order.sort_by_key(|index| kind_of(*index));
     for group in order.chunk_by(|one, other| kind_of(*one) == kind_of(*other)) {
-        let cells = group.iter().flat_map(|panel| cells_of(building, *panel, &mut nodes)).collect();
-        by_kind.push((kind_of(group[0]), cells));
+        let faces = group.iter().map(|panel| face_of(building, *panel, &mut nodes)).collect();
+        by_kind.push((kind_of(group[0]), faces));
     }
     (nodes, Cells { by_kind })
 }
 
-/// Cells of one panel, whose nodes are appended.
-fn cells_of(building: &Building, panel_index: usize, nodes: &mut Vec<NodeOnDevice>) -> Vec<Cell> {
+/// One panel, whose nodes are appended.
+fn face_of(building: &Building, panel_index: usize, nodes: &mut Vec<NodeOnDevice>) -> Face {
     let panel = &building.panels[panel_index];
     let [columns, rows] = panel.size_m().map(cells_along);
     let share = |i: u32, j: u32| [f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows)];
@@ -163,30 +198,32 @@ fn cells_of(building: &Building, panel_index: usize, nodes: &mut Vec<NodeOnDevic
         surface: panel_index as u32,
         share: [i as f32 / columns as f32, j as f32 / rows as f32],
     }));
-    let cell = |(i, j): (u32, u32)| {
-        let at = |i: u32, j: u32| first + j * (columns + 1) + i;
-        let place = |i: u32, j: u32| {
-            let [along, up] = share(i, j);
-            panel.corner + panel.along * along + panel.up * up
-        };
-        let glossy = Kind::of(&panel.material).gloss().then(|| GlossyCell {
-            corners: [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)],
-            normal: panel.along.cross(&panel.up).normalize(),
-            roughness_rad: panel.material.roughness_rad,
-        });
-        Cell {
-            panel: panel_index,
-            indices: [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)],
-            glossy,
-        }
+    let rectangle = |[i, j]: [u32; 2], [columns_on, rows_on]: [u32; 2]| {
+        let at = |right: u32, up: u32| first + (j + up * rows_on) * (columns + 1) + i + right * columns_on;
+        [at(0, 0), at(1, 0), at(1, 1), at(0, 0), at(1, 1), at(0, 1)]
     };
-    (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))).map(cell).collect()
+    let place = |i: u32, j: u32| {
+        let [along, up] = share(i, j);
+        panel.corner + panel.along * along + panel.up * up
+    };
+    let glossy = |[i, j]: [u32; 2]| GlossyCell {
+        corners: [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)],
+        normal: panel.along.cross(&panel.up).normalize(),
+        roughness_rad: panel.material.roughness_rad,
+    };
+    let cells = || (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j]));
+    Face {
+        panel: panel_index,
+        whole: rectangle([0, 0], [columns, rows]),
+        cells: cells().map(|cell| rectangle(cell, [1, 1])).collect(),
+        glossy: if Kind::of(&panel.material).gloss() { cells().map(glossy).collect() } else { Vec::new() },
+    }
 }
 
-/// Lamps with their luminance in one band, rectangles first; to their own light comes what the room throws on them.
+/// Lamps with their luminance in one band, in order; to their own light comes what the room throws on them.
 pub(super) fn lamps(building: &Building, lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
-    let lamp = |source: &crate::light::Source| {
+    let lamp = |source: &Source| {
         let own = source.luminance() * [source.photons.visible, source.photons.infrared][band];
         let thrown = source.shape.normal().map_or(0.0, |normal| {
             let at = source.shape.place(0.0, 0.0) + normal * 0.01;
@@ -209,9 +246,13 @@ pub(super) fn lamps(building: &Building, lighting: &Lighting, band: usize) -> Ve
             },
         }
     };
-    let rectangles_first =
-        |bulbs: bool| lighting.sources.iter().filter(move |source| source.shape.normal().is_none() == bulbs);
-    rectangles_first(false).chain(rectangles_first(true)).map(lamp).collect()
+    in_order(lighting).map(lamp).collect()
+}
+
+/// Lamps as they lie on the device: rectangles before bulbs.
+fn in_order(lighting: &Lighting) -> impl Iterator<Item = &Source> {
+    let of_shape = |bulbs: bool| lighting.sources.iter().filter(move |source| source.shape.normal().is_none() == bulbs);
+    of_shape(false).chain(of_shape(true))
 }
 
 /// Retro-reflective dots, lit as their place is, and bulbs.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::light::{Lighting, Shape};
+use crate::light::Shape;
 
 /// The bump through which mirror.wgsl sees lamps ends so many standard deviations from its middle, √20/2, with some to spare for cells
 /// across which the ray's length changes.
@@ -22,17 +22,17 @@ pub(super) struct GlossyCell {
 }
 
 impl GlossyCell {
-    /// Whether any lamp may be seen in the cell from `eye`; now and then it says so though none is.
-    pub(super) fn shows_a_lamp(&self, eye: Point3<f64>, lighting: &Lighting) -> bool {
+    /// Whether a lamp may be seen in the cell from `eye`; now and then it says so though it is not.
+    pub(super) fn shows(&self, eye: Point3<f64>, lamp: &Shape) -> bool {
         let roughness = self.roughness_rad.max(LEAST_ROUGHNESS_RAD);
         // What is seen in the cell lies behind it as seen from the eye mirrored at its plane.
         let mirrored_eye = eye - self.normal * (2.0 * self.normal.dot(&(eye - self.corners[0])));
-        lighting.sources.iter().any(|source| match source.shape {
+        match *lamp {
             Shape::Rectangle { centre, half_u, half_v } => {
                 self.shows_rectangle(mirrored_eye, centre, [half_u, half_v], roughness)
             }
             Shape::Point { at, radius_m } => self.shows_bulb(mirrored_eye, at, radius_m, roughness),
-        })
+        }
     }
 
     /// The rays past the cell's corners meet the lamp's plane at the corners of a figure that holds all rays past the cell.

@@ -7,10 +7,11 @@ fn below(deviations: f32) -> f32 {
 }
 
 // Luminance of lamps along a ray whose direction is spread by `roughness` (standard deviation, rad) about both axes: each lamp's share of
-// the spread, so that over all directions no light is lost or won. `counts` are those of rectangles and of all lamps.
-fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, counts: vec2<u32>) -> f32 {
+// the spread, so that over all directions no light is lost or won. `range` tells the first lamp to look for, the first bulb of all, and
+// where lamps to look for end.
+fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, range: vec3<u32>) -> f32 {
     var sum = 0.0;
-    for (var index = 0u; index < counts.x; index++) {
+    for (var index = range.x; index < min(range.y, range.z); index++) {
         let lamp = lamps[index];
         let way = lamp.centre.xyz - from_place;
         let height = -dot(way, lamp.normal.xyz);
@@ -24,7 +25,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, coun
             * (below((at.y + half.y) * per_spread) - below((at.y - half.y) * per_spread));
         sum += select(0.0, lamp.centre.w * share, height > 0.0 && towards < -1e-4);
     }
-    for (var index = counts.x; index < counts.y; index++) {
+    for (var index = max(range.x, range.y); index < range.z; index++) {
         let lamp = lamps[index];
         let way = lamp.centre.xyz - from_place;
         let along = dot(way, direction);
@@ -42,7 +43,7 @@ fn nearest_along(face: Face, direction: vec3<f32>) -> f32 {
     let from_place = face.world + face.normal * 0.002;
     var nearest = 1e9;
     var seen = 0.0;
-    for (var index = 0u; index < face.counts.z; index++) {
+    for (var index = 0u; index < face.counts.w; index++) {
         let surface = surfaces[index];
         let normal = cross(surface.along.xyz, surface.up.xyz);
         let towards = dot(direction, normal);
@@ -59,6 +60,6 @@ fn nearest_along(face: Face, direction: vec3<f32>) -> f32 {
             seen = surface.corner.w * textureSampleLevel(light_map, between_nodes, node, 0.0).x * face.eye.w;
         }
     }
-    let lamp_light = face.lamplight.w * lamps_along(from_place, direction, 0.002, face.counts.xy);
+    let lamp_light = face.lamplight.w * lamps_along(from_place, direction, 0.002, face.counts.xyz);
     return max(seen, lamp_light);
 }

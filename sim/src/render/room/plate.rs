@@ -72,10 +72,9 @@ pub(super) struct ViewOnDevice {
     luminance_per_lux: f32,
     lamp_factor: f32,
     first_bulb: u32,
-    lamp_count: u32,
     mirrored_count: u32,
     bodies_s: f32,
-    padding: [u32; 2],
+    padding: [u32; 3],
 }
 
 /// `Sheet` of lens.wgsl.
@@ -121,10 +120,9 @@ impl ViewOnDevice {
             luminance_per_lux: (lamp_factor / std::f64::consts::PI) as f32,
             lamp_factor: lamp_factor as f32,
             first_bulb: world.first_bulb,
-            lamp_count: world.lamp_count,
             mirrored_count: world.mirrored_count,
             bodies_s: frame.before_end_s as f32,
-            padding: [0; 2],
+            padding: [0; 3],
         }
     }
 }

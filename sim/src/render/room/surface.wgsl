@@ -4,6 +4,9 @@ override GLOSS: bool = false;
 // Whether lamps may be seen in it.
 override GLINTS: bool = false;
 
+// Numbers of lamps there can be, none included; as in room.rs.
+const LAMP_ENDS: u32 = 1025u;
+
 struct Node {
     @location(0) surface: u32,
     // From 0 to 1 along both sides.
@@ -24,11 +27,11 @@ struct Face {
     @location(5) @interpolate(flat) size: vec2<f32>,
     // First and last node: beyond are another face's, and some drivers interpolate a little too far.
     @location(6) @interpolate(flat) nodes: vec4<f32>,
-    // Of the view: eye and luminance per lux; the ring's candela along the axis and the factor on lamps; how many lamps are rectangles, how many
-    // there are, and how many faces a puddle mirrors.
+    // Of the view: eye and luminance per lux; the ring's candela along the axis and the factor on lamps; the first lamp that may show, the first
+    // bulb, where lamps that may show end, and how many faces a puddle mirrors.
     @location(7) @interpolate(flat) eye: vec4<f32>,
     @location(8) @interpolate(flat) lamplight: vec4<f32>,
-    @location(9) @interpolate(flat) counts: vec3<u32>,
+    @location(9) @interpolate(flat) counts: vec4<u32>,
     // Of the tiles: turn and edges, phase and joints, the first tile and how many, contrast and mean albedo.
     @location(10) @interpolate(flat) turn_and_edge: vec4<f32>,
     @location(11) @interpolate(flat) phase_and_joint: vec4<f32>,
@@ -53,7 +56,7 @@ fn grid_of(face: Face) -> Grid {
 }
 
 @vertex
-fn surface_node(node: Node) -> Face {
+fn surface_node(node: Node, @builtin(instance_index) shown: u32) -> Face {
     let surface = surfaces[node.surface];
     let world = surface.corner.xyz + surface.along.xyz * node.share.x + surface.up.xyz * node.share.y;
     let per_size = 1.0 / vec2<f32>(textureDimensions(light_map));
@@ -68,7 +71,7 @@ fn surface_node(node: Node) -> Face {
         vec4((surface.nodes.xy + 0.5) * per_size, (surface.nodes.xy + surface.nodes.zw + 0.5) * per_size),
         vec4(view.eye.xyz, view.luminance_per_lux),
         vec4(view.ring_candela.xyz, view.lamp_factor),
-        vec3(counted.first_bulb, counted.lamp_count, counted.mirrored_count),
+        vec4(shown % LAMP_ENDS, counted.first_bulb, shown / LAMP_ENDS, counted.mirrored_count),
         vec4(grid.turn, grid.edge_m),
         vec4(grid.phase_m, grid.joint_width_m, grid.joint_albedo),
         vec4(grid.first, grid.count),
@@ -141,7 +144,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
     var seen = 0.5 * matt;
     if (GLINTS) {
-        seen += face.lamplight.w * lamps_along(face.world, out, face.material.z, face.counts.xy);
+        seen += face.lamplight.w * lamps_along(face.world, out, face.material.z, face.counts.xyz);
     }
     if (TEXTURE == 7u) {
         // Water mirrors what stands there and darkens what it soaks, within the edge of a puddle.

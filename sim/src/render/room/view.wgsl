@@ -30,13 +30,13 @@ struct View {
     lamp_factor: f32,
     // Rectangles come first.
     first_bulb: u32,
-    lamp_count: u32,
     // Surfaces that are looked for in a puddle.
     mirrored_count: u32,
     // From when people were placed to when the middle row is exposed.
     bodies_s: f32,
     padding_a: u32,
     padding_b: u32,
+    padding_c: u32,
 }
 
 override ROLLING: bool = false;
