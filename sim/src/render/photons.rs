@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use super::{
     View,
     device::Graphics,
+    room::layouts::{Vertices, vertices},
     target::{Target, levels_format},
 };
 use crate::{scene::BitDepth, sensors::lens::Lens};
@@ -114,11 +115,6 @@ impl PhotonPass {
             multisampled: false,
         };
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let bends = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Sint,
-            view_dimension,
-            multisampled: false,
-        };
         let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
         let pattern_layout = layout("pattern", vertex, &[uniform]);
         PhotonPass {
@@ -127,7 +123,7 @@ impl PhotonPass {
             readout_layout: layout("readout", vertex | fragment, &[uniform, texture(false)]),
             pattern_layout,
             luminance_layout: layout("luminance", fragment, &[texture(true)]),
-            lens_layout: layout("lens", vertex | fragment, &[uniform, texture(true), bends, sampler]),
+            lens_layout: layout("lens", vertex | fragment, &[uniform, texture(true), sampler]),
         }
     }
 
@@ -176,25 +172,32 @@ impl PhotonPass {
 
         let kind = Kind::of(view);
         if kind.uneven && target.photons.laid != Some(view.noise.seed) {
-            whole_picture(encoder, &target.photons.pattern, &self.lay_pattern, &[&target.photons.pattern_bindings]);
+            whole_picture(
+                encoder,
+                &target.photons.pattern,
+                &self.lay_pattern,
+                &[&target.photons.pattern_bindings],
+                None,
+            );
             target.photons.laid = Some(view.noise.seed);
         }
-        let (source_layout, source) = match (&target.room, &view.lens) {
-            (Some(room), Some(_)) => (&self.lens_layout, room.lens_bindings()),
-            _ => (&self.luminance_layout, &target.photons.luminance),
+        let (source_layout, source, map) = match (&target.room, &view.lens) {
+            (Some(room), Some(_)) => (&self.lens_layout, room.lens_bindings(), Some((&room.map, room.n_map_cells))),
+            _ => (&self.luminance_layout, &target.photons.luminance, None),
         };
         let layouts = [&self.readout_layout, source_layout];
         let read_out = self.made.entry(kind).or_insert_with(|| pipeline(&graphics.device, &layouts, kind));
-        whole_picture(encoder, &target.levels, read_out, &[&target.photons.readout, source]);
+        whole_picture(encoder, &target.levels, read_out, &[&target.photons.readout, source], map);
     }
 }
 
-/// Runs a pipeline on every pixel of a picture.
+/// Runs a pipeline on every pixel of a picture, all at once or in the cells of a lens's map.
 fn whole_picture(
     encoder: &mut wgpu::CommandEncoder,
     picture: &wgpu::TextureView,
     pipeline: &wgpu::RenderPipeline,
     bindings: &[&wgpu::BindGroup],
+    map: Option<(&wgpu::Buffer, u32)>,
 ) {
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("sensor"),
@@ -210,7 +213,13 @@ fn whole_picture(
     for (bindings, group) in bindings.iter().zip(0..) {
         pass.set_bind_group(group, *bindings, &[]);
     }
-    pass.draw(0..3, 0..1);
+    match map {
+        Some((cells, count)) => {
+            pass.set_vertex_buffer(0, cells.slice(..));
+            pass.draw(0..4, 0..count);
+        }
+        None => pass.draw(0..3, 0..1),
+    }
 }
 
 /// What the shader knows of a view's sensor.
@@ -242,7 +251,7 @@ fn module(device: &wgpu::Device, source: &str) -> wgpu::ShaderModule {
 fn pattern_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
     let module = module(device, PATTERN_SHADER);
     let entry_points = ["pattern_corner", "lay_pattern"];
-    on_whole_picture(device, &[layout], &module, entry_points, &[], PATTERN_FORMAT)
+    on_whole_picture(device, &[layout], &module, (entry_points, None), &[], PATTERN_FORMAT)
 }
 
 fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], kind: Kind) -> wgpu::RenderPipeline {
@@ -254,15 +263,17 @@ fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], kind: Kin
     }
     let module = module(device, if kind.lens.is_some() { LENS_SHADER } else { IDEAL_SHADER });
     let entry_points = ["picture_corner", "read_out"];
-    on_whole_picture(device, layouts, &module, entry_points, &constants, levels_format(kind.deep))
+    let cells = kind.lens.map(|_| vertices(wgpu::VertexStepMode::Instance, &[wgpu::VertexFormat::Float32x4; 6]));
+    on_whole_picture(device, layouts, &module, (entry_points, cells), &constants, levels_format(kind.deep))
 }
 
-/// A pipeline for [`whole_picture`]; `entry_points` of the vertex and of the fragment shader, `constants` of the latter.
+/// A pipeline for [`whole_picture`]; entry points of the vertex and of the fragment shader, with the cells that the former reads, `constants` of the
+/// latter.
 fn on_whole_picture(
     device: &wgpu::Device,
     layouts: &[&wgpu::BindGroupLayout],
     module: &wgpu::ShaderModule,
-    entry_points: [&str; 2],
+    (entry_points, cells): ([&str; 2], Option<Vertices>),
     constants: &[(&str, f64)],
     format: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
@@ -272,6 +283,11 @@ fn on_whole_picture(
         bind_group_layouts: &layouts,
         immediate_size: 0,
     });
+    let topology = match cells {
+        Some(_) => wgpu::PrimitiveTopology::TriangleStrip,
+        None => wgpu::PrimitiveTopology::TriangleList,
+    };
+    let cells = cells.as_ref().map(Vertices::layout);
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(entry_points[1]),
         layout: Some(&layout),
@@ -279,9 +295,9 @@ fn on_whole_picture(
             module,
             entry_point: Some(entry_points[0]),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
+            buffers: if cells.is_some() { std::slice::from_ref(&cells) } else { &[] },
         },
-        primitive: wgpu::PrimitiveState::default(),
+        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {

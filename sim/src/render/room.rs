@@ -14,7 +14,7 @@ mod edges;
 mod faces;
 mod frustum;
 mod glints;
-mod layouts;
+pub(super) mod layouts;
 mod map;
 mod motion;
 mod pipelines;

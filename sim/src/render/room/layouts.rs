@@ -3,14 +3,21 @@
 use wgpu::VertexFormat;
 
 /// A vertex buffer's layout.
-pub(super) struct Vertices {
-    pub(super) stride: u64,
-    pub(super) step_mode: wgpu::VertexStepMode,
-    pub(super) attributes: Vec<wgpu::VertexAttribute>,
+pub(in crate::render) struct Vertices {
+    stride: u64,
+    step_mode: wgpu::VertexStepMode,
+    attributes: Vec<wgpu::VertexAttribute>,
+}
+
+impl Vertices {
+    /// For a pipeline of one vertex buffer.
+    pub(in crate::render) fn layout(&self) -> wgpu::VertexBufferLayout<'_> {
+        wgpu::VertexBufferLayout { array_stride: self.stride, step_mode: self.step_mode, attributes: &self.attributes }
+    }
 }
 
 /// Attributes one after another, without gaps.
-pub(super) fn vertices(stride: u64, step_mode: wgpu::VertexStepMode, formats: &[VertexFormat]) -> Vertices {
+pub(in crate::render) fn vertices(step_mode: wgpu::VertexStepMode, formats: &[VertexFormat]) -> Vertices {
     let mut offset = 0;
     let attributes = formats
         .iter()
@@ -21,7 +28,7 @@ pub(super) fn vertices(stride: u64, step_mode: wgpu::VertexStepMode, formats: &[
             attribute
         })
         .collect();
-    Vertices { stride, step_mode, attributes }
+    Vertices { stride: offset, step_mode, attributes }
 }
 
 /// A storage buffer that shaders only read.

@@ -1,40 +1,53 @@
 //! The lens as a map: where on the plate each pixel of the sensor takes its light from.
 
+use bytemuck::{Pod, Zeroable};
+use nalgebra::{DMatrix, Dyn, OMatrix, U2};
+
 use crate::{render::RenderError, sensors::lens::Lens};
 
 /// A plate more than this many times as wide as the image would come from a distortion that no real lens has.
 const WIDEST_PLATE: f64 = 3.0;
+/// The map is cut into cells of at most so many pixels a side, and of no fewer.
+const WIDEST_CELL_PX: u32 = 128;
+const NARROWEST_CELL_PX: u32 = 8;
+/// A cell is cut until its polynomials depart from the lens by no more: a twentieth of what else moves a dot behind a bent lens.
+const MAP_TOLERANCE_PX: f64 = 5e-4;
+/// Terms of a polynomial of the third degree in two variables.
+const N_TERMS: usize = 10;
 
-/// The plate's extent, and the places of all pixels on it.
+/// The plate's extent, and where on it the pixels of the sensor lie.
 pub(super) struct LensMap {
     /// Width and height of the plate.
     pub(super) size_px: [u32; 2],
     /// Principal point on the plate, (0, 0) the centre of its first pixel.
     pub(super) centre_px: [f64; 2],
-    /// Where on the plate the sensor's first pixel lies unless it is bent away.
-    pub(super) shift_px: [f64; 2],
-    /// How far the lens bends every pixel away, row by row, in steps of `step_px`; one entry when the plate is the image itself.
-    pub(super) bends: Vec<[i16; 2]>,
-    /// The greatest bend has the greatest number: a lens that bends by 80 px is mapped within 0.0013 px.
-    pub(super) step_px: f64,
-    /// Width and height of the bends.
-    pub(super) bends_size_px: [u32; 2],
+    /// Together they are the sensor's picture.
+    pub(super) cells: Vec<MapCell>,
+}
+
+/// A rectangle of the sensor, and from its pixels to their places on the plate: a pixel's own number and a polynomial of the third degree.
+/// Polynomials cost a software driver less than a map does that it has to fetch.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct MapCell {
+    /// First pixel, and the one after the last, along u and v.
+    bounds_px: [[f32; 2]; 2],
+    /// Along u and v of the plate, of 1, u, v, u², uv, v², u³, u²v, uv², v³ counted from the cell's middle: place less pixel.
+    terms: [[f32; 2]; N_TERMS],
 }
 
 impl LensMap {
     /// The map of a lens.
     pub(super) fn new(lens: &Lens) -> Result<LensMap, RenderError> {
+        let [width, height] = lens.size_px;
         if !lens.bends() && lens.defocus_px == 0.0 {
+            let bounds_px = [[0.0; 2], [width as f32, height as f32]];
             return Ok(LensMap {
                 size_px: lens.size_px,
                 centre_px: lens.principal_point_px,
-                shift_px: [0.0; 2],
-                bends: vec![[0; 2]],
-                step_px: 0.0,
-                bends_size_px: [1, 1],
+                cells: vec![MapCell { bounds_px, terms: [[0.0; 2]; N_TERMS] }],
             });
         }
-        let [width, height] = lens.size_px;
         let mut places = Vec::with_capacity(width as usize * height as usize);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for (v, u) in (0..height).flat_map(|v| (0..width).map(move |u| (v, u))) {
@@ -60,21 +73,79 @@ impl LensMap {
         if (0..2).any(|axis| size[axis] > WIDEST_PLATE * f64::from(lens.size_px[axis]) + 100.0) {
             return Err(RenderError::BadView("its lens distorts so much that the image's edges look sideways"));
         }
-        let shift_px = [0, 1].map(|axis| centre_px[axis] - lens.principal_point_px[axis]);
-        let bend_px = |(index, place): (usize, &[f64; 2])| {
-            let pixel = [index % width as usize, index / width as usize];
-            [0, 1].map(|axis| place[axis] + lens.principal_point_px[axis] - pixel[axis] as f64)
+        let moved = places.iter().enumerate().map(|(index, place)| {
+            let pixel = [index as u32 % width, index as u32 / width];
+            [0, 1].map(|axis| place[axis] + centre_px[axis] - f64::from(pixel[axis]))
+        });
+        let picture = Moved { width, by_px: moved.collect() };
+        let mut cells = Vec::new();
+        for v in (0..height).step_by(WIDEST_CELL_PX as usize) {
+            for u in (0..width).step_by(WIDEST_CELL_PX as usize) {
+                let end = [(u + WIDEST_CELL_PX).min(width), (v + WIDEST_CELL_PX).min(height)];
+                picture.cut([u, v], end, WIDEST_CELL_PX, &mut cells);
+            }
+        }
+        Ok(LensMap { size_px: size.map(|side| side as u32), centre_px, cells })
+    }
+}
+
+/// How far from its own number each pixel's place on the plate is, row by row.
+struct Moved {
+    width: u32,
+    by_px: Vec<[f64; 2]>,
+}
+
+impl Moved {
+    fn at(&self, [u, v]: [u32; 2]) -> [f64; 2] {
+        self.by_px[(v * self.width + u) as usize]
+    }
+
+    /// Appends cells from pixel `first` to before `end`, cut where one polynomial does not do.
+    fn cut(&self, first: [u32; 2], end: [u32; 2], side_px: u32, cells: &mut Vec<MapCell>) {
+        let (cell, error_px) = self.fitted(first, end);
+        if error_px <= MAP_TOLERANCE_PX || side_px <= NARROWEST_CELL_PX {
+            cells.push(cell);
+            return;
+        }
+        let half_px = side_px / 2;
+        for v in (first[1]..end[1]).step_by(half_px as usize) {
+            for u in (first[0]..end[0]).step_by(half_px as usize) {
+                self.cut([u, v], [(u + half_px).min(end[0]), (v + half_px).min(end[1])], half_px, cells);
+            }
+        }
+    }
+
+    /// Least squares over some of the cell's pixels, and the greatest error over all of them.
+    fn fitted(&self, first: [u32; 2], end: [u32; 2]) -> (MapCell, f64) {
+        let middle = [0, 1].map(|axis| 0.5 * (f64::from(first[axis]) + f64::from(end[axis]) - 1.0));
+        let half = [0, 1].map(|axis| 0.5 * f64::from(end[axis] - first[axis]));
+        // From −1 to 1 across the cell, so that all terms are of one size.
+        let terms_at = |pixel: [u32; 2]| {
+            let [x, y] = [0, 1].map(|axis| (f64::from(pixel[axis]) - middle[axis]) / half[axis]);
+            [1.0, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y]
         };
-        let bends_px = || places.iter().enumerate().map(bend_px);
-        let step_px =
-            bends_px().flatten().fold(f64::MIN_POSITIVE, |most, bend| most.max(bend.abs())) / f64::from(i16::MAX);
-        Ok(LensMap {
-            size_px: size.map(|side| side as u32),
-            centre_px,
-            shift_px,
-            bends: bends_px().map(|bend| bend.map(|along| (along / step_px).round() as i16)).collect(),
-            step_px,
-            bends_size_px: lens.size_px,
-        })
+        let along = |axis: usize| (0..=8).map(move |step| first[axis] + (end[axis] - 1 - first[axis]) * step / 8);
+        let pixels: Vec<[u32; 2]> = along(1).flat_map(|v| along(0).map(move |u| [u, v])).collect();
+        let design = DMatrix::from_fn(pixels.len(), N_TERMS, |row, term| terms_at(pixels[row])[term]);
+        let wanted = OMatrix::<f64, Dyn, U2>::from_fn(pixels.len(), |row, axis| self.at(pixels[row])[axis]);
+        // A cell of one pixel's width has terms that cannot be told apart; the least that does is taken.
+        let found =
+            design.svd(true, true).solve(&wanted, 1e-10).unwrap_or_else(|_| OMatrix::<f64, Dyn, U2>::zeros(N_TERMS));
+        let powers: [[i32; 2]; N_TERMS] =
+            [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2], [3, 0], [2, 1], [1, 2], [0, 3]];
+        let terms = std::array::from_fn(|term| {
+            let scale = half[0].powi(powers[term][0]) * half[1].powi(powers[term][1]);
+            [0, 1].map(|axis| (found[(term, axis)] / scale) as f32)
+        });
+        let mut error_px: f64 = 0.0;
+        for pixel in (first[1]..end[1]).flat_map(|v| (first[0]..end[0]).map(move |u| [u, v])) {
+            let (true_px, terms) = (self.at(pixel), terms_at(pixel));
+            for axis in 0..2 {
+                let fit_px: f64 = terms.iter().enumerate().map(|(term, value)| value * found[(term, axis)]).sum();
+                error_px = error_px.max((fit_px - true_px[axis]).abs());
+            }
+        }
+        let bounds_px = [first, end].map(|corner| corner.map(|along| along as f32));
+        (MapCell { bounds_px, terms }, error_px)
     }
 }

@@ -4,7 +4,6 @@ struct Sheet {
     focal_px: vec2<f32>,
     centre_px: vec2<f32>,
     per_size: vec2<f32>,
-    shift_px: vec2<f32>,
     n_plates: u32,
     share: f32,
 }

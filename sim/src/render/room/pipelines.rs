@@ -192,8 +192,7 @@ impl Pipelines {
                     ("GLOSS", flag(kind.gloss)),
                     ("GLINTS", flag(kind.glints)),
                 ]);
-                let layout =
-                    vertices(12, wgpu::VertexStepMode::Vertex, &[VertexFormat::Uint32, VertexFormat::Float32x2]);
+                let layout = vertices(wgpu::VertexStepMode::Vertex, &[VertexFormat::Uint32, VertexFormat::Float32x2]);
                 let stage = Stage { entry_points: ["surface_node", "surface_luminance"], cull: true, ..PLATE };
                 self.pipeline(device, &self.surfaces, &stage, Some(layout), &constants)
             }
@@ -209,21 +208,21 @@ impl Pipelines {
                     VertexFormat::Float32,
                     VertexFormat::Float32x3,
                 ];
-                let layout = vertices(44, wgpu::VertexStepMode::Vertex, &formats);
+                let layout = vertices(wgpu::VertexStepMode::Vertex, &formats);
                 let stage = Stage { entry_points: ["body_corner", "body_luminance"], cull: true, ..PLATE };
                 self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING", "RING"]))
             }
             Drawn::Discs => {
                 let formats =
                     [VertexFormat::Float32x3, VertexFormat::Float32, VertexFormat::Float32, VertexFormat::Float32];
-                let layout = vertices(24, wgpu::VertexStepMode::Instance, &formats);
+                let layout = vertices(wgpu::VertexStepMode::Instance, &formats);
                 let topology = wgpu::PrimitiveTopology::TriangleStrip;
                 let entry_points = ["disc_corner", "disc_luminance"];
                 let stage = Stage { entry_points, blend: Some(OVER), writes_depth: false, topology, ..PLATE };
                 self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING", "RING"]))
             }
             Drawn::Edges => {
-                let layout = vertices(72, wgpu::VertexStepMode::Instance, &[VertexFormat::Float32x3; 6]);
+                let layout = vertices(wgpu::VertexStepMode::Instance, &[VertexFormat::Float32x3; 6]);
                 let topology = wgpu::PrimitiveTopology::TriangleStrip;
                 let entry_points = ["edge_corner", "edge_luminance"];
                 let stage = Stage { entry_points, writes_depth: false, topology, layout: Layout::Edges, ..PLATE };
@@ -248,11 +247,7 @@ impl Pipelines {
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         });
-        let buffer = vertices.as_ref().map(|vertices| wgpu::VertexBufferLayout {
-            array_stride: vertices.stride,
-            step_mode: vertices.step_mode,
-            attributes: &vertices.attributes,
-        });
+        let buffer = vertices.as_ref().map(Vertices::layout);
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(stage.entry_points[1]),
             layout: Some(match stage.layout {

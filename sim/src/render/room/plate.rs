@@ -40,14 +40,13 @@ pub(in crate::render) struct RoomSlot {
     n_plates: usize,
     views: wgpu::Buffer,
     sheet: wgpu::Buffer,
-    bends: wgpu::TextureView,
+    /// Where its pixels take their light from: instances for lens.wgsl.
+    pub(in crate::render) map: wgpu::Buffer,
+    pub(in crate::render) n_map_cells: u32,
     /// Which cells of the world's faces are drawn, and how.
     pub(super) chosen: wgpu::Buffer,
     plate_size_px: [u32; 2],
     plate_centre_px: [f64; 2],
-    /// As in [`LensMap`].
-    shift_px: [f64; 2],
-    step_px: f64,
 }
 
 /// `View` of view.wgsl.
@@ -84,11 +83,10 @@ struct SheetOnDevice {
     focal_px: [f32; 2],
     centre_px: [f32; 2],
     per_size: [f32; 2],
-    shift_px: [f32; 2],
     n_plates: u32,
     share: f32,
     defocus_radius_px: f32,
-    step_px: f32,
+    padding: f32,
 }
 
 impl ViewOnDevice {
@@ -150,7 +148,7 @@ impl RoomSlot {
         let (plates, plate_views) = plates(device, map.size_px, 1);
         let depth = attachment(device, map.size_px, 1, DEPTH_FORMAT, wgpu::TextureUsages::empty())
             .create_view(&wgpu::TextureViewDescriptor::default());
-        let bends = bends(graphics, &map);
+        let cells = buffer(graphics, "lens map", wgpu::BufferUsages::VERTEX, &map.cells);
         let empty = |label, size, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
@@ -174,8 +172,8 @@ impl RoomSlot {
             layout: &pipelines.stepped_layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&stepped) }],
         });
-        let lens_bindings = [&plate_views[0], &stepped]
-            .map(|plate| bind(device, lens_layout, &sheet, plate, &bends, &pipelines.linear));
+        let lens_bindings =
+            [&plate_views[0], &stepped].map(|plate| bind(device, lens_layout, &sheet, plate, &pipelines.linear));
         let mean_bindings = bind_mean(device, &pipelines.mean_layout, &sheet, &plates);
         Ok(RoomSlot {
             lens: lens.clone(),
@@ -190,12 +188,11 @@ impl RoomSlot {
             n_plates: 1,
             views,
             sheet,
-            bends,
+            map: cells,
+            n_map_cells: map.cells.len() as u32,
             chosen: buffer::<u32>(graphics, "chosen", wgpu::BufferUsages::INDEX, &[]),
             plate_size_px: map.size_px,
             plate_centre_px: map.centre_px,
-            shift_px: map.shift_px,
-            step_px: map.step_px,
         })
     }
 
@@ -212,7 +209,7 @@ impl RoomSlot {
             let device = &graphics.device;
             (self.plates, self.plate_views) = plates(device, self.plate_size_px, count as u32);
             let plate = &self.plate_views[0];
-            self.lens_bindings[0] = bind(device, lens_layout, &self.sheet, plate, &self.bends, &pipelines.linear);
+            self.lens_bindings[0] = bind(device, lens_layout, &self.sheet, plate, &pipelines.linear);
             self.mean_bindings = bind_mean(device, &pipelines.mean_layout, &self.sheet, &self.plates);
         }
     }
@@ -259,11 +256,10 @@ impl RoomSlot {
             focal_px: self.lens.focal_px.map(|focal_px| focal_px as f32),
             centre_px: self.plate_centre_px.map(|at_px| at_px as f32),
             per_size: self.plate_size_px.map(|size_px| 1.0 / size_px as f32),
-            shift_px: self.shift_px.map(|shift_px| shift_px as f32),
             n_plates: n_plates as u32,
             share: 1.0 / n_plates as f32,
             defocus_radius_px: (self.lens.defocus_px / 2.0) as f32,
-            step_px: self.step_px as f32,
+            padding: 0.0,
         };
         graphics.queue.write_buffer(&self.sheet, 0, bytemuck::bytes_of(&sheet));
     }
@@ -275,7 +271,6 @@ fn bind(
     layout: &wgpu::BindGroupLayout,
     sheet: &wgpu::Buffer,
     plate: &wgpu::TextureView,
-    bends: &wgpu::TextureView,
     linear: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -284,8 +279,7 @@ fn bind(
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(plate) },
-            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(bends) },
-            wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::Sampler(linear) },
+            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(linear) },
         ],
     })
 }
@@ -309,32 +303,6 @@ fn bind_mean(
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&layers) },
         ],
     })
-}
-
-/// How far each pixel of the sensor is bent away: four bytes a pixel, as what a software driver waits for is memory.
-fn bends(graphics: &Graphics, map: &LensMap) -> wgpu::TextureView {
-    let [width, height] = map.bends_size_px;
-    let texture = graphics.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("lens map"),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rg16Sint,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    graphics.queue.write_texture(
-        texture.as_image_copy(),
-        bytemuck::cast_slice(&map.bends),
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(width * size_of::<[i16; 2]>() as u32),
-            rows_per_image: Some(height),
-        },
-        texture.size(),
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Plates in layers, and a view of each.
