@@ -7,7 +7,7 @@ DEMO_SCENE = scenes/home.toml
 # Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden experiments falsify driver build
+.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments falsify driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -19,6 +19,7 @@ help:
 	@echo "make readers       let programs of others read what runs leave, where Python has them; PYTHON=…"
 	@echo "make allan         analyse the gyroscope by the package allantools where Python has it; PYTHON=…"
 	@echo "make golden        take the pictures anew against which tests compare; look at them"
+	@echo "make gallery       take the pictures of README's gallery anew; look at them"
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P: 50 minutes"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
@@ -57,6 +58,9 @@ allan:
 
 golden: driver
 	WHEREIN_GOLDEN=1 cargo test -p wherein-tests --test it golden_images
+
+gallery: driver build
+	scripts/gallery $(WHEREIN)
 
 experiments: driver build allan
 	scripts/experiments $(ISSUE)

@@ -93,16 +93,18 @@ pub fn body_mesh(body: &UprightBody) -> BodyMesh {
     const HAIR: [f64; 2] = [0.06, 0.2];
     let swing = (body.stride * std::f64::consts::TAU).sin();
     // Heights as shares of the body's, widths as shares of the half width over the shoulders.
-    let leg: Rings = &[[0.0, 0.26, 0.5], [0.04, 0.2, 0.3], [0.27, 0.26, 0.32], [0.48, 0.36, 0.46]];
+    let leg: Rings = &[[0.0, 0.26, 0.5], [0.04, 0.2, 0.3], [0.27, 0.26, 0.32], [0.49, 0.26, 0.3]];
+    // A shirt that hangs over the trousers: nowhere do the legs come through it.
     let trunk: Rings = &[
-        [0.46, 0.68, 0.45],
-        [0.56, 0.66, 0.44],
+        [0.45, 0.74, 0.5],
+        [0.56, 0.68, 0.45],
         [0.7, 0.8, 0.5],
         [0.8, 0.92, 0.48],
         [0.83, 0.5, 0.35],
         [0.85, 0.22, 0.24],
     ];
-    let arm: Rings = &[[0.42, 0.14, 0.16], [0.6, 0.17, 0.18], [0.8, 0.2, 0.22], [0.83, 0.1, 0.1]];
+    let arm: Rings = &[[0.43, 0.13, 0.15], [0.6, 0.17, 0.18], [0.8, 0.2, 0.22], [0.83, 0.1, 0.1]];
+    let hand: Rings = &[[0.37, 0.02, 0.04], [0.38, 0.09, 0.14], [0.43, 0.09, 0.13]];
     let neck: Rings = &[[0.84, 0.22, 0.24], [0.88, 0.22, 0.24]];
     let head: Rings = &[[0.87, 0.2, 0.25], [0.9, 0.3, 0.38], [0.94, 0.34, 0.44]];
     let hair: Rings = &[[0.94, 0.35, 0.45], [0.97, 0.32, 0.42], [0.99, 0.2, 0.28], [1.0, 0.02, 0.02]];
@@ -113,6 +115,7 @@ pub fn body_mesh(body: &UprightBody) -> BodyMesh {
     for side in [-1.0, 1.0] {
         part(leg, 0.36 * side, 0.35 * swing * side, 0.5, TROUSERS);
         part(arm, 0.9 * side, -0.25 * swing * side, 0.82, SHIRT);
+        part(hand, 0.9 * side, -0.25 * swing * side, 0.82, SKIN);
     }
     part(trunk, 0.0, 0.0, 0.5, SHIRT);
     part(neck, 0.0, 0.0, 0.5, SKIN);

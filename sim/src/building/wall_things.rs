@@ -54,7 +54,7 @@ fn door(door: &Door) -> Vec<UprightBox> {
     ];
     if !door.open {
         let metal = Material::matt(0.25).glossy(0.4, 0.15);
-        boxes.push(between(foot(0.0), foot(width_m), 0.02, [0.005, door.height_m], painted(door.albedo * 0.92)));
+        boxes.push(between(foot(0.0), foot(width_m), 0.02, [0.0, door.height_m], painted(door.albedo * 0.92)));
         boxes.push(between(foot(width_m - 0.16), foot(width_m - 0.05), 0.12, [1.0, 1.025], metal));
     }
     boxes

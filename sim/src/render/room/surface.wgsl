@@ -148,7 +148,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     }
     if (TEXTURE == 7u) {
         // Water mirrors what stands there and darkens what it soaks, within the edge of a puddle.
-        let deep = puddle(face.place, face.size);
+        let deep = puddle(face.place, fwidth(face.place), face.size);
         seen = mix(seen, nearest_along(face, out), deep);
         albedo *= 1.0 - 0.35 * deep;
     }

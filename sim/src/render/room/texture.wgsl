@@ -114,11 +114,12 @@ fn picture(place: vec2<f32>, size: vec2<f32>, pixel_m: f32, seed: u32) -> f32 {
     return mix(0.2, mix(1.8, paint, in_paint), in_mount);
 }
 
-// 1 within a puddle that fills most of its rectangle, 0 outside.
-fn puddle(place: vec2<f32>, size: vec2<f32>) -> f32 {
+// 1 within a puddle that fills most of its rectangle, 0 outside; its edge is as wide as a pixel's extent where that is more than its own.
+fn puddle(place: vec2<f32>, extent: vec2<f32>, size: vec2<f32>) -> f32 {
     let from_middle = length((place / size - 0.5) * 2.0);
     let ragged = 0.82 + 0.16 * noise(place / 0.35, 21u) + 0.05 * noise(place / 0.09, 22u);
-    return smoothstep(0.02, -0.02, from_middle - ragged);
+    let soft = max(0.02, length(extent / size));
+    return smoothstep(soft, -soft, from_middle - ragged);
 }
 
 // Integral from 0 of the indicator of [0, end].
