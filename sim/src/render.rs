@@ -303,8 +303,9 @@ impl Renderer {
                 (Some(_), None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
             }
             self.photon_pass.draw(&self.graphics, &mut encoder, view, target);
-            target.stage(&mut encoder);
         }
+        // Copies last: a software driver waits with each for all that was drawn before.
+        self.targets.iter().take(views.len()).for_each(|target| target.stage(&mut encoder));
         let submission = self.graphics.queue.submit([encoder.finish()]);
         let mappings: Vec<_> = self.targets.iter().take(views.len()).map(Target::map).collect();
         self.graphics.wait(submission)?;
