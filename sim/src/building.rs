@@ -75,8 +75,10 @@ impl Building {
         }
         panels.extend(wall_things::pictures(scene, &building));
         building.n_large_panels = panels.len();
-        for trim in wall_things::trim(scene, &building) {
-            panels.extend(trim.panels(building.room_at(trim.middle())));
+        let trim = wall_things::trim(scene, &building);
+        for piece in &trim {
+            let seen = |panel: &Panel| !trim.iter().any(|other| other.hides(panel));
+            panels.extend(piece.panels(building.room_at(piece.middle())).into_iter().filter(seen));
         }
         building.panels = panels;
         building

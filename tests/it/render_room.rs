@@ -456,3 +456,33 @@ fn the_shadow_of_a_person_who_walks_is_smeared_as_the_person_is() {
     let measured_px = (12.0 * (walking.1 - still.1)).sqrt();
     assert!((measured_px / way_px - 1.0).abs() < 0.05, "{measured_px} px, expected {way_px}");
 }
+
+#[test]
+fn a_slat_of_a_pixel_or_less_covers_its_share_of_every_row() {
+    let slat = |width_m: f64, y_m: f64| {
+        black_room(&format!(
+            "[[lamp]]\nkind = \"panel\"\nx_m = 1.5\ny_m = 1.5\nlumens = 2000\n[[furniture]]\nname = \"slat\"\nx_m = 3.005\n\
+             y_m = {y_m}\nsize_m = [0.01, {width_m}]\nheight_m = 2.2\nalbedo = 0.6\n"
+        ))
+    };
+    // Rows from 0.5 m above the camera's axis to 0.4 m below; 75 px at 2.5 m are 30 px to the metre.
+    let lens = Lens::ideal([96, 64], 75.0);
+    // The camera upright, and tipped to the side, so that the slat's edges run across columns.
+    for roll_rad in [0.0_f64, 0.3] {
+        let pose = looking_ahead() * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), roll_rad);
+        let look = |scene: &Scene| draw(scene, quiet_view(lens.clone(), vec![pose], 6.0));
+        let wide = look(&slat(0.4, 1.5));
+        let shapes = [(0.3, 0.1), (0.3, 0.5), (0.8, 0.0), (1.2, 0.4), (1.6, 0.25), (1.9, 0.7), (2.3, 0.2), (3.0, 0.6)];
+        for (width_px, aside_px) in shapes {
+            let image = look(&slat(width_px / 30.0, 1.5 + aside_px / 30.0));
+            for v in [18, 25, 32, 43] {
+                let axis = 47.5 + (f64::from(v) - 31.5) * roll_rad.tan();
+                let full = level(&wide, axis as u32, v);
+                let seen_px = (0..96).map(|u| level(&image, u, v)).sum::<f64>() / full * roll_rad.cos();
+                // Half a level of rounding in each of four pixels, of 180 levels.
+                let most = 0.012 + 0.01 * width_px;
+                assert!((seen_px - width_px).abs() < most, "{width_px} px, row {v}, roll {roll_rad}: {seen_px} px");
+            }
+        }
+    }
+}

@@ -5,6 +5,9 @@ use nalgebra::{Point3, Vector3, vector};
 use super::{Material, Panel, Part, level, raised};
 use crate::scene::Furniture;
 
+/// What lies so near to a box touches it.
+const TOUCH_M: f64 = 1e-4;
+
 /// A box with vertical sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UprightBox {
@@ -71,6 +74,29 @@ impl UprightBox {
             faces.push(face(corners[0], corners[3] - corners[0], corners[1] - corners[0]));
         }
         faces
+    }
+
+    /// Both halves of its width.
+    pub fn halves(&self) -> [UprightBox; 2] {
+        let [_, half_width] = self.half_sides();
+        [-0.5, 0.5].map(|share| {
+            let aside = half_width * share;
+            UprightBox {
+                middle_m: [self.middle_m[0] + aside.x, self.middle_m[1] + aside.y],
+                size_m: [self.size_m[0], self.size_m[1] / 2.0],
+                ..*self
+            }
+        })
+    }
+
+    /// Whether a panel that touches it is hidden by it whole.
+    pub fn hides(&self, panel: &Panel) -> bool {
+        let before = panel.along.cross(&panel.up).normalize() * TOUCH_M;
+        let middle = panel.corner + (panel.along + panel.up) / 2.0;
+        panel.corners().iter().all(|corner| {
+            let inwards = (middle - corner).normalize() * TOUCH_M;
+            self.contains(corner + before + inwards)
+        })
     }
 
     /// Whether the straight way between two places goes through it (slabs).

@@ -8,7 +8,7 @@ use crate::scene::{Door, LampKind, Picture, Scene};
 /// Width of a frame on the wall, and how far it stands out.
 const FRAME_M: [f64; 2] = [0.07, 0.03];
 
-/// Frames and leaves of doors, and bars of windows, as thin boxes on the walls.
+/// Frames and leaves of doors, and bars of windows, as thin boxes on the walls: of what is let into a wall, what stands out into a room.
 pub(super) fn trim(scene: &Scene, building: &Building) -> Vec<UprightBox> {
     let mut boxes: Vec<UprightBox> = scene.building.doors.iter().flat_map(door).collect();
     for lamp in scene.lamps.iter().filter(|lamp| lamp.kind == LampKind::Window) {
@@ -18,7 +18,8 @@ pub(super) fn trim(scene: &Scene, building: &Building) -> Vec<UprightBox> {
         let on_wall = building.on_wall(Point3::new(lamp.x_m, lamp.y_m, middle_m), facing);
         boxes.extend(window(on_wall, facing, [width_m, height_m]));
     }
-    boxes
+    let stands_out = |half: &UprightBox| building.rooms.iter().any(|room| room.contains(half.middle()));
+    boxes.iter().flat_map(UprightBox::halves).filter(stands_out).collect()
 }
 
 fn painted(albedo: f64) -> Material {

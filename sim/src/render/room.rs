@@ -1,14 +1,14 @@
 //! The room pass: everything that a camera with a lens sees, as luminance averaged over the exposure.
 //!
 //! ```text
-//! for each sub-frame: faces, lamps, bodies ─> edges made smooth, discs ─> its plate, a pinhole's image
+//! for each sub-frame: faces, lamps, bodies ─> edges made smooth, strips, discs ─> its plate, a pinhole's image
 //! all plates ─> their mean ─> lens (where each pixel takes its light from), at once with the sensor
 //! ```
 
 use std::ops::Range;
 
 use super::{RenderError, View, device::Graphics};
-use crate::{scene::MAX_LAMPS, sensors::lens::Lens};
+use crate::{building::Panel, scene::MAX_LAMPS, sensors::lens::Lens};
 
 mod edges;
 mod faces;
@@ -20,7 +20,7 @@ mod motion;
 mod pipelines;
 mod people;
 mod plate;
-mod slivers;
+mod strips;
 mod world;
 
 pub(super) use plate::RoomSlot;
@@ -31,7 +31,7 @@ use motion::{SubFrame, sub_frames};
 use people::run_of;
 use pipelines::{Pipelines, Use};
 use plate::ViewOnDevice;
-use slivers::is_sliver;
+use strips::{long_side, strips};
 
 /// Where no face is seen the plate is darker than any: edge.wgsl closes cracks between faces by that, and no sensor notices.
 const NOTHING: wgpu::Color = wgpu::Color { r: -1e-12, g: 0.0, b: 0.0, a: 1.0 };
@@ -86,16 +86,20 @@ impl RoomPass {
         let eyes: Vec<_> = frames.iter().map(|frame| frame.world_from_camera.translation.vector.into()).collect();
         let middle = &frames[frames.len() / 2].world_from_camera;
         let frustum = slot.frustum(&frames);
-        let hidden: Vec<bool> = world
-            .building
-            .panels
-            .iter()
-            .map(|panel| is_sliver(panel, middle, lens) || frustum.hides(&panel.corners()))
-            .collect();
+        let rolling = lens.row_time_s > 0.0;
+        let mut narrow = Vec::new();
+        let mut hides = |(index, panel): (usize, &Panel)| {
+            let hidden = frustum.hides(&panel.corners());
+            let long = if hidden { None } else { long_side(panel, middle, lens) };
+            narrow.extend(long.into_iter().flat_map(|long| strips((index, panel), long, &eyes, rolling)));
+            hidden || long.is_some()
+        };
+        let hidden: Vec<bool> = world.building.panels.iter().enumerate().map(&mut hides).collect();
         let people = world.people.seen_in(&frustum);
-        let drawing = world.cells.seen_from(&eyes, &world.lighting, &hidden, lens.row_time_s > 0.0);
+        let drawing = world.cells.seen_from(&eyes, &world.lighting, &hidden, rolling);
         let edges = world.edge_list.runs(&hidden);
         slot.choose(graphics, &drawing.indices);
+        slot.narrow(graphics, &narrow);
         self.pipelines.prepare(&graphics.device, &how, drawing.runs.iter().map(|run| run.kind));
         let walked = world.lit_while_they_walk(graphics, &self.pipelines, &frames, how.band());
         for index in 0..frames.len() {
@@ -106,7 +110,7 @@ impl RoomPass {
                 slot.plate(index),
                 slot.stepped.texture().size(),
             );
-            self.draw_edges(encoder, (world, &people), (&edges, slot), &how, index);
+            self.draw_edges(encoder, (world, &people), (&edges, narrow.len() as u32, slot), &how, index);
         }
         if frames.len() > 1 {
             self.draw_mean(encoder, slot);
@@ -182,7 +186,7 @@ impl RoomPass {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (world, people): (&RoomWorld, &[usize]),
-        (runs, slot): (&[Range<u32>], &RoomSlot),
+        (runs, n_strips, slot): (&[Range<u32>], u32, &RoomSlot),
         how: &Use,
         index: usize,
     ) {
@@ -213,6 +217,11 @@ impl RoomPass {
         for body in people {
             let first = *body as u32 * world.people.edges_of_each;
             pass.draw(0..4, first..first + world.people.edges_of_each);
+        }
+        if n_strips > 0 {
+            pass.set_pipeline(self.pipelines.strips(how));
+            pass.set_vertex_buffer(0, slot.strips.slice(..));
+            pass.draw(0..4, 0..n_strips);
         }
         if world.disc_count > 0 {
             pass.set_pipeline(self.pipelines.discs(how));

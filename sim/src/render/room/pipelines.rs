@@ -25,7 +25,8 @@ const THING_SHADER: &str = concat!(
     include_str!("lamp.wgsl"),
     include_str!("disc.wgsl"),
     include_str!("body.wgsl"),
-    include_str!("edge.wgsl")
+    include_str!("edge.wgsl"),
+    include_str!("strip.wgsl")
 );
 const MEAN_SHADER: &str = include_str!("mean.wgsl");
 
@@ -83,6 +84,7 @@ enum Drawn {
     Bodies,
     Discs,
     Edges,
+    Strips,
 }
 
 /// Layouts, shaders and the pipelines made so far.
@@ -150,7 +152,7 @@ impl Pipelines {
 
     /// Makes what a view of these kinds of surfaces needs and is not there yet.
     pub(super) fn prepare(&mut self, device: &wgpu::Device, how: &Use, kinds: impl Iterator<Item = Kind>) {
-        let things = [Drawn::Lamps, Drawn::Bodies, Drawn::Discs, Drawn::Edges];
+        let things = [Drawn::Lamps, Drawn::Bodies, Drawn::Discs, Drawn::Edges, Drawn::Strips];
         for drawn in kinds.map(Drawn::Surface).chain(things) {
             let key = (drawn, *how);
             if !self.made.contains_key(&key) {
@@ -178,6 +180,10 @@ impl Pipelines {
 
     pub(super) fn edges(&self, how: &Use) -> &wgpu::RenderPipeline {
         &self.made[&(Drawn::Edges, *how)]
+    }
+
+    pub(super) fn strips(&self, how: &Use) -> &wgpu::RenderPipeline {
+        &self.made[&(Drawn::Strips, *how)]
     }
 
     fn make(&self, device: &wgpu::Device, drawn: Drawn, how: &Use) -> wgpu::RenderPipeline {
@@ -218,6 +224,14 @@ impl Pipelines {
                 let layout = vertices(wgpu::VertexStepMode::Instance, &formats);
                 let topology = wgpu::PrimitiveTopology::TriangleStrip;
                 let entry_points = ["disc_corner", "disc_luminance"];
+                let stage = Stage { entry_points, blend: Some(OVER), writes_depth: false, topology, ..PLATE };
+                self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING", "RING"]))
+            }
+            Drawn::Strips => {
+                let formats = [VertexFormat::Uint32, VertexFormat::Uint32, VertexFormat::Float32x2];
+                let layout = vertices(wgpu::VertexStepMode::Instance, &formats);
+                let topology = wgpu::PrimitiveTopology::TriangleStrip;
+                let entry_points = ["strip_corner", "strip_luminance"];
                 let stage = Stage { entry_points, blend: Some(OVER), writes_depth: false, topology, ..PLATE };
                 self.pipeline(device, &self.things, &stage, Some(layout), &used(&["ROLLING", "RING"]))
             }

@@ -7,6 +7,7 @@ use super::{
     map::LensMap,
     motion::{MAX_SUB_FRAMES, SubFrame},
     pipelines::{DEPTH_FORMAT, Pipelines},
+    strips::StripOnDevice,
     world::{RoomWorld, buffer},
 };
 use crate::{
@@ -45,6 +46,8 @@ pub(in crate::render) struct RoomSlot {
     pub(in crate::render) n_map_cells: u32,
     /// Which cells of the world's faces are drawn, and how.
     pub(super) chosen: wgpu::Buffer,
+    /// What of them is hardly wider than a pixel.
+    pub(super) strips: wgpu::Buffer,
     plate_size_px: [u32; 2],
     plate_centre_px: [f64; 2],
 }
@@ -191,6 +194,7 @@ impl RoomSlot {
             map: cells,
             n_map_cells: map.cells.len() as u32,
             chosen: buffer::<u32>(graphics, "chosen", wgpu::BufferUsages::INDEX, &[]),
+            strips: buffer::<StripOnDevice>(graphics, "strips", wgpu::BufferUsages::VERTEX, &[]),
             plate_size_px: map.size_px,
             plate_centre_px: map.centre_px,
         })
@@ -237,12 +241,12 @@ impl RoomSlot {
 
     /// Writes which nodes are drawn, into a larger buffer where it has to be.
     pub(super) fn choose(&mut self, graphics: &Graphics, indices: &[u32]) {
-        let bytes: &[u8] = bytemuck::cast_slice(indices);
-        if bytes.len() as u64 > self.chosen.size() {
-            self.chosen = buffer(graphics, "chosen", wgpu::BufferUsages::INDEX, indices);
-        } else {
-            graphics.queue.write_buffer(&self.chosen, 0, bytes);
-        }
+        fill(graphics, &mut self.chosen, ("chosen", wgpu::BufferUsages::INDEX), indices);
+    }
+
+    /// Writes what is drawn as strips, into a larger buffer where it has to be.
+    pub(super) fn narrow(&mut self, graphics: &Graphics, strips: &[StripOnDevice]) {
+        fill(graphics, &mut self.strips, ("strips", wgpu::BufferUsages::VERTEX), strips);
     }
 
     /// Writes a sub-frame's values.
@@ -262,6 +266,21 @@ impl RoomSlot {
             padding: 0.0,
         };
         graphics.queue.write_buffer(&self.sheet, 0, bytemuck::bytes_of(&sheet));
+    }
+}
+
+/// Writes into a buffer, or into a larger one in its place.
+fn fill<T: Pod>(
+    graphics: &Graphics,
+    written: &mut wgpu::Buffer,
+    (label, usage): (&str, wgpu::BufferUsages),
+    contents: &[T],
+) {
+    let bytes: &[u8] = bytemuck::cast_slice(contents);
+    if bytes.len() as u64 > written.size() {
+        *written = buffer(graphics, label, usage, contents);
+    } else {
+        graphics.queue.write_buffer(written, 0, bytes);
     }
 }
 

@@ -1,0 +1,112 @@
+//! Panels of things that are hardly wider than a pixel: one sample a pixel would make dashes of them, so that they are drawn as strips, each pixel
+//! covered by its share.
+
+use bytemuck::{Pod, Zeroable};
+use nalgebra::{Isometry3, Point3, Vector2};
+
+use super::faces::cells_along;
+use crate::{
+    building::{Panel, Part},
+    sensors::lens::Lens,
+};
+
+/// Narrower panels are drawn as strips. From two pixels on, each of both edges has pixels of its own.
+const NARROWEST_PX: f64 = 2.0;
+/// As in view.wgsl.
+const NEAR_M: f64 = 0.02;
+
+/// `Strip` of strip.wgsl: a panel, or a part of its length.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(super) struct StripOnDevice {
+    surface: u32,
+    /// 0 where the panel's first side is the long one, 1 where its second is.
+    long_side: u32,
+    /// From 0 to 1 along that.
+    from_to: [f32; 2],
+}
+
+/// The side along which a panel is long and across which it is too narrow to be drawn as a face, as a pinhole sees it; `None` for what encloses a
+/// room, and for what is wide enough.
+pub(super) fn long_side(panel: &Panel, world_from_camera: &Isometry3<f64>, lens: &Lens) -> Option<usize> {
+    if panel.part != Part::Thing {
+        return None;
+    }
+    let corners = [Default::default(), panel.along, panel.along + panel.up, panel.up].map(|way| {
+        let seen = world_from_camera.inverse_transform_point(&(panel.corner + way));
+        (seen.z > NEAR_M).then(|| pixel(seen, lens))
+    });
+    let [Some(a), Some(b), Some(c), Some(d)] = corners else { return None };
+    let area_px = 0.5 * ((c - a).perp(&(d - b))).abs();
+    let longest_px = [(b - a).norm().max((d - c).norm()), (c - b).norm().max((a - d).norm())];
+    let long = usize::from(longest_px[1] > longest_px[0]);
+    (area_px < NARROWEST_PX * longest_px[long]).then_some(long)
+}
+
+/// The strips of a panel that faces one of the eyes: as a whole, or for a rolling shutter in the lengths that faces are cut into.
+pub(super) fn strips(
+    (index, panel): (usize, &Panel),
+    long: usize,
+    eyes: &[Point3<f64>],
+    rolling: bool,
+) -> impl Iterator<Item = StripOnDevice> + use<> {
+    let normal = panel.along.cross(&panel.up);
+    let faces = eyes.iter().any(|eye| normal.dot(&(eye - panel.corner)) > 0.0);
+    let count = match (faces, rolling) {
+        (false, _) => 0,
+        (true, false) => 1,
+        (true, true) => cells_along(panel.size_m()[long]),
+    };
+    (0..count).map(move |part| StripOnDevice {
+        surface: index as u32,
+        long_side: long as u32,
+        from_to: [part, part + 1].map(|end| end as f32 / count as f32),
+    })
+}
+
+fn pixel(seen: Point3<f64>, lens: &Lens) -> Vector2<f64> {
+    Vector2::new(seen.x / seen.z * lens.focal_px[0], seen.y / seen.z * lens.focal_px[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Translation3, vector};
+
+    use super::*;
+    use crate::building::Material;
+
+    #[test]
+    fn a_panel_three_centimetres_deep_is_a_strip_where_it_shows_less_than_two_pixels() {
+        // From the side at 4 m, its far border lies 0.03 m deeper: at 0.2 m aside, 417 px·0.2·0.03/4² = 0.16 px; at 4 m aside 3.1 px.
+        let panel = |aside_m: f64| Panel {
+            corner: Point3::new(aside_m, -1.0, 4.0),
+            along: vector![0.0, 0.0, 0.03],
+            up: vector![0.0, 2.0, 0.0],
+            material: Material::matt(0.5),
+            part: Part::Thing,
+            room: 0,
+        };
+        let lens = Lens::ideal([640, 480], 417.0);
+        let camera = Isometry3::from(Translation3::identity());
+        assert_eq!(long_side(&panel(0.2), &camera, &lens), Some(1));
+        assert_eq!(long_side(&panel(4.0), &camera, &lens), None);
+        assert_eq!(long_side(&Panel { part: Part::Wall, ..panel(0.2) }, &camera, &lens), None);
+    }
+
+    #[test]
+    fn strips_are_of_faces_seen_from_in_front_and_cut_for_a_rolling_shutter() {
+        let panel = Panel {
+            corner: Point3::new(0.2, -1.0, 4.0),
+            along: vector![0.0, 0.0, 0.03],
+            up: vector![0.0, 2.0, 0.0],
+            material: Material::matt(0.5),
+            part: Part::Thing,
+            room: 0,
+        };
+        // along × up points to −x.
+        let count = |x_m: f64, rolling: bool| strips((7, &panel), 1, &[Point3::new(x_m, 0.0, 0.0)], rolling).count();
+        assert_eq!([count(0.0, false), count(0.0, true), count(1.0, false), count(1.0, true)], [1, 4, 0, 0]);
+        let parts: Vec<_> = strips((7, &panel), 1, &[Point3::origin()], true).map(|strip| strip.from_to).collect();
+        assert_eq!(parts, [[0.0, 0.25], [0.25, 0.5], [0.5, 0.75], [0.75, 1.0]]);
+    }
+}
