@@ -486,3 +486,86 @@ fn a_slat_of_a_pixel_or_less_covers_its_share_of_every_row() {
         }
     }
 }
+#[test]
+fn rows_of_a_rolling_shutter_see_walls_that_reach_beyond_the_picture_where_they_then_are() {
+    // A chessboard of 8 by 8 squares of 0.16 m, whose lines stand every 0.16 m to both sides of x = 2, on a wall that fills the picture.
+    let scene = black_room(
+        "[[building.picture]]\nfrom_m = [2.8, 3.0]\nto_m = [1.2, 3.0]\nbottom_m = 0.5\nheight_m = 1.6\nchessboard = [8, 8]\n\
+         [[lamp]]\nkind = \"panel\"\nx_m = 2.0\ny_m = 1.5\nlumens = 2000\n",
+    );
+    let (rate_rad_per_s, row_time_s, exposure_s, focal_px) = (1.5, 40e-6, 0.0005, 417.0);
+    let total_s = exposure_s + 479.0 * row_time_s;
+    let level_ahead =
+        UnitQuaternion::from_matrix(&nalgebra::Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0));
+    // The picture's face lies 2 cm before the wall.
+    for (before_m, height_m) in [(0.48, 1.3), (0.48, 1.5), (0.98, 1.3)] {
+        let pose_at = |time_s: f64| {
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rate_rad_per_s * (time_s - total_s / 2.0));
+            Isometry3::from_parts(Translation3::new(2.0, 2.98 - before_m, height_m), turn * level_ahead)
+        };
+        let poses = (0..=16).map(|index| pose_at(total_s * f64::from(index) / 16.0)).collect();
+        let mut view = quiet_view(Lens { row_time_s, ..Lens::ideal([640, 480], focal_px) }, poses, 3.0);
+        let slower = view.exposure_s / exposure_s;
+        view.exposure_s = exposure_s;
+        view.sensor.quantum_efficiency *= slower;
+        let image = draw(&scene, view);
+        let mut n_seen = 0;
+        for line in -3..=3 {
+            let bearing_rad = (0.16 * f64::from(line) / before_m).atan();
+            let mut errors_px = Vec::new();
+            for v in 2..478 {
+                // Turning left moves what is ahead to the right.
+                let turned_rad = rate_rad_per_s * row_time_s * (f64::from(v) - 239.5);
+                let expected = 319.5 + focal_px * (bearing_rad + turned_rad).tan();
+                let depth_m = before_m / bearing_rad.cos() * (bearing_rad + turned_rad).cos();
+                let squares = (height_m - (f64::from(v) - 239.5) * depth_m / focal_px - 0.5) / 0.16;
+                // Where squares meet at their corners, no line is seen.
+                if !(16.0..624.0).contains(&expected) || (squares - squares.round()).abs() < 0.05 {
+                    continue;
+                }
+                let first = expected.round() as u32 - 9;
+                let row: Vec<f64> = (first..first + 19).map(|u| level(&image, u, v)).collect();
+                let [low, high] = [&row[..4], &row[15..]].map(|part| part.iter().sum::<f64>() / 4.0);
+                // Beyond the board's last squares.
+                if (high - low).abs() < 40.0 {
+                    continue;
+                }
+                let before: f64 = row.iter().map(|seen| 1.0 - (seen - low) / (high - low)).sum();
+                let seen = f64::from(first) - 0.5 + before;
+                errors_px.push(seen - expected);
+            }
+            // Photons and rounding scatter the place in a row by 0.02 px.
+            for errors_px in errors_px.chunks(20) {
+                let mean_px = errors_px.iter().sum::<f64>() / errors_px.len() as f64;
+                assert!(mean_px.abs() < 0.1, "{before_m} m, line {line}: {mean_px} px off");
+            }
+            n_seen += errors_px.len();
+        }
+        assert!(n_seen > 800, "{n_seen}");
+    }
+}
+
+#[test]
+fn a_lamp_is_mirrored_where_its_image_below_the_floor_lies_unless_something_stands_between() {
+    let tiles = "[floor.tiles]\npattern = \"plain\"\nedge_x_m = 5.0\nedge_y_m = 5.0\njoint_width_m = 0.001\n\
+                 [[lamp]]\nkind = \"panel\"\nx_m = 3.0\ny_m = 1.5\nheight_m = 1.2\nsize_m = [0.1, 0.1]\nlumens = 300\n";
+    let board =
+        "[[furniture]]\nname = \"board\"\nx_m = 2.6\ny_m = 1.5\nsize_m = [0.1, 1.0]\nheight_m = 1.1\nalbedo = 0.0\n";
+    let lens = Lens::ideal([321, 481], 300.0);
+    // 0.6 m above the floor, 2.5 m before the lamp, whose image lies 1.8 m below the eye.
+    let pose = Isometry3::from_parts(Translation3::new(0.5, 1.5, 0.6), looking_ahead().rotation);
+    let expected_v = 240.0 + 300.0 * 1.8 / 2.5;
+    let look = |more: &str| {
+        let scene = black_room(&format!("{tiles}{more}"));
+        let image = draw(&scene, quiet_view(lens.clone(), vec![pose], 1.0));
+        (400..480).map(|v| level(&image, 160, v)).collect::<Vec<f64>>()
+    };
+    let open = look("");
+    let glint = open.iter().zip(400..).map(|(seen, v)| ((seen - 5.0).max(0.0), f64::from(v)));
+    let (sum, moment) = glint.fold((0.0, 0.0), |(sum, moment), (seen, v)| (sum + seen, moment + seen * v));
+    assert!(open.iter().copied().fold(0.0, f64::max) > 50.0, "{open:?}");
+    assert!((moment / sum - expected_v).abs() < 2.0, "{}, expected {expected_v}", moment / sum);
+    // The ray from the floor to the lamp passes the board 0.91 m above the floor; it is 1.1 m high.
+    let hidden = look(board);
+    assert!(hidden.iter().all(|seen| *seen < 5.0), "{hidden:?}");
+}

@@ -97,7 +97,7 @@ impl RoomPass {
         let hidden: Vec<bool> = world.building.panels.iter().enumerate().map(&mut hides).collect();
         let people = world.people.seen_in(&frustum);
         let drawing = world.cells.seen_from(&eyes, &world.lighting, &hidden, rolling);
-        let edges = world.edge_list.runs(&hidden);
+        let edges = world.edge_lists[usize::from(rolling)].runs(&hidden);
         slot.choose(graphics, &drawing.indices);
         slot.narrow(graphics, &narrow);
         self.pipelines.prepare(&graphics.device, &how, drawing.runs.iter().map(|run| run.kind));
@@ -209,7 +209,7 @@ impl RoomPass {
         pass.set_bind_group(1, world.bindings(how.band()), &[]);
         pass.set_bind_group(2, &slot.stepped_bindings, &[]);
         pass.set_pipeline(self.pipelines.edges(how));
-        pass.set_vertex_buffer(0, world.edges.slice(..));
+        pass.set_vertex_buffer(0, world.edges[usize::from(how.rolling())].slice(..));
         for run in runs {
             pass.draw(0..4, run.clone());
         }

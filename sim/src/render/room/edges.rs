@@ -71,9 +71,9 @@ impl Edges {
 /// A corner and the two sides from it.
 type Rectangle = (Point3<f64>, Vector3<f64>, Vector3<f64>);
 
-/// Edges of all panels and lamps, cut as their faces are, so that a rolling shutter bends both alike. What stands out from
+/// Edges of all panels and lamps, cut as their faces are for a rolling shutter, which bends both alike, or whole. What stands out from
 /// walls comes last: its edges hide those just behind it.
-pub(super) fn of_building(building: &Building, lighting: &Lighting) -> (Vec<EdgeOnDevice>, Edges) {
+pub(super) fn of_building(building: &Building, lighting: &Lighting, rolling: bool) -> (Vec<EdgeOnDevice>, Edges) {
     let panels =
         building.panels.iter().enumerate().map(|(index, panel)| (Some(index), (panel.corner, panel.along, panel.up)));
     let lamps = lighting.sources.iter().filter_map(|source| match source.shape {
@@ -85,7 +85,7 @@ pub(super) fn of_building(building: &Building, lighting: &Lighting) -> (Vec<Edge
     let of_rectangle = |(panel, (corner, along, up)): (Option<usize>, Rectangle)| {
         let sides = [(corner, along), (corner + along, up), (corner + along + up, -along), (corner + up, -up)];
         sides.into_iter().flat_map(move |(start, side)| {
-            let count = cells_along(side.norm());
+            let count = if rolling { cells_along(side.norm()) } else { 1 };
             let at = move |index: u32| start + side * (f64::from(index) / f64::from(count));
             let normal = along.cross(&up);
             (0..count).map(move |index| {

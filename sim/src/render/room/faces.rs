@@ -12,8 +12,13 @@ use crate::{
     scene::Pattern,
 };
 
-/// Faces are cut into cells no longer than this, within which a row of a rolling shutter is interpolated linearly.
-const CELL_M: f64 = 0.5;
+/// Faces are cut into cells no longer than this, within which a row of a rolling shutter is interpolated linearly: before a wall at half a metre
+/// that keeps a camera's turn by 12 px while it reads out within 0.1 px.
+const CELL_M: f64 = 0.1;
+/// Cells along a side at most, however long it is.
+const MOST_CELLS: f64 = 128.0;
+/// Cells along a side of the blocks in which lamps are looked for.
+const BLOCK_CELLS: u32 = 5;
 /// Albedo of a lamp's diffuser, as in lamp.wgsl.
 const DIFFUSER_ALBEDO: f64 = 0.7;
 /// Albedo of a retro-reflective dot in light that does not come from the camera.
@@ -90,21 +95,28 @@ pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> V
     building.panels.iter().zip(patches).map(surface).collect()
 }
 
-/// All panels cut into cells.
+/// All panels cut into blocks, and these into cells.
 #[derive(Debug)]
 pub(super) struct Cells {
     /// Faces of each kind of surface.
     by_kind: Vec<(Kind, Vec<Face>)>,
 }
 
-/// A panel as a whole, and cut into cells.
+/// A panel as a whole, and cut into blocks.
 #[derive(Debug)]
 struct Face {
     panel: usize,
     whole: Rectangle,
+    blocks: Vec<Block>,
+}
+
+/// A block as a whole, and cut into cells.
+#[derive(Debug)]
+struct Block {
+    whole: Rectangle,
     cells: Vec<Rectangle>,
-    /// Of each cell, where the panel mirrors.
-    glossy: Vec<GlossyCell>,
+    /// Where the panel mirrors.
+    glossy: Option<GlossyCell>,
 }
 
 /// Three nodes to a triangle.
@@ -139,23 +151,25 @@ impl Cells {
     ) -> Drawing {
         let sources: Vec<&Source> = in_order(lighting).collect();
         let lamps_in = |cell: &GlossyCell| {
-            let shows = |source: &&Source| eyes.iter().any(|eye| cell.shows(*eye, &source.shape));
-            let first = sources.iter().position(shows).unwrap_or(0);
-            let end = sources.iter().rposition(shows).map_or(0, |last| last + 1);
-            first as u32..end as u32
+            let shows = |lamp: &u32| eyes.iter().any(|eye| cell.shows(*eye, &sources[*lamp as usize].shape));
+            let first = cell.lamps.iter().copied().find(shows);
+            let last = cell.lamps.iter().rev().copied().find(shows);
+            first.zip(last).map_or(0..0, |(first, last)| first..last + 1)
         };
         let mut drawing = Drawing::default();
         for (kind, faces) in &self.by_kind {
             let mut by_lamps: BTreeMap<[u32; 2], Vec<Rectangle>> = BTreeMap::new();
             for face in faces.iter().filter(|face| !hidden[face.panel]) {
-                let lamps: Vec<Range<u32>> = face.glossy.iter().map(lamps_in).collect();
+                let lamps: Vec<Range<u32>> =
+                    face.blocks.iter().map(|block| block.glossy.as_ref().map_or(0..0, lamps_in)).collect();
                 if !rolling && lamps.iter().all(Range::is_empty) {
                     by_lamps.entry([0, 0]).or_default().push(face.whole);
                     continue;
                 }
-                for (index, cell) in face.cells.iter().enumerate() {
-                    let lamps = lamps.get(index).map_or([0, 0], |lamps| [lamps.start, lamps.end]);
-                    by_lamps.entry(lamps).or_default().push(*cell);
+                for (block, lamps) in face.blocks.iter().zip(lamps) {
+                    let whole = std::slice::from_ref(&block.whole);
+                    let pieces = if rolling { &block.cells[..] } else { whole };
+                    by_lamps.entry([lamps.start, lamps.end]).or_default().extend(pieces);
                 }
             }
             for ([first, end], rectangles) in by_lamps {
@@ -172,52 +186,69 @@ impl Cells {
 
 /// Into how many cells a side is cut.
 pub(super) fn cells_along(side_m: f64) -> u32 {
-    (side_m / CELL_M).ceil().max(1.0) as u32
+    (side_m / CELL_M).ceil().clamp(1.0, MOST_CELLS) as u32
 }
 
 /// Cuts the panels of a building into cells, with their nodes.
-pub(super) fn cells(building: &Building) -> (Vec<NodeOnDevice>, Cells) {
+pub(super) fn cells(building: &Building, lighting: &Lighting) -> (Vec<NodeOnDevice>, Cells) {
     let (mut nodes, mut by_kind) = (Vec::new(), Vec::new());
     let kind_of = |index: usize| Kind::of(&building.panels[index].material);
     let mut order: Vec<usize> = (0..building.panels.len()).collect();
     order.sort_by_key(|index| kind_of(*index));
     for group in order.chunk_by(|one, other| kind_of(*one) == kind_of(*other)) {
-        let faces = group.iter().map(|panel| face_of(building, *panel, &mut nodes)).collect();
+        let faces = group.iter().map(|panel| face_of(building, lighting, *panel, &mut nodes)).collect();
         by_kind.push((kind_of(group[0]), faces));
     }
     (nodes, Cells { by_kind })
 }
 
 /// One panel, whose nodes are appended.
-fn face_of(building: &Building, panel_index: usize, nodes: &mut Vec<NodeOnDevice>) -> Face {
+fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: &mut Vec<NodeOnDevice>) -> Face {
     let panel = &building.panels[panel_index];
     let [columns, rows] = panel.size_m().map(cells_along);
-    let share = |i: u32, j: u32| [f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows)];
     let first = nodes.len() as u32;
     nodes.extend((0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| NodeOnDevice {
         surface: panel_index as u32,
         share: [i as f32 / columns as f32, j as f32 / rows as f32],
     }));
-    let rectangle = |[i, j]: [u32; 2], [columns_on, rows_on]: [u32; 2]| {
-        let at = |right: u32, up: u32| first + (j + up * rows_on) * (columns + 1) + i + right * columns_on;
-        [at(0, 0), at(1, 0), at(1, 1), at(0, 0), at(1, 1), at(0, 1)]
+    // Between two nodes that lie across from each other.
+    let rectangle = |[i, j]: [u32; 2], [right, top]: [u32; 2]| {
+        let at = |i: u32, j: u32| first + j * (columns + 1) + i;
+        [at(i, j), at(right, j), at(right, top), at(i, j), at(right, top), at(i, top)]
     };
-    let place = |i: u32, j: u32| {
-        let [along, up] = share(i, j);
-        panel.corner + panel.along * along + panel.up * up
+    let glossy = |[i, j]: [u32; 2], [right, top]: [u32; 2]| {
+        let place = |i: u32, j: u32| {
+            panel.corner
+                + panel.along * (f64::from(i) / f64::from(columns))
+                + panel.up * (f64::from(j) / f64::from(rows))
+        };
+        let corners = [place(i, j), place(right, j), place(right, top), place(i, top)];
+        let mut cell = GlossyCell {
+            corners,
+            normal: panel.along.cross(&panel.up).normalize(),
+            roughness_rad: panel.material.roughness_rad,
+            lamps: Vec::new(),
+        };
+        let seen = (0_u32..).zip(in_order(lighting)).filter(|(_, lamp)| cell.sees(&lamp.shape, &lighting.occluders));
+        cell.lamps = seen.map(|(index, _)| index).collect();
+        cell
     };
-    let glossy = |[i, j]: [u32; 2]| GlossyCell {
-        corners: [place(i, j), place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)],
-        normal: panel.along.cross(&panel.up).normalize(),
-        roughness_rad: panel.material.roughness_rad,
+    let along =
+        |from: u32, to: u32, step: u32| (from..to).step_by(step as usize).map(move |low| [low, (low + step).min(to)]);
+    let is_glossy = Kind::of(&panel.material).gloss();
+    let block = |[i, right]: [u32; 2], [j, top]: [u32; 2]| Block {
+        whole: rectangle([i, j], [right, top]),
+        cells: along(j, top, 1)
+            .flat_map(|[j, top]| along(i, right, 1).map(move |[i, right]| ([i, j], [right, top])))
+            .map(|(low, high)| rectangle(low, high))
+            .collect(),
+        glossy: is_glossy.then(|| glossy([i, j], [right, top])),
     };
-    let cells = || (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j]));
-    Face {
-        panel: panel_index,
-        whole: rectangle([0, 0], [columns, rows]),
-        cells: cells().map(|cell| rectangle(cell, [1, 1])).collect(),
-        glossy: if Kind::of(&panel.material).gloss() { cells().map(glossy).collect() } else { Vec::new() },
-    }
+    let blocks = along(0, rows, BLOCK_CELLS)
+        .flat_map(|upwards| along(0, columns, BLOCK_CELLS).map(move |sideways| (sideways, upwards)))
+        .map(|(sideways, upwards)| block(sideways, upwards))
+        .collect();
+    Face { panel: panel_index, whole: rectangle([0, 0], [columns, rows]), blocks }
 }
 
 /// Lamps with their luminance in one band, in order; to their own light comes what the room throws on them.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::light::Shape;
+use crate::light::{Occluders, Shape};
 
 /// The bump through which mirror.wgsl sees lamps ends so many standard deviations from its middle, √20/2, with some to spare for cells
 /// across which the ray's length changes.
@@ -12,6 +12,9 @@ const BELL_REACH: f64 = 5.3;
 /// Least roughness, as in mirror.wgsl.
 const LEAST_ROUGHNESS_RAD: f64 = 0.002;
 
+/// Rays begin and end so far off what they leave and meet, which would else be in their way.
+const OFF_M: f64 = 0.002;
+
 /// A cell of a glossy face.
 #[derive(Clone, Debug)]
 pub(super) struct GlossyCell {
@@ -19,9 +22,26 @@ pub(super) struct GlossyCell {
     /// Unit vector.
     pub(super) normal: Vector3<f64>,
     pub(super) roughness_rad: f64,
+    /// Lamps, in their order on the device, between which and the cell not everything is hidden.
+    pub(super) lamps: Vec<u32>,
 }
 
 impl GlossyCell {
+    /// Whether light can come straight from some place of a lamp to the cell's middle or one of its corners.
+    pub(super) fn sees(&self, lamp: &Shape, occluders: &Occluders) -> bool {
+        let middle = Point3::from(self.corners.iter().map(|corner| corner.coords).sum::<Vector3<f64>>() / 4.0);
+        let places = match *lamp {
+            Shape::Rectangle { centre, half_u, half_v } => {
+                let towards = half_u.cross(&half_v).normalize() * OFF_M;
+                let corner = |(u, v): (f64, f64)| centre + half_u * (0.95 * u) + half_v * (0.95 * v) + towards;
+                [(0.0, 0.0), (-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(corner).to_vec()
+            }
+            Shape::Point { at, .. } => vec![at],
+        };
+        let on_cell = self.corners.iter().map(|corner| corner + (middle - corner) * 0.05).chain([middle]);
+        on_cell.map(|at| at + self.normal * OFF_M).any(|at| places.iter().any(|place| !occluders.block(at, *place)))
+    }
+
     /// Whether a lamp may be seen in the cell from `eye`; now and then it says so though it is not.
     pub(super) fn shows(&self, eye: Point3<f64>, lamp: &Shape) -> bool {
         let roughness = self.roughness_rad.max(LEAST_ROUGHNESS_RAD);
@@ -96,6 +116,7 @@ mod tests {
             corners: [corner(-0.25, -0.25), corner(0.25, -0.25), corner(0.25, 0.25), corner(-0.25, 0.25)],
             normal: Vector3::z(),
             roughness_rad: 0.03,
+            lamps: Vec::new(),
         }
     }
 

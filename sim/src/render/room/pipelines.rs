@@ -70,6 +70,11 @@ impl Use {
         Use { rolling: lens.row_time_s > 0.0, ring: lens.ring_candela > 0.0, infrared: lens.band == Band::Infrared }
     }
 
+    /// Whether rows are read one after another.
+    pub(super) fn rolling(&self) -> bool {
+        self.rolling
+    }
+
     /// 0 visible, 1 infrared.
     pub(super) fn band(&self) -> usize {
         usize::from(self.infrared)

@@ -67,6 +67,12 @@ fn at_time(place: vec3<f32>, time: f32) -> vec3<f32> {
     return p * cos(angle) + cross(axis, p) * sin(angle) + axis * dot(axis, p) * (1.0 - cos(angle));
 }
 
+// The row that a place is seen on. Corners beyond the picture have times beyond its own, up to its height: what lies between them and a corner
+// within is seen at times between.
+fn exposed_row(seen: vec3<f32>) -> f32 {
+    return clamp(sensor_row(seen.xy / max(seen.z, NEAR_M)), -view.last_row, 2.0 * view.last_row);
+}
+
 // The place as the row sees it on which it is seen: the time decides the row and the row the time, a contraction as long as
 // the image moves slower than its rows are read.
 fn in_camera(world: vec3<f32>) -> vec3<f32> {
@@ -81,7 +87,7 @@ fn in_camera(world: vec3<f32>) -> vec3<f32> {
     }
     var seen = middle;
     for (var round = 0; round < 4; round++) {
-        let row = clamp(sensor_row(seen.xy / max(seen.z, NEAR_M)), 0.0, view.last_row);
+        let row = exposed_row(seen);
         seen = at_time(middle, (row - view.middle_row) * view.row_time_s);
     }
     return seen;
@@ -93,7 +99,7 @@ fn moving_in_camera(world: vec3<f32>, velocity: vec3<f32>) -> vec3<f32> {
     if (!ROLLING) {
         return seen;
     }
-    let row = clamp(sensor_row(seen.xy / max(seen.z, NEAR_M)), 0.0, view.last_row);
+    let row = exposed_row(seen);
     return in_camera(world + velocity * (view.bodies_s + (row - view.middle_row) * view.row_time_s));
 }
 

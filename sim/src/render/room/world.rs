@@ -32,8 +32,9 @@ pub(in crate::render) struct RoomWorld {
     pub(in crate::render) lamp_count: u32,
     pub(super) mirrored_count: u32,
     pub(super) disc_count: u32,
-    pub(super) edges: wgpu::Buffer,
-    pub(super) edge_list: Edges,
+    /// For a global shutter and for a rolling one.
+    pub(super) edges: [wgpu::Buffer; 2],
+    pub(super) edge_lists: [Edges; 2],
     /// Visible and infrared.
     stored: [Stored; 2],
     /// Visible and infrared.
@@ -54,8 +55,8 @@ impl RoomWorld {
     pub(super) fn new(graphics: &Graphics, pipelines: &Pipelines, scene: &Scene, drawn: &Drawn) -> RoomWorld {
         let building = Building::new(scene, drawn);
         let (lighting, map) = bake(scene, &building);
-        let (nodes, cells) = faces::cells(&building);
-        let (edges, edge_list) = edges::of_building(&building, &lighting);
+        let (nodes, cells) = faces::cells(&building, &lighting);
+        let edges = [false, true].map(|rolling| edges::of_building(&building, &lighting, rolling));
         let discs = [0, 1].map(|band| faces::discs(&building, &lighting, band));
         let light_maps = [0, 1].map(|band| {
             let texture = light_texture(graphics, &map);
@@ -71,8 +72,8 @@ impl RoomWorld {
             lamp_count: lighting.sources.len() as u32,
             mirrored_count: building.n_large_panels as u32,
             disc_count: discs[0].len() as u32,
-            edge_list,
-            edges: buffer(graphics, "edges", wgpu::BufferUsages::VERTEX, &edges),
+            edges: edges.each_ref().map(|(edges, _)| buffer(graphics, "edges", wgpu::BufferUsages::VERTEX, edges)),
+            edge_lists: edges.map(|(_, list)| list),
             stored,
             bindings,
             discs: discs.map(|discs| buffer(graphics, "discs", wgpu::BufferUsages::VERTEX, &discs)),
