@@ -281,6 +281,55 @@ fn lamps_doors_and_lenses_that_cannot_be_are_refused() {
 }
 
 #[test]
+fn what_hangs_in_the_air_or_above_the_ceiling_is_refused() {
+    // The room is 3 m by 2 m.
+    let cases = [
+        (
+            "[[lamp]]\nkind = \"window\"\nx_m = 1.0\ny_m = 1.0\nheading_deg = 90\n",
+            "no wall within 0.3 m faces that way",
+        ),
+        ("[[lamp]]\nkind = \"window\"\nx_m = 1.0\ny_m = 0.0\nheading_deg = -90\n", "`lamp[0].heading_deg = -90`"),
+        (
+            "[[lamp]]\nkind = \"tube\"\nx_m = 1.0\ny_m = 1.0\nsize_m = [50.0, 0.1]\n",
+            "larger than the widest room, expected at most 3 m",
+        ),
+        (
+            "[[building.room]]\nx_m = 3.0\ny_m = 0.0\nwidth_m = 2.0\ndepth_m = 2.0\n[[lamp]]\nkind = \"point\"\nx_m = 9.0\ny_m = 1.0\n",
+            "`lamp[0].x_m = 9.0`: lies in no room",
+        ),
+        (
+            "[[building.door]]\nfrom_m = [1.0, 0.0]\nto_m = [1.5, 1.0]\n",
+            "`building.door[0].to_m = [1.5, 1.0]`: stands on no wall",
+        ),
+        (
+            "[[building.picture]]\nfrom_m = [1.0, 1.0]\nto_m = [1.0, 0.0]\n",
+            "`building.picture[0].from_m = [1.0, 1.0]`: hangs on no wall",
+        ),
+        (
+            "[[building.picture]]\nfrom_m = [1.0, 0.0]\nto_m = [2.0, 0.0]\nbottom_m = 2.2\n",
+            "reaches above the ceiling, expected at most 0.400",
+        ),
+        (
+            "[[building.picture]]\nfrom_m = [1.0, 0.0]\nto_m = [2.0, 0.0]\nbottom_m = 5.0\n",
+            "`building.picture[0].bottom_m = 5.0`",
+        ),
+        ("[[building.dot]]\nx_m = 5.0\ny_m = 1.0\n", "`building.dot[0].x_m = 5.0`: lies in no room"),
+        ("[[building.dot]]\nx_m = 1.0\ny_m = 1.0\nheight_m = 10.0\n", "`building.dot[0].height_m = 10.0`"),
+        (
+            "[building]\nceiling_height_m = 2.0\n[robot.forward_camera]\nheight_m = 2.5\n",
+            "`robot.forward_camera.height_m = 2.5`",
+        ),
+        (
+            "[robot.ceiling_camera]\nprincipal_point_px = [900.0, 100.0]\n",
+            "lies outside the image, expected a place within 640 × 480",
+        ),
+    ];
+    for (index, (keys, part)) in cases.into_iter().enumerate() {
+        assert_refused(&format!("in_the_air_{index}"), blind_scene(10.0, keys), &[part]);
+    }
+}
+
+#[test]
 fn things_in_impossible_places_are_refused() {
     let cases = [
         (

@@ -24,10 +24,10 @@ pub struct Enclosure {
 }
 
 /// One side of a room on the floor, the room on its left.
-pub(super) struct Side {
-    pub(super) from: Point3<f64>,
-    pub(super) to: Point3<f64>,
-    pub(super) inward: Vector3<f64>,
+pub(crate) struct Side {
+    pub(crate) from: Point3<f64>,
+    pub(crate) to: Point3<f64>,
+    pub(crate) inward: Vector3<f64>,
 }
 
 impl Enclosure {
@@ -42,7 +42,7 @@ impl Enclosure {
         [along * self.width_m, vector![-along.y, along.x, 0.0] * self.depth_m]
     }
 
-    pub(super) fn sides(&self) -> impl Iterator<Item = Side> + use<> {
+    pub(crate) fn sides(&self) -> impl Iterator<Item = Side> + use<> {
         let [along, across] = self.axes();
         let corners = [self.corner, self.corner + along, self.corner + along + across, self.corner + across];
         (0..4).map(move |index| {
@@ -72,7 +72,7 @@ impl Enclosure {
 }
 
 /// The rooms of a scene, the robot's own first.
-pub(super) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
+pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
     let height_m = scene.building.ceiling_height_m;
     let own = Enclosure {
         corner: Point3::origin(),

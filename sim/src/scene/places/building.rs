@@ -1,6 +1,9 @@
 //! Lamps, doors and lenses that cannot be.
 
+use nalgebra::Point3;
+
 use crate::{
+    building::{Enclosure, Side, enclosures, level},
     scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene, parse::Contradiction},
     sensors::lens::Lens,
 };
@@ -14,9 +17,11 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         let expected = format!("{} of them, expected at most {MAX_LAMPS}", scene.lamps.len());
         found.push(Contradiction { key: "lamp".to_owned(), expected });
     }
+    let rooms = enclosures(scene);
+    let ceiling_m = scene.building.ceiling_height_m;
     for (index, lamp) in scene.lamps.iter().enumerate() {
         found.extend(
-            lamp_problem(scene, lamp)
+            lamp_problem(scene, &rooms, lamp)
                 .map(|(key, expected)| Contradiction { key: format!("lamp[{index}].{key}"), expected }),
         );
     }
@@ -24,6 +29,12 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         if door.from_m == door.to_m {
             let expected = "expected another place than `from_m`, as a door has a width".to_owned();
             found.push(Contradiction { key: format!("building.door[{index}].to_m"), expected });
+        }
+        for (key, jamb_m) in [("from_m", door.from_m), ("to_m", door.to_m)] {
+            if off_walls_m(&rooms, jamb_m) > ON_WALL_M {
+                let expected = format!("stands on no wall, expected a place within {ON_WALL_M} m of one");
+                found.push(Contradiction { key: format!("building.door[{index}].{key}"), expected });
+            }
         }
         if door.height_m >= scene.building.ceiling_height_m {
             let expected = format!("expected less than the ceiling's height, {} m", scene.building.ceiling_height_m);
@@ -34,6 +45,19 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         if picture.from_m == picture.to_m {
             let expected = "expected another place than `from_m`, as a picture has a width".to_owned();
             found.push(Contradiction { key: format!("building.picture[{index}].to_m"), expected });
+        }
+        for (key, foot_m) in [("from_m", picture.from_m), ("to_m", picture.to_m)] {
+            if off_walls_m(&rooms, foot_m) > ON_WALL_M {
+                let expected = format!("hangs on no wall, expected a place within {ON_WALL_M} m of one");
+                found.push(Contradiction { key: format!("building.picture[{index}].{key}"), expected });
+            }
+        }
+        if picture.bottom_m >= ceiling_m {
+            let expected = format!("expected less than the ceiling's height, {ceiling_m} m");
+            found.push(Contradiction { key: format!("building.picture[{index}].bottom_m"), expected });
+        } else if picture.bottom_m + picture.height_m > ceiling_m {
+            let expected = format!("reaches above the ceiling, expected at most {:.3}", ceiling_m - picture.bottom_m);
+            found.push(Contradiction { key: format!("building.picture[{index}].height_m"), expected });
         }
         if let Some([columns, rows]) = picture.chessboard {
             let width_m = (picture.to_m[0] - picture.from_m[0]).hypot(picture.to_m[1] - picture.from_m[1]);
@@ -48,14 +72,59 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             }
         }
     }
+    for (index, dot) in scene.building.dots.iter().enumerate() {
+        if !is_in_a_room(&rooms, [dot.x_m, dot.y_m]) {
+            let expected = "lies in no room, expected a place within one".to_owned();
+            found.push(Contradiction { key: format!("building.dot[{index}].x_m"), expected });
+        }
+        if dot.height_m.is_some_and(|height_m| height_m >= ceiling_m) {
+            let expected = format!("expected less than the ceiling's height, {ceiling_m} m");
+            found.push(Contradiction { key: format!("building.dot[{index}].height_m"), expected });
+        }
+    }
     if scene.light.illuminance_at_camera_lux.is_some() && scene.robot.forward_camera.is_none() {
         let expected = "stands without `[robot.forward_camera]`, at whose lens it is measured".to_owned();
         found.push(Contradiction { key: "light.illuminance_at_camera_lux".to_owned(), expected });
     }
+    let cameras = [
+        ("forward", scene.robot.forward_camera.as_ref().map(|camera| camera.height_m)),
+        ("ceiling", scene.robot.ceiling_camera.as_ref().map(|camera| camera.height_m)),
+    ];
+    for (name, height_m) in cameras {
+        if height_m.is_some_and(|height_m| height_m >= ceiling_m) {
+            let expected = format!("expected less than the ceiling's height, {ceiling_m} m");
+            found.push(Contradiction { key: format!("robot.{name}_camera.height_m"), expected });
+        }
+    }
     lenses(scene, found);
 }
 
-fn lamp_problem(scene: &Scene, lamp: &Lamp) -> Option<(&'static str, String)> {
+/// Farthest from the nearest wall of what is said to be on one.
+const ON_WALL_M: f64 = 0.3;
+
+/// Distance on the floor to the nearest wall of any room.
+fn off_walls_m(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> f64 {
+    let at = Point3::new(x_m, y_m, 0.0);
+    let to_side = |side: Side| {
+        let way = side.to - side.from;
+        let share = ((at - side.from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        (at - (side.from + way * share)).norm()
+    };
+    rooms.iter().flat_map(Enclosure::sides).map(to_side).fold(f64::INFINITY, f64::min)
+}
+
+fn is_in_a_room(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
+    rooms.iter().any(|room| room.contains(Point3::new(x_m, y_m, 0.0)))
+}
+
+/// Whether a wall that faces so is near.
+fn is_on_a_wall_facing(rooms: &[Enclosure], [x_m, y_m]: [f64; 2], heading_rad: f64) -> bool {
+    let (at, facing) = (Point3::new(x_m, y_m, 0.0), level(heading_rad));
+    let mut sides = rooms.iter().flat_map(Enclosure::sides);
+    sides.any(|side| side.inward.dot(&facing) > 0.9 && side.inward.dot(&(at - side.from)).abs() < ON_WALL_M)
+}
+
+fn lamp_problem(scene: &Scene, rooms: &[Enclosure], lamp: &Lamp) -> Option<(&'static str, String)> {
     let ceiling_m = scene.building.ceiling_height_m;
     if lamp.lumens.is_some() && lamp.illuminance_at_floor_lux.is_some() {
         return Some(("illuminance_at_floor_lux", "stands beside `lumens`, expected one of the two".to_owned()));
@@ -67,6 +136,17 @@ fn lamp_problem(scene: &Scene, lamp: &Lamp) -> Option<(&'static str, String)> {
     if lamp.kind == LampKind::Window && (middle_m + height_m / 2.0 > ceiling_m || middle_m < height_m / 2.0) {
         return Some(("size_m", format!("the window reaches beyond its wall, which ends at 0 and {ceiling_m} m")));
     }
+    let at_m = [lamp.x_m, lamp.y_m];
+    if lamp.kind == LampKind::Window && !is_on_a_wall_facing(rooms, at_m, lamp.heading_deg.to_radians()) {
+        let expected = format!(
+            "no wall within {ON_WALL_M} m faces that way, expected the direction in which a window's wall faces"
+        );
+        return Some(("heading_deg", expected));
+    }
+    let widest_m = rooms.iter().map(|room| room.width_m.max(room.depth_m)).fold(0.0, f64::max);
+    if lamp.size_m.is_some_and(|size_m| size_m.iter().any(|side_m| *side_m > widest_m)) {
+        return Some(("size_m", format!("larger than the widest room, expected at most {widest_m} m")));
+    }
     let room_m = [scene.room.width_m, scene.room.depth_m];
     let least_m = if scene.building.rooms.is_empty() { 0.0 } else { -SITE_M };
     for (key, at_m, extent_m) in [("x_m", lamp.x_m, room_m[0]), ("y_m", lamp.y_m, room_m[1])] {
@@ -77,7 +157,8 @@ fn lamp_problem(scene: &Scene, lamp: &Lamp) -> Option<(&'static str, String)> {
             ));
         }
     }
-    None
+    (lamp.kind != LampKind::Window && !is_in_a_room(rooms, at_m))
+        .then(|| ("x_m", "lies in no room, expected a place within one".to_owned()))
 }
 
 /// A distortion that folds the image over is found at its corners and edges first.
@@ -97,6 +178,12 @@ fn lenses(scene: &Scene, found: &mut Vec<Contradiction>) {
         let [width, height] = lens.size_px.map(|size| f64::from(size) - 1.0);
         let places = [0.0, 0.25, 0.5, 0.75, 1.0];
         let folds = places.iter().any(|s| places.iter().any(|t| lens.ray([s * width, t * height]).is_none()));
+        let axis_px = lens.principal_point_px;
+        if (0..2).any(|axis| !(0.0..=f64::from(lens.size_px[axis])).contains(&axis_px[axis])) {
+            let expected =
+                format!("lies outside the image, expected a place within {} × {}", lens.size_px[0], lens.size_px[1]);
+            found.push(Contradiction { key: format!("{key}.principal_point_px"), expected });
+        }
         if folds {
             let expected =
                 "folds the image over within its edges, expected a distortion that grows outwards".to_owned();
