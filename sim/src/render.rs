@@ -91,8 +91,11 @@ impl RenderedWorld {
     /// Puts people where the next pictures show them when their exposure ends; until then they walk. Their shadows are worked out here,
     /// once for all views.
     pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
-        if let Some(room) = &mut self.room {
-            room.place_bodies(&self.graphics, bodies);
+        let Some(room) = &mut self.room else { return };
+        if let Some(nodes) = room.place_bodies(&self.graphics, bodies)
+            && self.floor.lamplight.is_some()
+        {
+            self.floor.lamplight = room.floor_field(&nodes);
         }
     }
 }
@@ -205,7 +208,7 @@ impl Renderer {
             let building = Building::new(scene, drawn);
             let (lighting, map) = bake(scene, &building);
             lamps_at_floor_lux = Some(map.mean_at_floor.lux * lighting.dimming);
-            lamplight = FloorField::new(&building, &map);
+            lamplight = FloorField::new(&building, &map, &map.nodes);
         }
         let floor = Floor::new(scene, drawn, lamplight);
         Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, graphics: self.graphics.clone() })
@@ -225,7 +228,7 @@ impl Renderer {
                 limit: format!("{MAX_LAMPS}"),
             });
         }
-        let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field() };
+        let lamplight = if scene.lamps.is_empty() { None } else { room.floor_field(room.still_nodes()) };
         let mut world = RenderedWorld {
             floor: Floor::new(scene, drawn, lamplight),
             lamps_at_floor_lux: Some(room.mean_at_floor_lux()),
@@ -302,7 +305,7 @@ impl Renderer {
                 )?,
                 (Some(_), None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
             }
-            self.photon_pass.draw(&self.graphics, &mut encoder, view, target);
+            self.photon_pass.draw(&self.graphics, &mut encoder, (&world.floor, view), target);
         }
         // Copies last: a software driver waits with each for all that was drawn before.
         self.targets.iter().take(views.len()).for_each(|target| target.stage(&mut encoder));

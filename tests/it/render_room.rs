@@ -569,3 +569,45 @@ fn a_lamp_is_mirrored_where_its_image_below_the_floor_lies_unless_something_stan
     let hidden = look(board);
     assert!(hidden.iter().all(|seen| *seen < 5.0), "{hidden:?}");
 }
+
+#[test]
+fn a_floor_camera_sees_shadows_end_where_similar_triangles_put_them() {
+    let lamp = "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\nspectrum = \"monochrome\"\n";
+    let board =
+        "[[furniture]]\nname = \"board\"\nx_m = 2.55\ny_m = 1.5\nsize_m = [0.1, 1.0]\nheight_m = 0.5\nalbedo = 0.0\n";
+    let person = UprightBody {
+        middle_m: [2.2, 1.5],
+        heading_rad: 0.0,
+        height_m: 1.0,
+        radius_m: 0.2,
+        stride: 0.0,
+        velocity_m_per_s: [0.0; 2],
+    };
+    // 0.4 m wide: 200 px to the metre. The lamp's ray past the board's far edge, 0.5 m high at x = 2.6, falls 2 m on 1.6·2/1.5 m.
+    let lens = Lens::ideal([80, 80], 50.0);
+    let ends_m = 1.0 + 1.6 * 2.0 / 1.5;
+    let look = |more: &str, bodies: &[UprightBody], x_m: f64| {
+        let scene = black_room(&format!("{lamp}{more}"));
+        let mut renderer = renderer();
+        let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
+        world.place_bodies(bodies);
+        let view = View {
+            illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(),
+            lens: None,
+            ..quiet_view(lens.clone(), vec![looking_down(x_m, 1.5, 0.25)], 150.0)
+        };
+        let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+        (0..80).map(|u| level(&image, u, 40)).collect::<Vec<f64>>()
+    };
+    let (open, shaded) = (look("", &[], ends_m), look(board, &[], ends_m));
+    let share: Vec<f64> = shaded.iter().zip(&open).map(|(shaded, open)| shaded / open).collect();
+    assert!(
+        share[..30].iter().all(|share| *share < 0.02) && share[52..].iter().all(|share| *share > 0.97),
+        "{share:?}"
+    );
+    let dark_px: f64 = share.iter().map(|share| 1.0 - share).sum();
+    assert!((dark_px - 40.0).abs() < 4.0, "{dark_px} px dark, expected 40 as the shadow ends in the middle");
+    // Behind a person who stands there it is dark too; a metre high, he shades as far as 1 + 1.4·2/1 m.
+    let behind = look("", &[person], ends_m);
+    assert!(behind.iter().zip(&open).all(|(behind, open)| *behind < 0.1 * open), "{behind:?}");
+}

@@ -1,6 +1,6 @@
-//! Light over the floor of the robot's room, in the terms of a view from close above.
+//! Light over the floor of the robot's room.
 
-use nalgebra::{Vector2, vector};
+use nalgebra::Vector2;
 
 use super::{Illuminance, LightMap, Patch};
 use crate::building::{Building, Part};
@@ -15,12 +15,12 @@ pub struct FloorField {
 }
 
 impl FloorField {
-    /// The first room's floor of a light map.
-    pub fn new(building: &Building, map: &LightMap) -> Option<FloorField> {
+    /// The first room's floor of a light map, with these nodes: its own, or those with the shadows of people.
+    pub fn new(building: &Building, map: &LightMap, nodes: &[[f32; 2]]) -> Option<FloorField> {
         let index = building.panels.iter().position(|panel| panel.part == Part::Floor)?;
         let (Patch { first, count }, size_m) = (map.patches[index], building.panels[index].size_m());
         let Illuminance { lux: mean_lux, .. } = map.mean_at_floor;
-        let node = |i: usize, j: usize| f64::from(map.nodes[(first[1] + j) * map.size[0] + first[0] + i][0]);
+        let node = |i: usize, j: usize| f64::from(nodes[(first[1] + j) * map.size[0] + first[0] + i][0]);
         let share = (0..count[1]).flat_map(|j| (0..count[0]).map(move |i| (i, j)));
         Some(FloorField {
             count,
@@ -29,19 +29,8 @@ impl FloorField {
         })
     }
 
-    /// The field near a place as `factor·exp(gradient·(p − place))`: factor and gradient (1/m), world frame.
-    ///
-    /// Differences over a tenth of a metre, the width of what a floor camera sees.
-    pub fn near(&self, place_m: Vector2<f64>) -> (f64, Vector2<f64>) {
-        const REACH_M: f64 = 0.1;
-        // Where no light is at all, the logarithm of a millionth of the mean will do.
-        let at = |x: f64, y: f64| self.at(place_m + vector![x, y]).max(1e-6);
-        let slope = |less: f64, more: f64| (more / less).ln() / (2.0 * REACH_M);
-        let gradient = vector![slope(at(-REACH_M, 0.0), at(REACH_M, 0.0)), slope(at(0.0, -REACH_M), at(0.0, REACH_M))];
-        (at(0.0, 0.0), gradient)
-    }
-
-    fn at(&self, place_m: Vector2<f64>) -> f64 {
+    /// The field at a place, world, linear between nodes.
+    pub fn at(&self, place_m: Vector2<f64>) -> f64 {
         let split = |axis: usize| {
             let last = (self.count[axis] - 1) as f64;
             let node = (place_m[axis] / self.distance_m[axis]).clamp(0.0, last);

@@ -7,7 +7,7 @@ mod geometry;
 mod local;
 mod pipelines;
 
-pub(super) use cut::Floor;
+pub(super) use cut::{Floor, LAMPLIGHT_PX};
 
 use cut::{Cut, ViewOnDevice};
 use geometry::{BandInstance, TileInstance};

@@ -7,8 +7,9 @@ use bytemuck::{Pod, Zeroable};
 use super::{
     View,
     device::Graphics,
+    floor::{Floor, LAMPLIGHT_PX},
     room::layouts::{Vertices, vertices},
-    target::{Target, levels_format},
+    target::{LUMINANCE_FORMAT, Target, levels_format},
 };
 use crate::{scene::BitDepth, sensors::lens::Lens};
 
@@ -24,6 +25,8 @@ const LENS_SHADER: &str =
 /// Pipelines of the sensor model, made when first needed.
 pub(super) struct PhotonPass {
     made: BTreeMap<Kind, wgpu::RenderPipeline>,
+    /// Fills the places between lamplight's.
+    linear: wgpu::Sampler,
     lay_pattern: wgpu::RenderPipeline,
     readout_layout: wgpu::BindGroupLayout,
     pattern_layout: wgpu::BindGroupLayout,
@@ -38,6 +41,8 @@ pub(super) struct PhotonSlot {
     pattern: wgpu::TextureView,
     pattern_bindings: wgpu::BindGroup,
     luminance: wgpu::BindGroup,
+    /// What the scene's lamps give over the floor that a view sees.
+    lamplight: wgpu::TextureView,
     /// The seed whose pattern is laid.
     laid: Option<u64>,
 }
@@ -48,6 +53,8 @@ struct Kind {
     /// Whether pixels differ, and whether levels take two bytes.
     uneven: bool,
     deep: bool,
+    /// Whether lamps light the floor that is seen without a lens.
+    lamplit: bool,
     lens: Option<LensKind>,
 }
 
@@ -60,7 +67,7 @@ struct LensKind {
 }
 
 impl Kind {
-    fn of(view: &View) -> Kind {
+    fn of(view: &View, lamplit: bool) -> Kind {
         let sensor = &view.sensor;
         let spreads = [sensor.dsnu_electrons, sensor.prnu, sensor.dark_current_electrons_per_s];
         let of_lens = |lens: &Lens| LensKind {
@@ -71,8 +78,21 @@ impl Kind {
         Kind {
             uneven: spreads.iter().any(|share| *share > 0.0),
             deep: sensor.bits != BitDepth::Eight,
+            lamplit,
             lens: view.lens.as_ref().map(of_lens),
         }
+    }
+}
+
+impl PhotonSlot {
+    fn write_lamplight(&self, graphics: &Graphics, lamplight: &[f32]) {
+        let texture = self.lamplight.texture();
+        let rows = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(LAMPLIGHT_PX * size_of::<f32>() as u32),
+            rows_per_image: None,
+        };
+        graphics.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(lamplight), rows, texture.size());
     }
 }
 
@@ -119,28 +139,40 @@ impl PhotonPass {
         let pattern_layout = layout("pattern", vertex, &[uniform]);
         PhotonPass {
             made: BTreeMap::new(),
+            linear: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("linear"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
             lay_pattern: pattern_pipeline(device, &pattern_layout),
             readout_layout: layout("readout", vertex | fragment, &[uniform, texture(false)]),
             pattern_layout,
-            luminance_layout: layout("luminance", fragment, &[texture(true)]),
+            luminance_layout: layout("luminance", fragment, &[texture(true), texture(true), sampler]),
             lens_layout: layout("lens", vertex | fragment, &[uniform, texture(true), sampler]),
         }
     }
 
     /// Bindings that read one view's luminance.
     pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView) -> PhotonSlot {
-        let pattern = device
-            .create_texture(&wgpu::TextureDescriptor {
-                label: Some("pattern"),
-                size: luminance.texture().size(),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: PATTERN_FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-            .create_view(&wgpu::TextureViewDescriptor::default());
+        let texture = |label, size, format, usage| {
+            device
+                .create_texture(&wgpu::TextureDescriptor {
+                    label: Some(label),
+                    size,
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: wgpu::TextureUsages::TEXTURE_BINDING | usage,
+                    view_formats: &[],
+                })
+                .create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let pattern = texture("pattern", luminance.texture().size(), PATTERN_FORMAT, drawn);
+        let side = wgpu::Extent3d { width: LAMPLIGHT_PX, height: LAMPLIGHT_PX, depth_or_array_layers: 1 };
+        let lamplight = texture("lamplight", side, LUMINANCE_FORMAT, wgpu::TextureUsages::COPY_DST);
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("readout"),
             size: size_of::<ReadoutOnDevice>() as u64,
@@ -156,8 +188,13 @@ impl PhotonPass {
         let readout =
             bind("readout", &self.readout_layout, vec![values.clone(), wgpu::BindingResource::TextureView(&pattern)]);
         let pattern_bindings = bind("pattern", &self.pattern_layout, vec![values]);
-        let luminance = bind("luminance", &self.luminance_layout, vec![wgpu::BindingResource::TextureView(luminance)]);
-        PhotonSlot { uniform, readout, pattern, pattern_bindings, luminance, laid: None }
+        let sources = vec![
+            wgpu::BindingResource::TextureView(luminance),
+            wgpu::BindingResource::TextureView(&lamplight),
+            wgpu::BindingResource::Sampler(&self.linear),
+        ];
+        let luminance = bind("luminance", &self.luminance_layout, sources);
+        PhotonSlot { uniform, readout, pattern, pattern_bindings, luminance, lamplight, laid: None }
     }
 
     /// Turns one view's luminance, or its plate, into grey levels.
@@ -165,12 +202,16 @@ impl PhotonPass {
         &mut self,
         graphics: &Graphics,
         encoder: &mut wgpu::CommandEncoder,
-        view: &View,
+        (floor, view): (&Floor, &View),
         target: &mut Target,
     ) {
         graphics.queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&readout(view)));
 
-        let kind = Kind::of(view);
+        let lamplight = if view.lens.is_none() { floor.lamplight_over(view) } else { None };
+        if let Some(lamplight) = &lamplight {
+            target.photons.write_lamplight(graphics, lamplight);
+        }
+        let kind = Kind::of(view, lamplight.is_some());
         if kind.uneven && target.photons.laid != Some(view.noise.seed) {
             whole_picture(
                 encoder,
@@ -257,6 +298,9 @@ fn pattern_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wg
 fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], kind: Kind) -> wgpu::RenderPipeline {
     let flag = |on: bool| f64::from(u8::from(on));
     let mut constants = vec![("UNEVEN", flag(kind.uneven))];
+    if kind.lamplit {
+        constants.push(("LAMPLIT", 1.0));
+    }
     if let Some(lens) = kind.lens {
         let of_lens = [("BENT", lens.bent), ("DEFOCUSED", lens.defocused), ("VIGNETTING", lens.vignetting)];
         constants.extend(of_lens.map(|(name, on)| (name, flag(on))));

@@ -20,6 +20,9 @@ use crate::{
 /// By the scene's definition of the stripes' pattern: a fifth of the tile apart.
 const STRIPES_IN_TILE: f64 = 5.0;
 
+/// Places along each side of a picture at which lamplight is told: 1 cm apart where a floor camera sees half a metre.
+pub(in crate::render) const LAMPLIGHT_PX: u32 = 65;
+
 /// A world's floor, ready to be cut to views.
 #[derive(Debug)]
 pub(in crate::render) struct Floor {
@@ -28,7 +31,7 @@ pub(in crate::render) struct Floor {
     room: Room,
     light: FloorLight,
     /// Light of the scene's lamps, if it has any.
-    lamplight: Option<FloorField>,
+    pub(in crate::render) lamplight: Option<FloorField>,
     coverings: Vec<Region>,
 }
 
@@ -96,6 +99,21 @@ impl Floor {
         Ok(Cut { uniform: self.uniform(view, &path, &frame)?, faces, bands })
     }
 
+    /// What the scene's lamps give where pixels of a view look in the middle of its exposure, for each lux of their mean: rows of
+    /// [`LAMPLIGHT_PX`] places evenly from the first pixel to the last, the same in both directions; `None` without lamps.
+    pub(in crate::render) fn lamplight_over(&self, view: &View) -> Option<Vec<f32>> {
+        let field = self.lamplight.as_ref()?;
+        let middle = Path::new(&view.intrinsics, &view.world_from_camera)?.middle;
+        let last = f64::from(LAMPLIGHT_PX - 1);
+        let share = |i: u32, j: u32| {
+            let [u, v] =
+                [(i, 0), (j, 1)].map(|(at, axis)| f64::from(at) / last * f64::from(view.intrinsics.size_px[axis] - 1));
+            let point = view.intrinsics.floor_point(&middle, [u, v]);
+            point.map_or(0.0, |point| field.at(point.coords.xy()) as f32)
+        };
+        Some((0..LAMPLIGHT_PX).flat_map(|j| (0..LAMPLIGHT_PX).map(move |i| (i, j))).map(|(i, j)| share(i, j)).collect())
+    }
+
     fn uniform(&self, view: &View, path: &Path, frame: &LocalFrame) -> Result<ViewOnDevice, RenderError> {
         let local_from_pixel = |pose: &Isometry3<f64>| frame.local_from_pixel(pose, view.intrinsics.focal_px);
         let middle = local_from_pixel(&path.middle);
@@ -106,13 +124,10 @@ impl Floor {
             *rows = rows_of(&local_from_pixel(pose));
         }
         let origin_in_world = frame.grid_from_world.inverse() * frame.origin_in_grid;
+        // What lamps give is laid over the picture later.
         let (factor, gradient_per_m) = match &self.lamplight {
             None => (self.light.factor_at(origin_in_world), self.light.gradient_per_m),
-            Some(field) => {
-                let below = path.middle.translation.vector.xy();
-                let (factor, gradient_per_m) = field.near(below);
-                (factor * gradient_per_m.dot(&(origin_in_world - below)).exp(), gradient_per_m)
-            }
+            Some(_) => (1.0, Vector2::zeros()),
         };
         let gradient = frame.grid_from_world * gradient_per_m;
         // A matt surface of albedo 1 under E has the luminance E/π.

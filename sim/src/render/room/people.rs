@@ -68,10 +68,14 @@ impl People {
 }
 
 impl RoomWorld {
-    /// Puts people where the next pictures show them.
-    pub(in crate::render) fn place_bodies(&mut self, graphics: &Graphics, bodies: &[UprightBody]) {
+    /// Puts people where the next pictures show them, and tells the light's nodes if they were not there already.
+    pub(in crate::render) fn place_bodies(
+        &mut self,
+        graphics: &Graphics,
+        bodies: &[UprightBody],
+    ) -> Option<Vec<[f32; 2]>> {
         if self.people.placed == bodies {
-            return;
+            return None;
         }
         let nodes = nodes_with_people(&self.lighting, &self.map, &self.building.panels, bodies);
         for (band, texture) in self.light_maps.iter().enumerate() {
@@ -92,6 +96,7 @@ impl RoomWorld {
         write(graphics, &mut self.people.triangles, bytemuck::cast_slice(&indices));
         self.people.indices_of_each = indices.len() as u32;
         self.people.placed = bodies.to_vec();
+        Some(nodes)
     }
 
     /// What faces read in each of several equal runs of an exposure's sub-frames while people's shadows walk with them; nothing where the

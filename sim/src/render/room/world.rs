@@ -106,9 +106,14 @@ impl RoomWorld {
         &self.discs[band]
     }
 
-    /// Light over the floor of the robot's room.
-    pub(in crate::render) fn floor_field(&self) -> Option<FloorField> {
-        FloorField::new(&self.building, &self.map)
+    /// Light at the map's nodes without people.
+    pub(in crate::render) fn still_nodes(&self) -> &[[f32; 2]] {
+        &self.map.nodes
+    }
+
+    /// Light over the floor of the robot's room, by the map's nodes.
+    pub(in crate::render) fn floor_field(&self, nodes: &[[f32; 2]]) -> Option<FloorField> {
+        FloorField::new(&self.building, &self.map, nodes)
     }
 
     /// As the scene's lamps give it.
