@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3, vector};
 use sim::{
-    building::UprightBody,
+    building::{Building, Panel, UprightBody},
     drawn::Drawn,
     render::{NoiseKey, View},
     scene::{Scene, SensorModel, SensorPreset},
@@ -272,6 +272,49 @@ fn the_same_room_gives_the_same_bytes_and_no_camera_disturbs_another() {
     let both = renderer.draw(&world, &views).unwrap();
     assert!(both[1] == one, "beside another view, and from another upload");
     assert!(both[0] != one, "distortion shows");
+}
+
+#[test]
+fn each_seed_has_a_pattern_of_its_own_whatever_was_drawn_before() {
+    let scene = black_room("[light]\nilluminance_at_floor_lux = 100\n");
+    let mut renderer = renderer();
+    let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    let mut look = |seed: u64, image: u32| {
+        let mut view = quiet_view(Lens::ideal([64, 48], 60.0), vec![looking_down(2.0, 1.5, 1.2)], 6.0);
+        view.sensor.prnu = 0.1;
+        view.illuminance_at_floor_lux = 100.0;
+        view.noise = NoiseKey { seed, image };
+        renderer.draw(&world, &[view]).unwrap().remove(0)
+    };
+    let (first, other, again, next) = (look(5, 0), look(6, 0), look(5, 0), look(5, 1));
+    assert!(again == first, "the first seed's pattern after another's");
+    // Hardly any noise of photons: two images of a seed differ little, those of two seeds by a tenth of their level.
+    let apart = |one: &GrayImage, two: &GrayImage| {
+        one.pixels()
+            .zip(two.pixels())
+            .map(|(a, b)| f64::from(a.0[0]).sqrt() - f64::from(b.0[0]).sqrt())
+            .map(f64::abs)
+            .sum::<f64>()
+    };
+    assert!(apart(&first, &other) > 10.0 * apart(&first, &next), "{} {}", apart(&first, &other), apart(&first, &next));
+}
+
+#[test]
+fn rooms_that_share_a_wall_s_line_have_one_wall_there() {
+    let scene = black_room("[[building.room]]\nx_m = 3.9\ny_m = 0.0\nwidth_m = 4.0\ndepth_m = 3.0\n");
+    let building = Building::new(&scene, &Drawn::draw(&scene, 0));
+    for y_m in [0.0, 3.0] {
+        let along =
+            |panel: &&Panel| (panel.corner.y - y_m).abs() < 1e-9 && panel.along.y.abs() < 1e-9 && panel.corner.z > 0.0;
+        let total_m: f64 = building.walls().filter(along).map(|panel| panel.along.norm()).sum();
+        assert!((total_m - 7.9).abs() < 1e-6, "{total_m} m of wall above the skirting at y = {y_m}, expected 7.9");
+    }
+    // Rooms back to back keep both their walls.
+    let scene = black_room("[[building.room]]\nx_m = 4.0\ny_m = 0.0\nwidth_m = 4.0\ndepth_m = 3.0\n");
+    let building = Building::new(&scene, &Drawn::draw(&scene, 0));
+    let between =
+        |panel: &&Panel| (panel.corner.x - 4.0).abs() < 1e-9 && panel.along.x.abs() < 1e-9 && panel.corner.z > 0.0;
+    assert_eq!(building.walls().filter(between).count(), 2);
 }
 
 #[test]

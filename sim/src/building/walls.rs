@@ -52,14 +52,16 @@ impl Enclosure {
         })
     }
 
-    /// Shares of a side, from 0 to 1, that lie within the room.
-    fn covers(&self, side: &Side) -> Option<[f64; 2]> {
+    /// Shares of another room's side, from 0 to 1, that lie within the room; where both rooms have a wall in one place, of the first one's.
+    fn covers(&self, side: &Side, is_first: bool) -> Option<[f64; 2]> {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         for own in self.sides() {
             let (start, end) = (own.inward.dot(&(side.from - own.from)), own.inward.dot(&(side.to - own.from)));
-            // A side that only touches the room is not inside of it.
+            // A side that only touches the room is not inside of it, unless it is the same wall.
             const TOUCH_M: f64 = 1e-6;
-            let (start, end) = (start - TOUCH_M, end - TOUCH_M);
+            let is_same_wall = is_first && own.inward.dot(&side.inward) > 1.0 - 1e-9;
+            let inside_m = if is_same_wall { -TOUCH_M } else { TOUCH_M };
+            let (start, end) = (start - inside_m, end - inside_m);
             match (start > 0.0, end > 0.0) {
                 (true, true) => {}
                 (false, false) => return None,
@@ -96,7 +98,8 @@ pub(super) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     let mut panels = Vec::new();
     for (index, room) in rooms.iter().enumerate() {
         for side in room.sides() {
-            let mut gaps: Vec<[f64; 2]> = others(rooms, index).filter_map(|other| other.covers(&side)).collect();
+            let mut gaps: Vec<[f64; 2]> =
+                others(rooms, index).filter_map(|(other, room)| room.covers(&side, other < index)).collect();
             let doors: Vec<(&Door, [f64; 2])> = scene
                 .building
                 .doors
@@ -129,8 +132,8 @@ pub(super) fn ceiling_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     rooms.iter().enumerate().map(panel).collect()
 }
 
-fn others(rooms: &[Enclosure], index: usize) -> impl Iterator<Item = &Enclosure> {
-    rooms.iter().enumerate().filter(move |(other, _)| *other != index).map(|(_, room)| room)
+fn others(rooms: &[Enclosure], index: usize) -> impl Iterator<Item = (usize, &Enclosure)> {
+    rooms.iter().enumerate().filter(move |(other, _)| *other != index)
 }
 
 /// The shares of a side between a door's jambs, if the door stands on it.
