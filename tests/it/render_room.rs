@@ -5,8 +5,9 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3, vector}
 use sim::{
     building::{Building, Panel, UprightBody},
     drawn::Drawn,
+    light::Photons,
     render::{NoiseKey, View},
-    scene::{Scene, SensorModel, SensorPreset},
+    scene::{Band, Scene, SensorModel, SensorPreset, Spectrum},
     sensors::lens::Lens,
 };
 
@@ -653,4 +654,46 @@ fn a_floor_camera_sees_shadows_end_where_similar_triangles_put_them() {
     // Behind a person who stands there it is dark too; a metre high, he shades as far as 1 + 1.4·2/1 m.
     let behind = look("", &[person], ends_m);
     assert!(behind.iter().zip(&open).all(|(behind, open)| *behind < 0.1 * open), "{behind:?}");
+}
+
+#[test]
+fn people_and_lamps_show_in_infrared_as_their_light_and_albedo_have_it() {
+    let panel = |x_m: f64| {
+        format!(
+            "[[lamp]]\nkind = \"panel\"\nx_m = {x_m}\ny_m = 1.5\nsize_m = [0.6, 0.6]\nlumens = 500\nspectrum = \"incandescent\"\n"
+        )
+    };
+    // One to look at, one behind the camera that lights the person's front.
+    let scene = black_room(&(panel(3.4) + &panel(0.5)));
+    let mut renderer = renderer();
+    let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    world.place_bodies(&[UprightBody {
+        middle_m: [2.5, 1.0],
+        heading_rad: PI,
+        height_m: 1.75,
+        radius_m: 0.23,
+        stride: 0.0,
+        velocity_m_per_s: [0.0; 2],
+    }]);
+    let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
+    // 150 px to the unit of depth: a shirt 0.3 m below the eye 22 px, the lamp 51 px above.
+    let mut level_at = |band: Band, [u, v]: [u32; 2], levels: f64| {
+        let lens = Lens { band, ..Lens::ideal([320, 320], 150.0) };
+        let view = View { illuminance_at_floor_lux, ..quiet_view(lens, vec![looking_ahead()], levels) };
+        let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+        let around = (0..25).map(|index| level(&image, u - 2 + index % 5, v - 2 + index / 5)).sum::<f64>() / 25.0;
+        assert!((20.0..250.0).contains(&around), "{band:?} {u} {v}: {around} levels");
+        around / levels
+    };
+    let mut ratio = |pixel: [u32; 2], levels: [f64; 2]| {
+        level_at(Band::Infrared, pixel, levels[1]) / level_at(Band::Visible, pixel, levels[0])
+    };
+    let lamp = ratio([159, 105], [0.1, 0.05]);
+    let shirt = ratio([197, 182], [8.0, 3.0]);
+    let photons = Photons::of(Spectrum::Incandescent);
+    let expected = photons.infrared / photons.visible;
+    assert!((lamp / expected - 1.0).abs() < 0.03, "lamp {lamp}, expected {expected}");
+    // A shirt reflects 0.35 of the one and 0.55 of the other; walls that are black to the eye throw some infrared on it, too.
+    let own = shirt / expected / (0.55 / 0.35);
+    assert!((0.97..1.6).contains(&own), "shirt {shirt}, light {expected}");
 }
