@@ -530,6 +530,7 @@ fn a_slat_of_a_pixel_or_less_covers_its_share_of_every_row() {
         }
     }
 }
+
 #[test]
 fn rows_of_a_rolling_shutter_see_walls_that_reach_beyond_the_picture_where_they_then_are() {
     // A chessboard of 8 by 8 squares of 0.16 m, whose lines stand every 0.16 m to both sides of x = 2, on a wall that fills the picture.

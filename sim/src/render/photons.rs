@@ -9,7 +9,7 @@ use super::{
     device::Graphics,
     floor::{Floor, LAMPLIGHT_PX},
     room::layouts::{Vertices, vertices},
-    target::{LUMINANCE_FORMAT, Target, levels_format},
+    target::{LUMINANCE_FORMAT, Target, levels_format, linear},
 };
 use crate::{scene::BitDepth, sensors::lens::Lens};
 
@@ -139,12 +139,7 @@ impl PhotonPass {
         let pattern_layout = layout("pattern", vertex, &[uniform]);
         PhotonPass {
             made: BTreeMap::new(),
-            linear: device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("linear"),
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                ..Default::default()
-            }),
+            linear: linear(device),
             lay_pattern: pattern_pipeline(device, &pattern_layout),
             readout_layout: layout("readout", vertex | fragment, &[uniform, texture(false)]),
             pattern_layout,

@@ -9,6 +9,16 @@ use super::{
 /// Luminance in cd/m², averaged over the exposure.
 pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
+/// Fills the places between texels.
+pub(super) fn linear(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("linear"),
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    })
+}
+
 /// Of grey levels: one byte each, or two.
 pub(super) fn levels_format(deep: bool) -> wgpu::TextureFormat {
     if deep { wgpu::TextureFormat::R16Uint } else { wgpu::TextureFormat::R8Uint }

@@ -7,7 +7,7 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, VertexFormat
 use super::layouts::{Vertices, constant, sampler, stored, texture, uniform, vertices};
 use crate::{
     building::{Material, Texture},
-    render::target::LUMINANCE_FORMAT,
+    render::target::{LUMINANCE_FORMAT, linear},
     scene::Band,
     sensors::lens::Lens,
 };
@@ -146,12 +146,7 @@ impl Pipelines {
             view_layout,
             world_layout,
             stepped_layout,
-            linear: device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("linear"),
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                ..Default::default()
-            }),
+            linear: linear(device),
         }
     }
 

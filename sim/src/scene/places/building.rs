@@ -31,7 +31,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             found.push(Contradiction { key: format!("building.door[{index}].to_m"), expected });
         }
         for (key, jamb_m) in [("from_m", door.from_m), ("to_m", door.to_m)] {
-            if off_walls_m(&rooms, jamb_m) > ON_WALL_M {
+            if is_off_walls(&rooms, jamb_m) {
                 let expected = format!("stands on no wall, expected a place within {ON_WALL_M} m of one");
                 found.push(Contradiction { key: format!("building.door[{index}].{key}"), expected });
             }
@@ -47,7 +47,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             found.push(Contradiction { key: format!("building.picture[{index}].to_m"), expected });
         }
         for (key, foot_m) in [("from_m", picture.from_m), ("to_m", picture.to_m)] {
-            if off_walls_m(&rooms, foot_m) > ON_WALL_M {
+            if is_off_walls(&rooms, foot_m) {
                 let expected = format!("hangs on no wall, expected a place within {ON_WALL_M} m of one");
                 found.push(Contradiction { key: format!("building.picture[{index}].{key}"), expected });
             }
@@ -102,15 +102,19 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
 /// Farthest from the nearest wall of what is said to be on one.
 const ON_WALL_M: f64 = 0.3;
 
-/// Distance on the floor to the nearest wall of any room.
-fn off_walls_m(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> f64 {
+/// Distance on the floor to the nearest of some walls.
+fn off_m(walls: impl Iterator<Item = Side>, [x_m, y_m]: [f64; 2]) -> f64 {
     let at = Point3::new(x_m, y_m, 0.0);
-    let to_side = |side: Side| {
-        let way = side.to - side.from;
-        let share = ((at - side.from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
-        (at - (side.from + way * share)).norm()
+    let to_wall = |wall: Side| {
+        let way = wall.to - wall.from;
+        let share = ((at - wall.from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        (at - (wall.from + way * share)).norm()
     };
-    rooms.iter().flat_map(Enclosure::sides).map(to_side).fold(f64::INFINITY, f64::min)
+    walls.map(to_wall).fold(f64::INFINITY, f64::min)
+}
+
+fn is_off_walls(rooms: &[Enclosure], at_m: [f64; 2]) -> bool {
+    off_m(rooms.iter().flat_map(Enclosure::sides), at_m) > ON_WALL_M
 }
 
 fn is_in_a_room(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
@@ -118,10 +122,10 @@ fn is_in_a_room(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
 }
 
 /// Whether a wall that faces so is near.
-fn is_on_a_wall_facing(rooms: &[Enclosure], [x_m, y_m]: [f64; 2], heading_rad: f64) -> bool {
-    let (at, facing) = (Point3::new(x_m, y_m, 0.0), level(heading_rad));
-    let mut sides = rooms.iter().flat_map(Enclosure::sides);
-    sides.any(|side| side.inward.dot(&facing) > 0.9 && side.inward.dot(&(at - side.from)).abs() < ON_WALL_M)
+fn is_on_a_wall_facing(rooms: &[Enclosure], at_m: [f64; 2], heading_rad: f64) -> bool {
+    let facing = level(heading_rad);
+    let walls = rooms.iter().flat_map(Enclosure::sides).filter(|wall| wall.inward.dot(&facing) > 0.9);
+    off_m(walls, at_m) <= ON_WALL_M
 }
 
 fn lamp_problem(scene: &Scene, rooms: &[Enclosure], lamp: &Lamp) -> Option<(&'static str, String)> {
