@@ -56,6 +56,8 @@ pub struct DrawnFloorCamera {
     pub yaw_rad: f64,
     /// Rotation vector of the optical axis off the body's vertical, about robot x and robot y; its norm is within the tolerance.
     pub tilt_rad: [f64; 2],
+    /// Brown and Conrady's k1, k2, p1, p2, k3.
+    pub distortion: [f64; 5],
 }
 
 /// True mount and lens of a camera that looks ahead or up.

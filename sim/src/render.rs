@@ -1,12 +1,12 @@
 //! Pictures of the world as a camera's sensor gives them, drawn headlessly by wgpu.
 //!
 //! ```text
-//! View ─> floor pass (rasterised faces, then bands)    ─> luminance in cd/m² ─> photon pass ─> GrayImage
-//!      or room pass (faces, lamps, people; then the lens)
+//! View ─> floor pass (rasterised faces, then bands)     ─> plate in cd/m² ─> lens and photons, one pass ─> GrayImage
+//!      or room pass (faces, lamps, people; then edges)
 //! ```
 //!
-//! A view through a lens is drawn by the room pass, one of the floor by an ideal lens by the floor pass. All views of a tick go in one submit. Same world, views and adapter: same bytes. A further camera is a further
-//! [`View`]; a further kind of surface is a further pass into the same luminance target.
+//! All views of a tick go in one submit. Same world, views and adapter: same bytes. A further camera is a further
+//! [`View`]; a further kind of surface is a further pass onto the same plate.
 
 use image::GrayImage;
 use nalgebra::Isometry3;
@@ -17,12 +17,13 @@ use crate::{
     drawn::Drawn,
     light::{FloorField, bake},
     scene::{BitDepth, MAX_LAMPS, Scene, SensorModel},
-    sensors::{camera::Intrinsics, lens::Lens},
+    sensors::lens::Lens,
 };
 
 mod device;
 mod exposure;
 mod floor;
+mod lens;
 mod light;
 mod photons;
 mod room;
@@ -36,17 +37,22 @@ use photons::PhotonPass;
 use room::{RoomPass, RoomWorld};
 use target::{Levels, Target};
 
+/// Targets that are kept though a tick does not need them: those of other cameras, whose turn comes again.
+const MOST_SPARE_TARGETS: usize = 8;
+
 /// Grey levels of more than eight bits.
 pub type DeepImage = image::ImageBuffer<image::Luma<u16>, Vec<u16>>;
 
 /// One picture to take. Camera frame: x right, y down, z forward.
 #[derive(Clone, Debug)]
 pub struct View {
-    /// Projection of the lens.
-    pub intrinsics: Intrinsics,
+    /// What of the world it shows.
+    pub shows: Shows,
+    /// The lens through which it does.
+    pub lens: Lens,
     /// What turns light into grey levels.
     pub sensor: SensorModel,
-    /// Camera poses at equal steps of time, from the first instant of the exposure to the last; one pose if nothing moves.
+    /// Camera poses at equal steps of time, from the start of the first row's exposure to the end of the last row's; one pose if nothing moves.
     pub world_from_camera: Vec<Isometry3<f64>>,
     /// Length of the exposure.
     pub exposure_s: f64,
@@ -56,11 +62,15 @@ pub struct View {
     pub illuminance_at_floor_lux: f64,
     /// Where the noise of this picture comes from.
     pub noise: NoiseKey,
-    /// The lens through which the room is seen; without one only the floor is, as an ideal lens shows it.
-    ///
-    /// With a lens, `intrinsics` only tells the image's size, and `world_from_camera` lasts from the start of the first
-    /// row's exposure to the end of the last row's.
-    pub lens: Option<Lens>,
+}
+
+/// What of the world a view shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shows {
+    /// The floor alone, from near: joints, wear, strays, what is printed on tiles.
+    Floor,
+    /// All that stands in the building and moves in it.
+    Room,
 }
 
 /// Names the noise of one picture: another seed or another number gives independent noise.
@@ -154,7 +164,7 @@ pub struct Renderer {
     floor_pass: FloorPass,
     room_pass: RoomPass,
     photon_pass: PhotonPass,
-    /// One per view of a tick, kept from tick to tick.
+    /// One per view of a tick and those of some ticks before, kept as a lens's map takes a while.
     targets: Vec<Target>,
 }
 
@@ -260,7 +270,7 @@ impl Renderer {
                     levels.into_iter().map(|level| view.sensor.bits.most_significant(level)).collect()
                 }
             };
-            let [width, height] = view.intrinsics.size_px;
+            let [width, height] = view.lens.size_px;
             GrayImage::from_raw(width, height, pixels).ok_or(RenderError::BadView("its picture has another size"))
         });
         pictures.collect()
@@ -277,33 +287,27 @@ impl Renderer {
                 Levels::Eight(levels) => levels.into_iter().map(u16::from).collect(),
                 Levels::Deep(levels) => levels,
             };
-            let [width, height] = view.intrinsics.size_px;
+            let [width, height] = view.lens.size_px;
             DeepImage::from_raw(width, height, pixels).ok_or(RenderError::BadView("its picture has another size"))
         });
         pictures.collect()
     }
 
     fn read_out(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<Vec<Levels>, RenderError> {
-        for (index, (_, view)) in views.iter().enumerate() {
-            self.prepare_target(index, view)?;
-        }
+        self.prepare_targets(views)?;
         let device = &self.graphics.device;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for ((world, view), target) in views.iter().zip(&mut self.targets) {
-            let Target { floor, room, luminance, .. } = target;
-            match (&view.lens, &world.room) {
-                (None, _) => {
-                    self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, luminance)?
+            let Target { floor, room, lens, .. } = target;
+            match (view.shows, &world.room) {
+                (Shows::Floor, _) => {
+                    self.floor_pass.draw(&self.graphics, &mut encoder, &world.floor, view, floor, lens)?
                 }
-                (Some(lens), Some(seen)) => self.room_pass.draw(
-                    &self.graphics,
-                    &mut encoder,
-                    seen,
-                    (view, lens),
-                    room,
-                    &self.photon_pass.lens_layout,
-                )?,
-                (Some(_), None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
+                (Shows::Room, Some(seen)) => {
+                    let through = (&self.photon_pass.lens_layout, &*lens);
+                    self.room_pass.draw(&self.graphics, &mut encoder, seen, view, through, room)?
+                }
+                (Shows::Room, None) => return Err(RenderError::BadView("only the world's floor was uploaded")),
             }
             self.photon_pass.draw(&self.graphics, &mut encoder, (&world.floor, view), target);
         }
@@ -316,9 +320,25 @@ impl Renderer {
         self.targets.iter().take(views.len()).map(Target::read).collect()
     }
 
-    /// Makes sure that target `index` has the size of the view.
-    fn prepare_target(&mut self, index: usize, view: &View) -> Result<(), RenderError> {
-        let size_px = view.intrinsics.size_px;
+    /// Puts first, in the order of the views, targets that suit them.
+    fn prepare_targets(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<(), RenderError> {
+        for (index, (_, view)) in views.iter().enumerate() {
+            let spare = (index..self.targets.len()).find(|spare| self.targets[*spare].suits(view));
+            let suiting = match spare {
+                Some(spare) => spare,
+                None => {
+                    self.targets.push(self.target_for(view)?);
+                    self.targets.len() - 1
+                }
+            };
+            self.targets.swap(index, suiting);
+        }
+        self.targets.truncate(views.len() + MOST_SPARE_TARGETS);
+        Ok(())
+    }
+
+    fn target_for(&self, view: &View) -> Result<Target, RenderError> {
+        let size_px = view.lens.size_px;
         let limit_px = self.graphics.device.limits().max_texture_dimension_2d;
         if size_px[0].max(size_px[1]) > limit_px {
             return Err(RenderError::TooLarge {
@@ -328,15 +348,6 @@ impl Renderer {
             });
         }
         let deep = view.sensor.bits != BitDepth::Eight;
-        if self.targets.get(index).is_some_and(|target| target.size_px == size_px && target.deep == deep) {
-            return Ok(());
-        }
-        let target = Target::new(&self.graphics.device, &self.floor_pass, &self.photon_pass, size_px, deep);
-        if index < self.targets.len() {
-            self.targets[index] = target;
-        } else {
-            self.targets.push(target);
-        }
-        Ok(())
+        Target::new(&self.graphics, &self.floor_pass, &self.photon_pass, &view.lens, deep)
     }
 }

@@ -13,7 +13,7 @@ use localizer::{
 use nalgebra::{Isometry3, Translation3};
 use sim::{
     drawn::Drawn,
-    render::{Renderer, View},
+    render::{Renderer, Shows, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
     still::{take, views_at},
@@ -155,7 +155,7 @@ fn views() {
     let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &Camera::ALL, 0);
     // Moved so far during the exposure that the room's views take four sub-frames, at 1 m: 6 px at 417 and at 755 px.
     let moved = |view: &View| {
-        let way_m = if view.lens.as_ref().is_some_and(|lens| lens.focal_px[0] < 500.0) { 0.0135 } else { 0.0073 };
+        let way_m = if view.lens.focal_px[0] < 500.0 && view.shows == Shows::Room { 0.0135 } else { 0.0073 };
         let end = Isometry3::from(Translation3::new(way_m, 0.0, 0.0)) * view.world_from_camera[0];
         View { world_from_camera: vec![view.world_from_camera[0], end], ..view.clone() }
     };

@@ -17,7 +17,7 @@ use localizer::{
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 use sim::{
     drawn::Drawn,
-    render::{NoiseKey, View},
+    render::{NoiseKey, Shows, View},
     scene::{Scene, SensorPreset},
     sensors::{camera::Exposure, lens::Lens},
 };
@@ -75,14 +75,14 @@ fn board_pictures(n_views: usize) -> Vec<GrayImage> {
     let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
     let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
     let view = |index: usize| View {
-        intrinsics: lens.intrinsics(),
+        shows: Shows::Room,
         sensor,
         world_from_camera: vec![before_board(index)],
         exposure_s: 0.0,
         gain_levels_per_electron: 0.0,
         illuminance_at_floor_lux,
         noise: NoiseKey { seed: 11, image: index as u32 },
-        lens: Some(lens.clone()),
+        lens: lens.clone(),
     };
     // White of albedo 0.85 to some 200 levels, under the 300 lx that lighten walls here.
     let exposure_s = 0.01;

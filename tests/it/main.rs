@@ -94,6 +94,8 @@ mod cli_runs;
 mod record_files;
 /// What every scene file, the schema and the documents keep true.
 mod repository;
+/// The floor camera's lens and rolling shutter against formulas written out there.
+mod render_floor_lens;
 /// Tiles as laid, against the bounds that the localizer is told.
 mod render_laid_tiles;
 /// The sensor against the linear model of EMVA 1288: dark current, non-uniformities, depth, presets, the photon budget at 0.1 lx.

@@ -7,7 +7,7 @@ use sim::truth::Truth;
 use crate::render_studio::{Studio, standing};
 
 /// Dark squares of 13 mm on a plain floor, as strays; 13 mm is too wide for a wire, which would shade the floor.
-fn marks(places: &[[f64; 2]]) -> String {
+pub(crate) fn marks(places: &[[f64; 2]]) -> String {
     places
         .iter()
         .map(|[x, y]| {
@@ -21,7 +21,7 @@ fn marks(places: &[[f64; 2]]) -> String {
 }
 
 /// Centroid of what is darker than the surroundings, within 16 px of a place.
-fn dark_centroid(image: &GrayImage, near: [f64; 2]) -> [f64; 2] {
+pub(crate) fn dark_centroid(image: &GrayImage, near: [f64; 2]) -> [f64; 2] {
     let [u0, v0] = near.map(|coordinate| coordinate.round() as i32);
     let level = |u: i32, v: i32| f64::from(image.get_pixel(u as u32, v as u32).0[0]);
     let ring = (level(u0 - 16, v0) + level(u0 + 16, v0) + level(u0, v0 - 16) + level(u0, v0 + 16)) / 4.0;

@@ -6,7 +6,7 @@ use sim::{
     building::{Building, Panel, UprightBody},
     drawn::Drawn,
     light::Photons,
-    render::{NoiseKey, View},
+    render::{NoiseKey, Shows, View},
     scene::{Band, Scene, SensorModel, SensorPreset, Spectrum},
     sensors::lens::Lens,
 };
@@ -25,14 +25,14 @@ fn quiet_view(lens: Lens, poses: Vec<Isometry3<f64>>, levels: f64) -> View {
     };
     let exposure_s = 0.5;
     View {
-        intrinsics: lens.intrinsics(),
+        shows: Shows::Room,
         sensor,
         world_from_camera: poses,
         exposure_s,
         gain_levels_per_electron: levels / sensor.electrons_per_luminance(exposure_s),
         illuminance_at_floor_lux: 0.0,
         noise: NoiseKey { seed: 3, image: 0 },
-        lens: Some(lens),
+        lens,
     }
 }
 
@@ -330,7 +330,7 @@ fn a_floor_camera_under_lamps_sees_the_light_that_falls_there() {
     let mut look = |x: f64| {
         let view = View {
             illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(),
-            lens: None,
+            shows: Shows::Floor,
             ..quiet_view(Lens::ideal([64, 64], 64.0), vec![looking_down(x, 1.5, 0.25)], 50.0)
         };
         renderer.draw(&world, &[view]).unwrap().remove(0)
@@ -360,7 +360,7 @@ fn a_floor_camera_sees_the_edge_of_a_carpet() {
     let lens = Lens::ideal([64, 64], 80.0);
     let view = View {
         illuminance_at_floor_lux: 100.0,
-        lens: None,
+        shows: Shows::Floor,
         ..quiet_view(lens, vec![looking_down(2.0, 1.5, 0.25)], 15.0)
     };
     let image = renderer.draw(&world, &[view]).unwrap().remove(0);
@@ -638,7 +638,7 @@ fn a_floor_camera_sees_shadows_end_where_similar_triangles_put_them() {
         world.place_bodies(bodies);
         let view = View {
             illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(),
-            lens: None,
+            shows: Shows::Floor,
             ..quiet_view(lens.clone(), vec![looking_down(x_m, 1.5, 0.25)], 150.0)
         };
         let image = renderer.draw(&world, &[view]).unwrap().remove(0);

@@ -9,10 +9,13 @@ use sim::{
     check::{Verdict, check},
     drawn::{Drawn, DrawnFloorCamera},
     frames::FramesPolicy,
-    render::{NoiseKey, Renderer, View},
+    render::{NoiseKey, Renderer, Shows, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
-    sensors::camera::{Exposure, floor_camera_intrinsics, world_from_floor_camera},
+    sensors::{
+        camera::{Exposure, world_from_floor_camera},
+        lens::Lens,
+    },
     truth::Truth,
 };
 
@@ -41,8 +44,14 @@ impl Studio {
         // 640 px over 0.48 m seen from 0.25 m above: one pixel is 0.75 mm.
         let focal_px = 0.25 * 640.0 / 0.48;
         assert_eq!((camera.height_m, camera.footprint_width_m), (0.25, 0.48));
-        let mount =
-            DrawnFloorCamera { position_m: [-0.15, 0.0], height_m: 0.25, focal_px, yaw_rad: 0.0, tilt_rad: [0.0, 0.0] };
+        let mount = DrawnFloorCamera {
+            position_m: [-0.15, 0.0],
+            height_m: 0.25,
+            focal_px,
+            yaw_rad: 0.0,
+            tilt_rad: [0.0, 0.0],
+            distortion: camera.lens.distortion,
+        };
         Studio { scene, drawn, mount }
     }
 
@@ -50,14 +59,14 @@ impl Studio {
     pub(crate) fn view(&self, truths: &[Truth], image: u32) -> View {
         let camera = self.scene.robot.floor_camera.as_ref().unwrap();
         View {
-            intrinsics: floor_camera_intrinsics(camera, &self.mount),
+            shows: Shows::Floor,
             sensor: camera.sensor_model(),
             world_from_camera: self.poses(truths),
             exposure_s: 0.01,
             gain_levels_per_electron: 0.025,
             illuminance_at_floor_lux: self.scene.light.illuminance_at_floor_lux,
             noise: NoiseKey { seed: 5, image },
-            lens: None,
+            lens: Lens::floor(camera, &self.mount),
         }
     }
 

@@ -10,7 +10,7 @@ mod range;
 use crate::{
     run::{ImageRecord, RunRecord},
     scene::{CameraTiming, FloorCamera, Scene},
-    sensors::camera::world_from_floor_camera,
+    sensors::{camera::world_from_floor_camera, lens::Lens},
 };
 
 use super::verdict::Violation;
@@ -78,6 +78,12 @@ fn floor_camera(camera: &FloorCamera, record: &RunRecord) -> Vec<Violation> {
             "floor_camera.scale",
             nominal_scale * camera.scale_tolerance,
             (mount.focal_px / mount.height_m - nominal_scale).abs(),
+        ),
+        constant(
+            record,
+            "floor_camera.distortion",
+            camera.distortion_tolerance_px,
+            ceiling::bent_px(&Lens::floor(camera, mount), camera.lens.distortion),
         ),
     ]
     .into_iter()

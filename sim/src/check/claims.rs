@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use localizer::{Claim, Interval, reading::LandmarkId};
+use localizer::{Claim, Interval, Pose, reading::LandmarkId};
 use nalgebra::{Point3, Vector3};
 
 use super::markers;
@@ -11,7 +11,7 @@ use crate::{
     run::{ImageRecord, RunRecord},
     scene::Scene,
     sensors::{
-        camera::{floor_camera_intrinsics, world_from_floor_camera},
+        camera::world_from_floor_camera,
         lens::{Lens, world_from_camera},
     },
     truth::Truth,
@@ -62,13 +62,10 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     else {
         return false;
     };
-    let intrinsics = floor_camera_intrinsics(camera, mount);
+    let lens = Lens::floor(camera, mount);
     let mut near: BTreeMap<(usize, i32), usize> = BTreeMap::new();
     for &[u_px, v_px, bound_px] in points_px {
-        let Some((place_m, pixels_per_m)) = on_floor(&intrinsics.ray([u_px, v_px]), truth, mount, intrinsics.focal_px)
-        else {
-            continue;
-        };
+        let Some((place_m, pixels_per_m)) = on_floor([u_px, v_px], &lens, truth, mount) else { continue };
         for joint in laid.joints_within(tiles, place_m, bound_px / pixels_per_m) {
             *near.entry(joint).or_default() += 1;
         }
@@ -130,20 +127,31 @@ fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Sce
     in_robot_m[0].contains(cos * x_m + sin * y_m) && in_robot_m[1].contains(cos * y_m - sin * x_m)
 }
 
-/// Where a ray of the floor camera meets the floor, and how many pixels a metre there takes; `None` if it never does.
-fn on_floor(
-    ray_in_camera: &nalgebra::Vector3<f64>,
-    truth: &Truth,
-    mount: &DrawnFloorCamera,
-    focal_px: f64,
-) -> Option<([f64; 2], f64)> {
-    let world_from_camera = world_from_floor_camera(truth, mount);
-    let direction = world_from_camera * ray_in_camera;
+/// Where a pixel of the floor camera looks when its row is exposed, and how many pixels a metre there takes at least; `None` if it does not look
+/// at the floor.
+fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnFloorCamera) -> Option<([f64; 2], f64)> {
+    let [x, y] = lens.ray([u_px, v_px])?;
+    let after_middle_s = (v_px - 0.5 * f64::from(lens.size_px[1] - 1)) * lens.row_time_s;
+    let world_from_camera = world_from_floor_camera(&moved_on(truth, after_middle_s), mount);
+    let direction = world_from_camera * Vector3::new(x, y, 1.0);
     let origin = world_from_camera * Point3::origin();
     if direction.z >= 0.0 {
         return None;
     }
     let depth_m = -origin.z / direction.z;
     let place = origin + direction * depth_m;
-    Some(([place.x, place.y], focal_px / depth_m))
+    Some(([place.x, place.y], lens.least_scale([x, y]) / depth_m))
+}
+
+/// The robot's pose a moment later or earlier, at its present velocity.
+fn moved_on(truth: &Truth, time_s: f64) -> Truth {
+    let [forward_m_per_s, left_m_per_s, turn_rad_per_s] = truth.velocity;
+    // In the direction that it has half-way.
+    let (sin, cos) = (truth.pose.heading_rad + 0.5 * turn_rad_per_s * time_s).sin_cos();
+    let pose = Pose {
+        x_m: truth.pose.x_m + time_s * (cos * forward_m_per_s - sin * left_m_per_s),
+        y_m: truth.pose.y_m + time_s * (sin * forward_m_per_s + cos * left_m_per_s),
+        heading_rad: truth.pose.heading_rad + turn_rad_per_s * time_s,
+    };
+    Truth { pose, ..*truth }
 }

@@ -28,10 +28,12 @@ impl Drawn {
             start: draw_start(scene, seed),
             wheel_radius_m: [left_m * (1.0 - robot.wheel_wear[0]), right_m * (1.0 - robot.wheel_wear[1])],
             track_m,
-            floor_camera: robot
-                .floor_camera
-                .as_ref()
-                .map(|camera| draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"))),
+            floor_camera: robot.floor_camera.as_ref().map(|camera| {
+                let drawn = draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"));
+                let tolerance_px = camera.distortion_tolerance_px;
+                let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "floor_camera.distortion"));
+                DrawnFloorCamera { distortion: Lens::floor(camera, &drawn).bent_further(off_px), ..drawn }
+            }),
             forward_camera: robot.forward_camera.as_ref().map(|camera| {
                 let nominal = DrawnCamera::forward(camera);
                 let drawn =
@@ -130,6 +132,7 @@ fn draw_floor_camera(camera: &FloorCamera, errors: Distribution, rng: &mut ChaCh
         focal_px: px_per_m * camera.height_m,
         yaw_rad: draw_within(camera.yaw_tolerance_deg.to_radians(), errors, rng),
         tilt_rad,
+        distortion: camera.lens.distortion,
     }
 }
 

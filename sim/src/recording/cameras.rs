@@ -77,7 +77,7 @@ impl NominalCamera {
             size_px,
             focal_px: [focal_px; 2],
             principal_point_px: Intrinsics::centred(size_px, focal_px).principal_point_px,
-            distortion: [0.0; 5],
+            distortion: camera.lens.distortion,
             robot_from_camera: Isometry3::from_parts(place, mount_from_looking_down()),
         })
     }

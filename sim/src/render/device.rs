@@ -5,6 +5,7 @@ use std::{
     time::Duration,
 };
 
+use bytemuck::Pod;
 use wgpu::{Adapter, Backends, DeviceType};
 
 use super::{RenderError, target::Mapping};
@@ -89,6 +90,19 @@ impl Graphics {
             Err(RecvTimeoutError::Timeout) => Err(self.hung()),
             Err(error) => Err(RenderError::Device(error.to_string())),
         }
+    }
+
+    /// A buffer that holds `content`, or a few bytes where there is none.
+    pub(super) fn buffer<T: Pod>(&self, label: &str, usage: wgpu::BufferUsages, content: &[T]) -> wgpu::Buffer {
+        let bytes: &[u8] = bytemuck::cast_slice(content);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: (bytes.len() as u64).next_multiple_of(4).max(256),
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
     }
 
     fn hung(&self) -> RenderError {

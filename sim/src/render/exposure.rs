@@ -1,7 +1,8 @@
-//! The camera's path during an exposure: where it is at the ends of sub-frames, and how many there are.
+//! The camera's path while it exposes and reads out: where it is at the ends of sub-frames, and how many there are.
 
 use nalgebra::{Isometry3, Vector2};
 
+use super::View;
 use crate::sensors::camera::Intrinsics;
 
 /// Sub-frames at most, as in view.wgsl; a longer blur widens the filter of each.
@@ -16,20 +17,24 @@ const BLUR_PER_PATTERN_SAMPLE_PX: f64 = 2.0;
 /// Samples of a pattern at most; a longer blur leaves nothing of it.
 const MAX_PATTERN_SAMPLES: u32 = 32;
 
-/// The way of a camera during an exposure.
+/// The way of a camera from the start of the first row's exposure to the end of the last row's.
 pub(super) struct Path {
-    /// Poses at the ends of equally long sub-frames: one more than there are sub-frames.
+    /// Poses at equal steps of time: one more than a row's exposure takes sub-frames. Of a global shutter they are the sub-frames' ends.
     pub(super) sub_frame_ends: Vec<Isometry3<f64>>,
     /// How often a pattern is sampled along the way.
     pub(super) pattern_samples: u32,
-    /// The pose in the middle of the exposure.
+    /// The pose in the middle of the middle row's exposure.
     pub(super) middle: Isometry3<f64>,
+    /// Share of the time that each row is exposed for: all of it by a global shutter.
+    pub(super) exposed_share: f64,
 }
 
 impl Path {
-    /// The path through poses at equal steps of time; `None` if there is none.
-    pub(super) fn new(intrinsics: &Intrinsics, world_from_camera: &[Isometry3<f64>]) -> Option<Path> {
-        let blur_px = blur_length_px(intrinsics, world_from_camera);
+    /// The path of a view whose plate has this projection; `None` if it has no pose.
+    pub(super) fn new(plate: &Intrinsics, view: &View) -> Option<Path> {
+        let (world_from_camera, readout_s) = (&view.world_from_camera, view.lens.readout_s());
+        let exposed_share = if readout_s > 0.0 { view.exposure_s / (view.exposure_s + readout_s) } else { 1.0 };
+        let blur_px = blur_length_px(plate, world_from_camera) * exposed_share;
         let count = ((blur_px / BLUR_PER_SUB_FRAME_PX).ceil() as usize).clamp(1, MAX_SUB_FRAMES);
         let sub_frame_ends = (0..=count)
             .map(|end| interpolate(world_from_camera, end as f64 / count as f64))
@@ -39,6 +44,7 @@ impl Path {
             sub_frame_ends,
             pattern_samples: samples.clamp(1, MAX_PATTERN_SAMPLES),
             middle: interpolate(world_from_camera, 0.5)?,
+            exposed_share,
         })
     }
 }
@@ -59,7 +65,7 @@ fn blur_length_px(intrinsics: &Intrinsics, world_from_camera: &[Isometry3<f64>])
 }
 
 /// The pose at a share of the time between the first and the last.
-fn interpolate(poses: &[Isometry3<f64>], share: f64) -> Option<Isometry3<f64>> {
+pub(super) fn interpolate(poses: &[Isometry3<f64>], share: f64) -> Option<Isometry3<f64>> {
     let position = share * (poses.len().checked_sub(1)?) as f64;
     let index = (position as usize).min(poses.len().saturating_sub(2));
     let next = poses.get(index + 1).unwrap_or(&poses[index]);

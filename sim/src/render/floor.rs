@@ -1,6 +1,6 @@
 //! The floor pass: faces of tiles, then joints, strays and walls over them, as luminance averaged over the exposure.
 
-use super::{RenderError, View, device::Graphics};
+use super::{RenderError, View, device::Graphics, lens::LensSlot};
 
 mod cut;
 mod geometry;
@@ -14,9 +14,14 @@ use geometry::{BandInstance, TileInstance};
 
 /// Pipelines of the floor; faces have one for each pattern, so that a plain tile does not pay for marble.
 pub(super) struct FloorPass {
+    of_global_shutter: Pipelines,
+    of_rolling_shutter: Pipelines,
+    view_layout: wgpu::BindGroupLayout,
+}
+
+struct Pipelines {
     faces: [wgpu::RenderPipeline; 4],
     bands: wgpu::RenderPipeline,
-    view_layout: wgpu::BindGroupLayout,
 }
 
 /// A view's buffers on the device.
@@ -48,9 +53,11 @@ impl FloorPass {
             bind_group_layouts: &[Some(&view_layout)],
             immediate_size: 0,
         });
-        let faces = pipelines::faces(device, &layout);
-        let bands = pipelines::bands(device, &layout);
-        FloorPass { faces, bands, view_layout }
+        let made = |rolling| Pipelines {
+            faces: pipelines::faces(device, &layout, rolling),
+            bands: pipelines::bands(device, &layout, rolling),
+        };
+        FloorPass { of_global_shutter: made(false), of_rolling_shutter: made(true), view_layout }
     }
 
     /// Buffers for one view.
@@ -74,7 +81,7 @@ impl FloorPass {
         }
     }
 
-    /// Draws one view's floor into a luminance target.
+    /// Draws one view's floor onto its lens's plate.
     pub(super) fn draw(
         &self,
         graphics: &Graphics,
@@ -82,27 +89,29 @@ impl FloorPass {
         floor: &Floor,
         view: &View,
         slot: &mut FloorSlot,
-        luminance: &wgpu::TextureView,
+        seen_by: &LensSlot,
     ) -> Result<(), RenderError> {
-        let Cut { uniform, faces, bands } = floor.cut(view)?;
+        let Cut { uniform, faces, bands } = floor.cut(view, seen_by)?;
         graphics.queue.write_buffer(&slot.uniform, 0, bytemuck::bytes_of(&uniform));
         fill(graphics, &mut slot.faces, bytemuck::cast_slice(&faces));
         fill(graphics, &mut slot.bands, bytemuck::cast_slice(&bands));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("floor"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: luminance,
+                view: &seen_by.plate,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
             })],
             ..Default::default()
         });
+        let rolling = view.lens.row_time_s > 0.0;
+        let pipelines = if rolling { &self.of_rolling_shutter } else { &self.of_global_shutter };
         pass.set_bind_group(0, &slot.bindings, &[]);
-        pass.set_pipeline(&self.faces[floor.pattern() as usize]);
+        pass.set_pipeline(&pipelines.faces[floor.pattern() as usize]);
         pass.set_vertex_buffer(0, slot.faces.slice(..));
         pass.draw(0..4, 0..faces.len() as u32);
-        pass.set_pipeline(&self.bands);
+        pass.set_pipeline(&pipelines.bands);
         pass.set_vertex_buffer(0, slot.bands.slice(..));
         pass.draw(0..4, 0..bands.len() as u32);
         Ok(())

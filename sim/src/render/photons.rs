@@ -1,48 +1,44 @@
-//! The sensor pass: luminance, as it is or through a lens, to grey levels with the photons' noise.
+//! The sensor pass: luminance through a lens to grey levels with the photons' noise.
 
 use std::collections::BTreeMap;
 
 use bytemuck::{Pod, Zeroable};
 
 use super::{
-    View,
+    Shows, View,
     device::Graphics,
-    floor::{Floor, LAMPLIGHT_PX},
-    room::layouts::{Vertices, vertices},
-    target::{LUMINANCE_FORMAT, Target, levels_format, linear},
+    floor::Floor,
+    lens::LensLayout,
+    room::{
+        RoomSlot,
+        layouts::{Vertices, vertices},
+    },
+    target::{Target, levels_format},
 };
-use crate::{scene::BitDepth, sensors::lens::Lens};
+use crate::scene::BitDepth;
 
 /// Of what pixels differ by: two bytes each.
 const PATTERN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 
 const PATTERN_SHADER: &str = concat!(include_str!("readout.wgsl"), include_str!("pattern.wgsl"));
-const IDEAL_SHADER: &str =
-    concat!(include_str!("readout.wgsl"), include_str!("photons.wgsl"), include_str!("ideal.wgsl"));
 const LENS_SHADER: &str =
-    concat!(include_str!("readout.wgsl"), include_str!("photons.wgsl"), include_str!("room/lens.wgsl"));
+    concat!(include_str!("readout.wgsl"), include_str!("photons.wgsl"), include_str!("lens.wgsl"));
 
 /// Pipelines of the sensor model, made when first needed.
 pub(super) struct PhotonPass {
     made: BTreeMap<Kind, wgpu::RenderPipeline>,
-    /// Fills the places between lamplight's.
-    linear: wgpu::Sampler,
     lay_pattern: wgpu::RenderPipeline,
     readout_layout: wgpu::BindGroupLayout,
     pattern_layout: wgpu::BindGroupLayout,
-    luminance_layout: wgpu::BindGroupLayout,
-    pub(super) lens_layout: wgpu::BindGroupLayout,
+    pub(super) lens_layout: LensLayout,
 }
 
-/// A view's bindings.
+/// A sensor's bindings.
 pub(super) struct PhotonSlot {
     uniform: wgpu::Buffer,
     readout: wgpu::BindGroup,
     pattern: wgpu::TextureView,
     pattern_bindings: wgpu::BindGroup,
-    luminance: wgpu::BindGroup,
-    /// What the scene's lamps give over the floor that a view sees.
-    lamplight: wgpu::TextureView,
     /// The seed whose pattern is laid.
     laid: Option<u64>,
 }
@@ -53,14 +49,8 @@ struct Kind {
     /// Whether pixels differ, and whether levels take two bytes.
     uneven: bool,
     deep: bool,
-    /// Whether lamps light the floor that is seen without a lens.
+    /// Whether what lamps give is laid over the plate.
     lamplit: bool,
-    lens: Option<LensKind>,
-}
-
-/// What of a lens matters from the plate on.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct LensKind {
     bent: bool,
     defocused: bool,
     vignetting: bool,
@@ -68,31 +58,16 @@ struct LensKind {
 
 impl Kind {
     fn of(view: &View, lamplit: bool) -> Kind {
-        let sensor = &view.sensor;
+        let (sensor, lens) = (&view.sensor, &view.lens);
         let spreads = [sensor.dsnu_electrons, sensor.prnu, sensor.dark_current_electrons_per_s];
-        let of_lens = |lens: &Lens| LensKind {
-            bent: lens.bends(),
-            defocused: lens.defocus_px > 0.0,
-            vignetting: lens.vignetting,
-        };
         Kind {
             uneven: spreads.iter().any(|share| *share > 0.0),
             deep: sensor.bits != BitDepth::Eight,
             lamplit,
-            lens: view.lens.as_ref().map(of_lens),
+            bent: lens.bends(),
+            defocused: lens.defocus_px > 0.0,
+            vignetting: lens.vignetting,
         }
-    }
-}
-
-impl PhotonSlot {
-    fn write_lamplight(&self, graphics: &Graphics, lamplight: &[f32]) {
-        let texture = self.lamplight.texture();
-        let rows = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(LAMPLIGHT_PX * size_of::<f32>() as u32),
-            rows_per_image: None,
-        };
-        graphics.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(lamplight), rows, texture.size());
     }
 }
 
@@ -128,46 +103,36 @@ impl PhotonPass {
         };
         let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         let uniform = buffer(wgpu::BufferBindingType::Uniform);
-        let view_dimension = wgpu::TextureViewDimension::D2;
-        let texture = |filterable| wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable },
-            view_dimension,
+        let texture = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         let (vertex, fragment) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::FRAGMENT);
         let pattern_layout = layout("pattern", vertex, &[uniform]);
         PhotonPass {
             made: BTreeMap::new(),
-            linear: linear(device),
             lay_pattern: pattern_pipeline(device, &pattern_layout),
-            readout_layout: layout("readout", vertex | fragment, &[uniform, texture(false)]),
+            readout_layout: layout("readout", vertex | fragment, &[uniform, texture]),
             pattern_layout,
-            luminance_layout: layout("luminance", fragment, &[texture(true), texture(true), sampler]),
-            lens_layout: layout("lens", vertex | fragment, &[uniform, texture(true), sampler]),
+            lens_layout: LensLayout::new(device),
         }
     }
 
-    /// Bindings that read one view's luminance.
-    pub(super) fn slot(&self, device: &wgpu::Device, luminance: &wgpu::TextureView) -> PhotonSlot {
-        let texture = |label, size, format, usage| {
-            device
-                .create_texture(&wgpu::TextureDescriptor {
-                    label: Some(label),
-                    size,
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: wgpu::TextureDimension::D2,
-                    format,
-                    usage: wgpu::TextureUsages::TEXTURE_BINDING | usage,
-                    view_formats: &[],
-                })
-                .create_view(&wgpu::TextureViewDescriptor::default())
-        };
-        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let pattern = texture("pattern", luminance.texture().size(), PATTERN_FORMAT, drawn);
-        let side = wgpu::Extent3d { width: LAMPLIGHT_PX, height: LAMPLIGHT_PX, depth_or_array_layers: 1 };
-        let lamplight = texture("lamplight", side, LUMINANCE_FORMAT, wgpu::TextureUsages::COPY_DST);
+    /// Bindings for a sensor of so many pixels.
+    pub(super) fn slot(&self, device: &wgpu::Device, size_px: [u32; 2]) -> PhotonSlot {
+        let pattern = device
+            .create_texture(&wgpu::TextureDescriptor {
+                label: Some("pattern"),
+                size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: PATTERN_FORMAT,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            })
+            .create_view(&wgpu::TextureViewDescriptor::default());
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("readout"),
             size: size_of::<ReadoutOnDevice>() as u64,
@@ -183,16 +148,10 @@ impl PhotonPass {
         let readout =
             bind("readout", &self.readout_layout, vec![values.clone(), wgpu::BindingResource::TextureView(&pattern)]);
         let pattern_bindings = bind("pattern", &self.pattern_layout, vec![values]);
-        let sources = vec![
-            wgpu::BindingResource::TextureView(luminance),
-            wgpu::BindingResource::TextureView(&lamplight),
-            wgpu::BindingResource::Sampler(&self.linear),
-        ];
-        let luminance = bind("luminance", &self.luminance_layout, sources);
-        PhotonSlot { uniform, readout, pattern, pattern_bindings, luminance, lamplight, laid: None }
+        PhotonSlot { uniform, readout, pattern, pattern_bindings, laid: None }
     }
 
-    /// Turns one view's luminance, or its plate, into grey levels.
+    /// Turns one view's plate into grey levels.
     pub(super) fn draw(
         &mut self,
         graphics: &Graphics,
@@ -202,9 +161,9 @@ impl PhotonPass {
     ) {
         graphics.queue.write_buffer(&target.photons.uniform, 0, bytemuck::bytes_of(&readout(view)));
 
-        let lamplight = if view.lens.is_none() { floor.lamplight_over(view) } else { None };
+        let lamplight = if view.shows == Shows::Floor { floor.lamplight_over(view, &target.lens) } else { None };
         if let Some(lamplight) = &lamplight {
-            target.photons.write_lamplight(graphics, lamplight);
+            target.lens.write_lamplight(graphics, lamplight);
         }
         let kind = Kind::of(view, lamplight.is_some());
         if kind.uneven && target.photons.laid != Some(view.noise.seed) {
@@ -217,13 +176,15 @@ impl PhotonPass {
             );
             target.photons.laid = Some(view.noise.seed);
         }
-        let (source_layout, source, map) = match (&target.room, &view.lens) {
-            (Some(room), Some(_)) => (&self.lens_layout, room.lens_bindings(), Some((&room.map, room.n_map_cells))),
-            _ => (&self.luminance_layout, &target.photons.luminance, None),
+        let single = match view.shows {
+            Shows::Floor => None,
+            Shows::Room => target.room.as_ref().and_then(RoomSlot::single_plate),
         };
-        let layouts = [&self.readout_layout, source_layout];
+        let lens = single.unwrap_or(&target.lens.bindings);
+        let layouts = [&self.readout_layout, &self.lens_layout.bindings];
         let read_out = self.made.entry(kind).or_insert_with(|| pipeline(&graphics.device, &layouts, kind));
-        whole_picture(encoder, &target.levels, read_out, &[&target.photons.readout, source], map);
+        let map = Some((&target.lens.map, target.lens.n_map_cells));
+        whole_picture(encoder, &target.levels, read_out, &[&target.photons.readout, lens], map);
     }
 }
 
@@ -262,7 +223,7 @@ fn whole_picture(
 fn readout(view: &View) -> ReadoutOnDevice {
     let sensor = &view.sensor;
     ReadoutOnDevice {
-        size_px: view.intrinsics.size_px,
+        size_px: view.lens.size_px,
         seed: [view.noise.seed as u32, (view.noise.seed >> 32) as u32],
         image: view.noise.image,
         electrons_per_luminance: sensor.electrons_per_luminance(view.exposure_s) as f32,
@@ -292,18 +253,17 @@ fn pattern_pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wg
 
 fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], kind: Kind) -> wgpu::RenderPipeline {
     let flag = |on: bool| f64::from(u8::from(on));
-    let mut constants = vec![("UNEVEN", flag(kind.uneven))];
-    if kind.lamplit {
-        constants.push(("LAMPLIT", 1.0));
-    }
-    if let Some(lens) = kind.lens {
-        let of_lens = [("BENT", lens.bent), ("DEFOCUSED", lens.defocused), ("VIGNETTING", lens.vignetting)];
-        constants.extend(of_lens.map(|(name, on)| (name, flag(on))));
-    }
-    let module = module(device, if kind.lens.is_some() { LENS_SHADER } else { IDEAL_SHADER });
+    let constants = [
+        ("UNEVEN", flag(kind.uneven)),
+        ("LAMPLIT", flag(kind.lamplit)),
+        ("BENT", flag(kind.bent)),
+        ("DEFOCUSED", flag(kind.defocused)),
+        ("VIGNETTING", flag(kind.vignetting)),
+    ];
+    let module = module(device, LENS_SHADER);
     let entry_points = ["picture_corner", "read_out"];
-    let cells = kind.lens.map(|_| vertices(wgpu::VertexStepMode::Instance, &[wgpu::VertexFormat::Float32x4; 6]));
-    on_whole_picture(device, layouts, &module, (entry_points, cells), &constants, levels_format(kind.deep))
+    let cells = vertices(wgpu::VertexStepMode::Instance, &[wgpu::VertexFormat::Float32x4; 6]);
+    on_whole_picture(device, layouts, &module, (entry_points, Some(cells)), &constants, levels_format(kind.deep))
 }
 
 /// A pipeline for [`whole_picture`]; entry points of the vertex and of the fragment shader, with the cells that the former reads, `constants` of the

@@ -1,4 +1,4 @@
-// From luminance, which ideal.wgsl or lens.wgsl looks up, to grey levels by EMVA 1288's linear model: photons and dark current to electrons, shot noise, full well, offsets and
+// From luminance, which lens.wgsl looks up, to grey levels by EMVA 1288's linear model: photons and dark current to electrons, shot noise, full well, offsets and
 // read noise, gain, black level, 8 to 12 bits. Follows readout.wgsl.
 
 // Whether pixels differ in sensitivity, offset and dark current.

@@ -7,15 +7,18 @@
 
 use std::ops::Range;
 
-use super::{RenderError, View, device::Graphics};
-use crate::{building::Panel, scene::MAX_LAMPS, sensors::lens::Lens};
+use super::{
+    RenderError, View,
+    device::Graphics,
+    lens::{LensLayout, LensSlot},
+};
+use crate::{building::Panel, scene::MAX_LAMPS};
 
 mod edges;
 mod faces;
 mod frustum;
 mod glints;
 pub(super) mod layouts;
-mod map;
 mod motion;
 mod pipelines;
 mod people;
@@ -27,6 +30,7 @@ pub(super) use plate::RoomSlot;
 pub(super) use world::RoomWorld;
 
 use faces::Run;
+use frustum::Frustum;
 use motion::{SubFrame, sub_frames};
 use people::run_of;
 use pipelines::{Pipelines, Use};
@@ -65,27 +69,23 @@ impl RoomPass {
         graphics: &Graphics,
         encoder: &mut wgpu::CommandEncoder,
         world: &RoomWorld,
-        (view, lens): (&View, &Lens),
+        view: &View,
+        (layout, seen_by): (&LensLayout, &LensSlot),
         slot: &mut Option<RoomSlot>,
-        lens_layout: &wgpu::BindGroupLayout,
     ) -> Result<(), RenderError> {
-        if !slot.as_ref().is_some_and(|slot| slot.lens == *lens) {
-            *slot = Some(RoomSlot::new(graphics, &self.pipelines, lens_layout, lens)?);
-        }
-        let Some(slot) = slot else { return Ok(()) };
+        let lens = &seen_by.lens;
+        let slot = slot.get_or_insert_with(|| RoomSlot::new(graphics, &self.pipelines, layout, seen_by));
         let frames = sub_frames(lens, &view.world_from_camera, view.exposure_s, &world.people.placed)
             .ok_or(RenderError::BadView("it has no camera pose"))?;
         let turned_up = view.illuminance_at_floor_lux / world.mean_at_floor_lux().max(1e-12);
-        slot.reserve(graphics, &self.pipelines, lens_layout, frames.len());
-        slot.write_sheet(graphics, frames.len());
+        slot.reserve(graphics, &self.pipelines, (layout, seen_by), frames.len());
         for (index, frame) in frames.iter().enumerate() {
-            let on_device = ViewOnDevice::new(lens, slot, frame, world, turned_up);
-            slot.write_view(graphics, index, &on_device);
+            slot.write_view(graphics, index, &ViewOnDevice::new(seen_by, frame, world, turned_up));
         }
         let how = Use::of(lens);
         let eyes: Vec<_> = frames.iter().map(|frame| frame.world_from_camera.translation.vector.into()).collect();
         let middle = &frames[frames.len() / 2].world_from_camera;
-        let frustum = slot.frustum(&frames);
+        let frustum = Frustum::new(&frames, lens.focal_px, seen_by.plate_size_px, seen_by.plate_centre_px);
         let rolling = lens.row_time_s > 0.0;
         let mut narrow = Vec::new();
         let mut hides = |(index, panel): (usize, &Panel)| {
@@ -104,26 +104,26 @@ impl RoomPass {
         let walked = world.lit_while_they_walk(graphics, &self.pipelines, &frames, how.band());
         for index in 0..frames.len() {
             let lit = walked.get(run_of(index, frames.len(), walked.len())).unwrap_or(world.bindings(how.band()));
-            self.draw_faces(encoder, (world, lit, &people), (&drawing.runs, slot), &how, index);
+            self.draw_faces(encoder, (world, lit, &people), (&drawing.runs, slot, &seen_by.plate), &how, index);
             encoder.copy_texture_to_texture(
-                slot.stepped.texture().as_image_copy(),
+                seen_by.plate.texture().as_image_copy(),
                 slot.plate(index),
-                slot.stepped.texture().size(),
+                seen_by.plate.texture().size(),
             );
             self.draw_edges(encoder, (world, &people), (&edges, narrow.len() as u32, slot), &how, index);
         }
         if frames.len() > 1 {
-            self.draw_mean(encoder, slot);
+            self.draw_mean(encoder, slot, &seen_by.plate);
         }
         Ok(())
     }
 
     /// Over the stepped plate, which nobody needs any more.
-    fn draw_mean(&self, encoder: &mut wgpu::CommandEncoder, slot: &RoomSlot) {
+    fn draw_mean(&self, encoder: &mut wgpu::CommandEncoder, slot: &RoomSlot, plate: &wgpu::TextureView) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("mean"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &slot.stepped,
+                view: plate,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations { load: wgpu::LoadOp::Clear(NOTHING), store: wgpu::StoreOp::Store },
@@ -139,14 +139,14 @@ impl RoomPass {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (world, lit, people): (&RoomWorld, &wgpu::BindGroup, &[usize]),
-        (runs, slot): (&[Run], &RoomSlot),
+        (runs, slot, plate): (&[Run], &RoomSlot, &wgpu::TextureView),
         how: &Use,
         index: usize,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("faces"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &slot.stepped,
+                view: plate,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations { load: wgpu::LoadOp::Clear(NOTHING), store: wgpu::StoreOp::Store },

@@ -3,8 +3,14 @@
 use std::sync::mpsc::{Receiver, channel};
 
 use super::{
-    RenderError, floor::FloorPass, floor::FloorSlot, photons::PhotonPass, photons::PhotonSlot, room::RoomSlot,
+    RenderError, View,
+    device::Graphics,
+    floor::{FloorPass, FloorSlot},
+    lens::LensSlot,
+    photons::{PhotonPass, PhotonSlot},
+    room::RoomSlot,
 };
+use crate::{scene::BitDepth, sensors::lens::Lens};
 
 /// Luminance in cd/m², averaged over the exposure.
 pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
@@ -26,10 +32,9 @@ pub(super) fn levels_format(deep: bool) -> wgpu::TextureFormat {
 
 /// Buffers and bindings of one view, kept from tick to tick.
 pub(super) struct Target {
-    pub(super) size_px: [u32; 2],
     /// One byte a level, or two.
     pub(super) deep: bool,
-    pub(super) luminance: wgpu::TextureView,
+    pub(super) lens: LensSlot,
     pub(super) floor: FloorSlot,
     /// Made when first a room is drawn.
     pub(super) room: Option<RoomSlot>,
@@ -52,27 +57,26 @@ pub(super) type Mapping = Receiver<Result<(), wgpu::BufferAsyncError>>;
 
 impl Target {
     pub(super) fn new(
-        device: &wgpu::Device,
+        graphics: &Graphics,
         floor_pass: &FloorPass,
         photon_pass: &PhotonPass,
-        size_px: [u32; 2],
+        lens: &Lens,
         deep: bool,
-    ) -> Target {
-        let attachment = |label, format, usage| {
-            let descriptor = wgpu::TextureDescriptor {
-                label: Some(label),
+    ) -> Result<Target, RenderError> {
+        let device = &graphics.device;
+        let size_px = lens.size_px;
+        let levels = device
+            .create_texture(&wgpu::TextureDescriptor {
+                label: Some("grey levels"),
                 size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+                format: levels_format(deep),
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
                 view_formats: &[],
-            };
-            device.create_texture(&descriptor).create_view(&wgpu::TextureViewDescriptor::default())
-        };
-        let luminance = attachment("luminance", LUMINANCE_FORMAT, wgpu::TextureUsages::TEXTURE_BINDING);
-        let levels = attachment("grey levels", levels_format(deep), wgpu::TextureUsages::COPY_SRC);
+            })
+            .create_view(&wgpu::TextureViewDescriptor::default());
         let staging = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("grey levels staged"),
             size: u64::from(staged_row(size_px, deep)) * u64::from(size_px[1]),
@@ -80,15 +84,21 @@ impl Target {
             mapped_at_creation: false,
         });
         let floor = floor_pass.slot(device);
-        let photons = photon_pass.slot(device, &luminance);
-        Target { size_px, deep, luminance, floor, room: None, photons, levels, staging }
+        let photons = photon_pass.slot(device, size_px);
+        let lens = LensSlot::new(graphics, &photon_pass.lens_layout, lens)?;
+        Ok(Target { deep, lens, floor, room: None, photons, levels, staging })
+    }
+
+    /// Whether a view can be drawn here.
+    pub(super) fn suits(&self, view: &View) -> bool {
+        self.lens.lens == view.lens && self.deep == (view.sensor.bits != BitDepth::Eight)
     }
 
     /// Copies the grey levels to where the processor can read them.
     pub(super) fn stage(&self, encoder: &mut wgpu::CommandEncoder) {
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(staged_row(self.size_px, self.deep)),
+            bytes_per_row: Some(staged_row(self.lens.lens.size_px, self.deep)),
             rows_per_image: None,
         };
         let staging = wgpu::TexelCopyBufferInfo { buffer: &self.staging, layout };
@@ -110,13 +120,13 @@ impl Target {
         let failed = |reason: String| RenderError::Device(reason);
         let levels = {
             let mapped = self.staging.slice(..).get_mapped_range().map_err(|error| failed(error.to_string()))?;
-            let rows = mapped.chunks_exact(staged_row(self.size_px, self.deep) as usize);
-            let width = self.size_px[0] as usize;
+            let rows = mapped.chunks_exact(staged_row(self.lens.lens.size_px, self.deep) as usize);
+            let width = self.lens.lens.size_px[0] as usize;
             if self.deep {
                 let pairs = rows.flat_map(|row| row[..2 * width].chunks_exact(2));
                 Levels::Deep(pairs.map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect())
             } else {
-                let mut levels = Vec::with_capacity(width * self.size_px[1] as usize);
+                let mut levels = Vec::with_capacity(width * self.lens.lens.size_px[1] as usize);
                 rows.for_each(|row| levels.extend_from_slice(&row[..width]));
                 Levels::Eight(levels)
             }

@@ -138,8 +138,10 @@ pub struct LensKeys {
     /// Brown and Conrady's coefficients k1, k2, p1, p2, k3, in the order of OpenCV.
     #[schemars(inner(range(min = -2.0, max = 2.0)))]
     pub distortion: [f64; 5],
-    /// Whether the image falls off from its middle by the fourth power of the cosine.
-    pub vignetting: bool,
+    /// Whether the image falls off from its middle by the fourth power of the cosine. Where nothing is stated, forward and ceiling cameras
+    /// do so and the floor camera does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vignetting: Option<bool>,
     /// Diameter of the disc into which a point is blurred.
     #[schemars(range(min = 0.0, max = 50.0))]
     pub defocus_px: f64,
@@ -296,7 +298,7 @@ impl Default for CeilingCamera {
 
 impl Default for LensKeys {
     fn default() -> Self {
-        LensKeys { distortion: [0.0; 5], vignetting: true, defocus_px: 0.0, row_time_s: 0.0 }
+        LensKeys { distortion: [0.0; 5], vignetting: None, defocus_px: 0.0, row_time_s: 0.0 }
     }
 }
 

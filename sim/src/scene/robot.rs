@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{
-    CameraTiming, CeilingCamera, Delivery, Flow, ForwardCamera, Gyro, Proximity, RangeCamera, Sensor, SensorModel,
-    SensorPreset,
+    CameraTiming, CeilingCamera, Delivery, Flow, ForwardCamera, Gyro, LensKeys, Proximity, RangeCamera, Sensor,
+    SensorModel, SensorPreset,
 };
 
 /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle. The defaults of its
@@ -169,6 +169,11 @@ pub struct FloorCamera {
     /// Pixels per metre are drawn within this share of nominal.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub scale_tolerance: f64,
+    /// Anywhere in the image, the place of a pixel by the lens's coefficients is within this: the true k1 is drawn.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub distortion_tolerance_px: f64,
+    /// What the lens does besides projecting.
+    pub lens: LensKeys,
     /// What turns light into grey levels.
     pub sensor: Sensor,
     /// At most this many wrong lines are assumed in one image.
@@ -189,7 +194,7 @@ impl FloorCamera {
             latency_s: self.latency_s,
             latency_tolerance_s: self.latency_tolerance_s,
             stamp_tolerance_s: self.stamp_tolerance_s,
-            longest_s: self.sensor_model().longest_exposure_s,
+            longest_s: self.sensor_model().longest_exposure_s + self.lens.row_time_s * f64::from(self.height_px - 1),
         }
     }
 }
@@ -272,6 +277,8 @@ impl Default for FloorCamera {
             yaw_tolerance_deg: 0.1,
             tilt_tolerance_deg: 0.1,
             scale_tolerance: 0.001,
+            distortion_tolerance_px: 0.0,
+            lens: LensKeys::default(),
             sensor: Sensor::default(),
             q_items: 0,
         }

@@ -5,11 +5,7 @@ use std::f64::consts::PI;
 use image::GrayImage;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 
-use crate::{
-    drawn::DrawnFloorCamera,
-    scene::{FloorCamera, SensorModel},
-    truth::Truth,
-};
+use crate::{drawn::DrawnFloorCamera, scene::SensorModel, truth::Truth};
 
 /// Photons at 555 nm per second, square metre and lux.
 ///
@@ -68,11 +64,6 @@ impl SensorModel {
             * self.quantum_efficiency
             * PHOTONS_PER_LUX_SECOND_M2
     }
-}
-
-/// True projection of the floor camera.
-pub fn floor_camera_intrinsics(camera: &FloorCamera, drawn: &DrawnFloorCamera) -> Intrinsics {
-    Intrinsics::centred([camera.width_px, camera.height_px], drawn.focal_px)
 }
 
 /// Pose of the body: Rz(heading)·Ry(pitch)·Rx(roll) at (x, y, heave).

@@ -7,13 +7,13 @@ use rand::Rng;
 use crate::{
     drawn::{Drawn, DrawnCamera, DrawnFloorCamera},
     randomness,
-    render::{NoiseKey, View},
+    render::{NoiseKey, Shows, View},
     scene::{Scene, SensorModel},
     truth::Truth,
 };
 
 use super::{
-    camera::{Exposure, Intrinsics, floor_camera_intrinsics, world_from_floor_camera},
+    camera::{Exposure, world_from_floor_camera},
     lens::{Lens, world_from_camera},
 };
 
@@ -25,8 +25,7 @@ pub struct FittedCamera {
     /// What turns its light into grey levels.
     pub sensor: SensorModel,
     mount: Mount,
-    intrinsics: Intrinsics,
-    lens: Option<Lens>,
+    lens: Lens,
     noise_seed: u64,
 }
 
@@ -41,21 +40,20 @@ impl FittedCamera {
     pub fn new(name: Camera, scene: &Scene, drawn: &Drawn, seed: u64) -> Option<FittedCamera> {
         let robot = &scene.robot;
         let (sensor, mount, lens) = match name {
-            Camera::Floor => (robot.floor_camera.as_ref()?.sensor_model(), Mount::Floor(drawn.floor_camera?), None),
+            Camera::Floor => {
+                let (camera, mount) = (robot.floor_camera.as_ref()?, drawn.floor_camera?);
+                (camera.sensor_model(), Mount::Floor(mount), Lens::floor(camera, &mount))
+            }
             Camera::Forward => {
                 let (camera, mount) = (robot.forward_camera.as_ref()?, drawn.forward_camera?);
-                (camera.sensor_model(), Mount::Other(mount), Some(Lens::forward(camera, &mount)))
+                (camera.sensor_model(), Mount::Other(mount), Lens::forward(camera, &mount))
             }
             Camera::Ceiling => {
                 let (camera, mount) = (robot.ceiling_camera.as_ref()?, drawn.ceiling_camera?);
-                (camera.sensor_model(), Mount::Other(mount), Some(Lens::ceiling(camera, &mount)))
+                (camera.sensor_model(), Mount::Other(mount), Lens::ceiling(camera, &mount))
             }
         };
-        let intrinsics = match (&lens, mount) {
-            (None, Mount::Floor(mount)) => floor_camera_intrinsics(robot.floor_camera.as_ref()?, &mount),
-            (lens, _) => lens.as_ref()?.intrinsics(),
-        };
-        Some(FittedCamera { name, sensor, mount, intrinsics, lens, noise_seed: noise_seed(seed, name) })
+        Some(FittedCamera { name, sensor, mount, lens, noise_seed: noise_seed(seed, name) })
     }
 
     /// Where it is when the robot is there.
@@ -68,20 +66,20 @@ impl FittedCamera {
 
     /// Time from the start of the first row's exposure to that of the last.
     pub fn readout_s(&self) -> f64 {
-        self.lens.as_ref().map_or(0.0, Lens::readout_s)
+        self.lens.readout_s()
     }
 
     /// Its picture number `image`, taken while the robot goes through `truths` at equal steps of time.
     pub fn view(&self, truths: &[Truth], exposure: Exposure, illuminance_at_floor_lux: f64, image: u32) -> View {
         View {
-            intrinsics: self.intrinsics,
+            shows: if self.name == Camera::Floor { Shows::Floor } else { Shows::Room },
+            lens: self.lens.clone(),
             sensor: self.sensor,
             world_from_camera: truths.iter().map(|truth| self.world_from_camera(truth)).collect(),
             exposure_s: exposure.exposure_s,
             gain_levels_per_electron: exposure.gain_levels_per_electron,
             illuminance_at_floor_lux,
             noise: NoiseKey { seed: self.noise_seed, image },
-            lens: self.lens.clone(),
         }
     }
 }

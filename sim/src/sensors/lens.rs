@@ -1,12 +1,12 @@
-//! Lenses of cameras that look ahead or up: projection with distortion, and where such a camera truly is.
+//! Lenses of cameras: projection with distortion, and where a camera that looks ahead or up truly is.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 
-use super::camera::{Intrinsics, world_from_body};
+use super::camera::world_from_body;
 use crate::{
-    drawn::DrawnCamera,
+    drawn::{DrawnCamera, DrawnFloorCamera},
     light::EQUIVALENT_LUMENS_PER_WATT_850_NM,
-    scene::{Band, CeilingCamera, ForwardCamera, LensKeys},
+    scene::{Band, CeilingCamera, FloorCamera, ForwardCamera, LensKeys},
     truth::Truth,
 };
 
@@ -49,10 +49,16 @@ impl Lens {
         }
     }
 
+    /// The floor camera's, as drawn.
+    pub fn floor(camera: &FloorCamera, drawn: &DrawnFloorCamera) -> Lens {
+        let ideal = Lens::ideal([camera.width_px, camera.height_px], drawn.focal_px);
+        Lens { vignetting: camera.lens.vignetting.unwrap_or(false), ..ideal.with(&camera.lens, drawn.distortion) }
+    }
+
     /// The forward camera's, as drawn.
     pub fn forward(camera: &ForwardCamera, drawn: &DrawnCamera) -> Lens {
         let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
-        Lens { band: camera.band, ..ideal.with(&camera.lens, drawn) }
+        Lens { band: camera.band, ..ideal.mounted(&camera.lens, drawn) }
     }
 
     /// The ceiling camera's, as drawn.
@@ -63,24 +69,17 @@ impl Lens {
         } else {
             0.0
         };
-        Lens { band: camera.band, ring_candela, ..ideal.with(&camera.lens, drawn) }
+        Lens { band: camera.band, ring_candela, ..ideal.mounted(&camera.lens, drawn) }
     }
 
-    fn with(self, keys: &LensKeys, drawn: &DrawnCamera) -> Lens {
-        Lens {
-            focal_px: drawn.focal_px,
-            principal_point_px: drawn.principal_point_px,
-            distortion: drawn.distortion,
-            vignetting: keys.vignetting,
-            defocus_px: keys.defocus_px,
-            row_time_s: keys.row_time_s,
-            ..self
-        }
+    fn mounted(self, keys: &LensKeys, drawn: &DrawnCamera) -> Lens {
+        let placed = Lens { focal_px: drawn.focal_px, principal_point_px: drawn.principal_point_px, ..self };
+        placed.with(keys, drawn.distortion)
     }
 
-    /// The same image size without a lens, for the sensor's part of a view.
-    pub fn intrinsics(&self) -> Intrinsics {
-        Intrinsics { size_px: self.size_px, focal_px: self.focal_px[0], principal_point_px: self.principal_point_px }
+    fn with(self, keys: &LensKeys, distortion: [f64; 5]) -> Lens {
+        let (vignetting, defocus_px) = (keys.vignetting.unwrap_or(true), keys.defocus_px);
+        Lens { distortion, vignetting, defocus_px, row_time_s: keys.row_time_s, ..self }
     }
 
     /// Time from the start of the first row's exposure to that of the last.
@@ -140,6 +139,13 @@ impl Lens {
             at = [at[0] - (d * off[0] - b * off[1]) / determinant, at[1] - (a * off[1] - c * off[0]) / determinant];
         }
         None
+    }
+
+    /// Pixels that a move of the point at depth 1 takes in the direction in which it takes fewest, for each unit.
+    pub fn least_scale(&self, point: [f64; 2]) -> f64 {
+        let [[a, b], [c, d]] = self.slope(point);
+        // The lesser singular value: half the difference of two norms, as a rotation and a reflection share a matrix of two rows.
+        0.5 * ((a + d).hypot(b - c) - (a - d).hypot(b + c)).abs()
     }
 
     /// ∂pixel/∂point, row by row.

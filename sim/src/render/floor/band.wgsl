@@ -53,10 +53,25 @@ fn band_luminance(strip: Strip) -> @location(0) vec4<f32> {
     let left = vec2(-direction.y, direction.x);
     var covered = 0.0;
     var on_the_left = 0.0;
+    let share = 1.0 / f32(view.sub_frames);
     var start = place_at(view.sub_frame_ends[0], pixel);
-    let sides = sides_at(view.middle, pixel, place_at(view.middle, pixel));
+    var place = place_at(view.middle, pixel);
+    let sides = sides_at(view.middle, pixel, place);
+    var way: Way;
+    var exposed_at = 0.0;
+    if (ROLLING) {
+        way = way_of(pixel);
+        exposed_at = exposed_from(pixel);
+        start = on_way(way, exposed_at);
+        place = on_way(way, exposed_at + 0.5 * view.exposed_share);
+    }
     for (var frame = 0u; frame < strip.sub_frames; frame++) {
-        let end = place_at(counted.sub_frame_ends[frame + 1u], pixel);
+        var end: vec2<f32>;
+        if (ROLLING) {
+            end = on_way(way, exposed_at + view.exposed_share * share * f32(frame + 1u));
+        } else {
+            end = place_at(counted.sub_frame_ends[frame + 1u], pixel);
+        }
         let footprint = Footprint(sides[0], sides[1], end - start);
         let from_middle = 0.5 * (start + end) - strip.line.xy;
         let widths = widths_along(left, footprint);
@@ -66,8 +81,6 @@ fn band_luminance(strip: Strip) -> @location(0) vec4<f32> {
         on_the_left += half_plane_coverage(across, widths);
         start = end;
     }
-    let share = 1.0 / f32(view.sub_frames);
-    let place = place_at(view.middle, pixel);
     let across = dot(place - strip.line.xy, left);
     let along = dot(place - strip.line.xy, direction) / (2.0 * strip.size.x) + 0.5;
 

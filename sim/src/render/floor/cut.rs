@@ -12,15 +12,17 @@ use crate::{
     light::FloorField,
     render::{
         FloorLight, RenderError, View,
-        exposure::{MAX_SUB_FRAMES, Path},
+        exposure::{MAX_SUB_FRAMES, Path, interpolate},
+        lens::LensSlot,
     },
     scene::{Pattern, Region, Room, Scene, Stray, Tiles},
+    sensors::camera::Intrinsics,
 };
 
 /// By the scene's definition of the stripes' pattern: a fifth of the tile apart.
 const STRIPES_IN_TILE: f64 = 5.0;
 
-/// Places along each side of a picture at which lamplight is told: 1 cm apart where a floor camera sees half a metre.
+/// Places along each side of a plate at which lamplight is told: 1 cm apart where a floor camera sees half a metre.
 pub(in crate::render) const LAMPLIGHT_PX: u32 = 65;
 
 /// A world's floor, ready to be cut to views.
@@ -61,7 +63,13 @@ pub(super) struct ViewOnDevice {
     light_at_origin: f32,
     pattern_contrast: f32,
     stripe_spacing_m: f32,
-    padding: [f32; 3],
+    exposed_share: f32,
+    plate_size_px: [f32; 2],
+    distortion: [f32; 4],
+    distortion_k3: f32,
+    per_focal_px: f32,
+    first_share: f32,
+    share_per_slope: f32,
     sub_frame_ends: [Rows; MAX_SUB_FRAMES + 1],
 }
 
@@ -84,11 +92,14 @@ impl Floor {
     }
 
     /// What a view sees.
-    pub(super) fn cut(&self, view: &View) -> Result<Cut, RenderError> {
-        let path = Path::new(&view.intrinsics, &view.world_from_camera)
-            .ok_or(RenderError::BadView("it has no camera pose"))?;
+    pub(super) fn cut(&self, view: &View, seen_by: &LensSlot) -> Result<Cut, RenderError> {
+        if view.lens.focal_px[0] != view.lens.focal_px[1] {
+            return Err(RenderError::BadView("the floor from near is drawn for lenses of one focal length"));
+        }
+        let plate = seen_by.pinhole();
+        let path = Path::new(&plate, view).ok_or(RenderError::BadView("it has no camera pose"))?;
         let frame = LocalFrame::near(path.middle.translation.vector.xy(), self.tiled.as_ref());
-        let seen = self.footprint(view, &path, &frame);
+        let seen = self.footprint(&plate, &path, &frame);
         let (faces, mut bands) = match &self.tiled {
             Some((tiles, laid)) => geometry::tiles_in_view(tiles, laid, &frame, &seen),
             None => (vec![geometry::plain_face(&seen)], Vec::new()),
@@ -96,29 +107,37 @@ impl Floor {
         bands.extend(geometry::coverings_in_view(&self.coverings, &frame, &seen));
         bands.extend(geometry::strays_in_view(&self.strays, &frame, &seen));
         bands.extend(geometry::walls_in_view(&self.room, &frame, &seen));
-        Ok(Cut { uniform: self.uniform(view, &path, &frame)?, faces, bands })
+        Ok(Cut { uniform: self.uniform((view, &plate), &path, &frame)?, faces, bands })
     }
 
-    /// What the scene's lamps give where pixels of a view look in the middle of its exposure, for each lux of their mean: rows of
+    /// What the scene's lamps give where places of a view's plate look in the middle of their row's exposure, for each lux of their mean: rows of
     /// [`LAMPLIGHT_PX`] places evenly from the first pixel to the last, the same in both directions; `None` without lamps.
-    pub(in crate::render) fn lamplight_over(&self, view: &View) -> Option<Vec<f32>> {
+    pub(in crate::render) fn lamplight_over(&self, view: &View, seen_by: &LensSlot) -> Option<Vec<f32>> {
         let field = self.lamplight.as_ref()?;
-        let middle = Path::new(&view.intrinsics, &view.world_from_camera)?.middle;
+        let (plate, lens) = (seen_by.pinhole(), &view.lens);
+        let exposed_share = Path::new(&plate, view)?.exposed_share;
         let last = f64::from(LAMPLIGHT_PX - 1);
         let share = |i: u32, j: u32| {
-            let [u, v] =
-                [(i, 0), (j, 1)].map(|(at, axis)| f64::from(at) / last * f64::from(view.intrinsics.size_px[axis] - 1));
-            let point = view.intrinsics.floor_point(&middle, [u, v]);
-            point.map_or(0.0, |point| field.at(point.coords.xy()) as f32)
+            let [u, v] = [(i, 0), (j, 1)].map(|(at, axis)| f64::from(at) / last * f64::from(plate.size_px[axis] - 1));
+            let ray = plate.ray([u, v]);
+            let row_share = lens.pixel([ray.x, ray.y])[1] / f64::from(lens.size_px[1] - 1);
+            let middle_share = (1.0 - exposed_share) * row_share.clamp(0.0, 1.0) + 0.5 * exposed_share;
+            let pose = interpolate(&view.world_from_camera, middle_share)?;
+            Some(plate.floor_point(&pose, [u, v]).map_or(0.0, |point| field.at(point.coords.xy()) as f32))
         };
-        Some((0..LAMPLIGHT_PX).flat_map(|j| (0..LAMPLIGHT_PX).map(move |i| (i, j))).map(|(i, j)| share(i, j)).collect())
+        (0..LAMPLIGHT_PX).flat_map(|j| (0..LAMPLIGHT_PX).map(move |i| (i, j))).map(|(i, j)| share(i, j)).collect()
     }
 
-    fn uniform(&self, view: &View, path: &Path, frame: &LocalFrame) -> Result<ViewOnDevice, RenderError> {
-        let local_from_pixel = |pose: &Isometry3<f64>| frame.local_from_pixel(pose, view.intrinsics.focal_px);
+    fn uniform(
+        &self,
+        (view, plate): (&View, &Intrinsics),
+        path: &Path,
+        frame: &LocalFrame,
+    ) -> Result<ViewOnDevice, RenderError> {
+        let local_from_pixel = |pose: &Isometry3<f64>| frame.local_from_pixel(pose, plate.focal_px);
         let middle = local_from_pixel(&path.middle);
-        let clip_from_local = local::clip_from_local(&middle, &view.intrinsics)
-            .ok_or(RenderError::BadView("the camera lies in the floor"))?;
+        let clip_from_local =
+            local::clip_from_local(&middle, plate).ok_or(RenderError::BadView("the camera lies in the floor"))?;
         let mut sub_frame_ends = [[[0.0; 4]; 3]; MAX_SUB_FRAMES + 1];
         for (rows, pose) in sub_frame_ends.iter_mut().zip(&path.sub_frame_ends) {
             *rows = rows_of(&local_from_pixel(pose));
@@ -132,7 +151,10 @@ impl Floor {
         let gradient = frame.grid_from_world * gradient_per_m;
         // A matt surface of albedo 1 under E has the luminance E/π.
         let light_at_origin = view.illuminance_at_floor_lux * factor / std::f64::consts::PI;
-        let [cu, cv] = view.intrinsics.principal_point_px;
+        let [cu, cv] = plate.principal_point_px;
+        let [k1, k2, p1, p2, k3] = view.lens.distortion.map(|coefficient| coefficient as f32);
+        // Rows are exposed one after the other for what of the time is not any single one's exposure.
+        let share_per_row = (1.0 - path.exposed_share) / f64::from(view.lens.size_px[1] - 1);
         let tiles = self.tiled.as_ref().map(|(tiles, _)| tiles);
         Ok(ViewOnDevice {
             start: sub_frame_ends[0],
@@ -146,18 +168,22 @@ impl Floor {
             light_at_origin: light_at_origin as f32,
             pattern_contrast: tiles.map_or(0.0, |tiles| tiles.pattern_contrast as f32),
             stripe_spacing_m: tiles.map_or(1.0, |tiles| (tiles.edge_x_m / STRIPES_IN_TILE) as f32),
-            padding: [0.0; 3],
+            exposed_share: path.exposed_share as f32,
+            plate_size_px: plate.size_px.map(|size_px| size_px as f32),
+            distortion: [k1, k2, p1, p2],
+            distortion_k3: k3,
+            per_focal_px: (1.0 / plate.focal_px) as f32,
+            first_share: (share_per_row * view.lens.principal_point_px[1]) as f32,
+            share_per_slope: (share_per_row * view.lens.focal_px[1]) as f32,
             sub_frame_ends,
         })
     }
 
     /// The part of the floor that the view sees during its exposure; a view above the horizon sees the whole room.
-    fn footprint(&self, view: &View, path: &Path, frame: &LocalFrame) -> Footprint {
-        let [width, height] = view.intrinsics.size_px.map(|size| f64::from(size) - 0.5);
+    fn footprint(&self, plate: &Intrinsics, path: &Path, frame: &LocalFrame) -> Footprint {
+        let [width, height] = plate.size_px.map(|size| f64::from(size) - 0.5);
         let pixels = [[-0.5, -0.5], [width, -0.5], [-0.5, height], [width, height]];
-        let at = |pose, pixel: [f64; 2]| {
-            view.intrinsics.floor_point(pose, pixel).map(|point| frame.place(point.coords.xy()))
-        };
+        let at = |pose, pixel: [f64; 2]| plate.floor_point(pose, pixel).map(|point| frame.place(point.coords.xy()));
         let mut seen = Footprint {
             low: Vector2::repeat(f64::INFINITY),
             high: Vector2::repeat(f64::NEG_INFINITY),

@@ -5,8 +5,18 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 use super::geometry::{BandInstance, TileInstance};
 use crate::{render::target::LUMINANCE_FORMAT, scene::Pattern};
 
-const TILE_SHADER: &str = concat!(include_str!("view.wgsl"), include_str!("pattern.wgsl"), include_str!("tile.wgsl"));
-const BAND_SHADER: &str = concat!(include_str!("view.wgsl"), include_str!("coverage.wgsl"), include_str!("band.wgsl"));
+const TILE_SHADER: &str = concat!(
+    include_str!("../row.wgsl"),
+    include_str!("view.wgsl"),
+    include_str!("pattern.wgsl"),
+    include_str!("tile.wgsl")
+);
+const BAND_SHADER: &str = concat!(
+    include_str!("../row.wgsl"),
+    include_str!("view.wgsl"),
+    include_str!("coverage.wgsl"),
+    include_str!("band.wgsl")
+);
 
 /// Light on a band is laid over what was there: `source + (1 − hidden share)·target`.
 const OVER: BlendComponent = BlendComponent {
@@ -15,8 +25,8 @@ const OVER: BlendComponent = BlendComponent {
     operation: BlendOperation::Add,
 };
 
-/// A pipeline for each pattern, in the order of [`Pattern`].
-pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> [wgpu::RenderPipeline; 4] {
+/// A pipeline for each pattern, in the order of [`Pattern`], for a rolling shutter or a global one.
+pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rolling: bool) -> [wgpu::RenderPipeline; 4] {
     let tile_attributes = wgpu::vertex_attr_array![
         0 => Float32x4, 1 => Float32x4, 2 => Float32x2, 3 => Float32, 4 => Uint32
     ];
@@ -27,7 +37,7 @@ pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> [wg
             entry_points: ["tile_corner", "tile_luminance"],
             stride: size_of::<TileInstance>(),
             attributes: &tile_attributes,
-            constants: &[("PATTERN", f64::from(pattern as u32))],
+            constants: &[("PATTERN", f64::from(pattern as u32)), ("ROLLING", f64::from(u8::from(rolling)))],
             blend: None,
         };
         pipeline(device, layout, &stage)
@@ -35,7 +45,7 @@ pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> [wg
 }
 
 /// The pipeline of joints, strays and walls.
-pub(super) fn bands(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> wgpu::RenderPipeline {
+pub(super) fn bands(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rolling: bool) -> wgpu::RenderPipeline {
     let band_attributes = wgpu::vertex_attr_array![
         0 => Float32x2, 1 => Float32x2, 2 => Float32, 3 => Float32, 4 => Float32x2,
         5 => Float32, 6 => Float32x3, 7 => Float32, 8 => Float32, 9 => Float32
@@ -45,7 +55,7 @@ pub(super) fn bands(device: &wgpu::Device, layout: &wgpu::PipelineLayout) -> wgp
         entry_points: ["band_corner", "band_luminance"],
         stride: size_of::<BandInstance>(),
         attributes: &band_attributes,
-        constants: &[],
+        constants: &[("ROLLING", f64::from(u8::from(rolling)))],
         blend: Some(BlendState { color: OVER, alpha: OVER }),
     };
     pipeline(device, layout, &stage)

@@ -36,7 +36,7 @@ fn tile_corner(@builtin(vertex_index) index: u32, tile: Tile) -> Face {
     let pair = select(tile.low_corners, tile.high_corners, index >= 2u);
     let corner = select(pair.xy, pair.zw, (index & 1u) == 1u);
     return Face(
-        clip_at(corner),
+        clip_at(on_its_row(corner)),
         view.start.x.xyz,
         view.start.y.xyz,
         view.start.depth.xyz,
@@ -61,25 +61,29 @@ fn homography(x: vec3<f32>, y: vec3<f32>, depth: vec3<f32>) -> Homography {
 fn tile_luminance(face: Face) -> @location(0) vec4<f32> {
     let pixel = vec3(face.position.xy - 0.5 - face.anchor_and_centre.zw, 1.0);
     let in_the_middle = homography(face.middle_x, face.middle_y, face.middle_depth);
-    let middle = place_at(in_the_middle, pixel);
+    var middle = place_at(in_the_middle, pixel);
     var albedo = face.light.w;
-    if (PATTERN != 0u) {
+    if (PATTERN != 0u || ROLLING) {
         let start = place_at(homography(face.start_x, face.start_y, face.start_depth), pixel);
         let end = place_at(homography(face.end_x, face.end_y, face.end_depth), pixel);
-        // The parabola through three points of the path.
-        let bend = 2.0 * (start - 2.0 * middle + end);
-        let speed = end - start - bend;
-        let sides = sides_at(in_the_middle, pixel, middle);
-        let step = face.pattern.y;
-        let extent = abs(sides[0]) + abs(sides[1]) + step * abs(end - start);
-        let size_m = 0.5 * (extent.x + extent.y);
-        var sum = 0.0;
-        for (var sample = 0u; sample < face.seed_and_samples.y; sample++) {
-            let time = (f32(sample) + 0.5) * step;
-            let place = start + time * (speed + time * bend);
-            sum += pattern_at(place - face.anchor_and_centre.xy, face.seed_and_samples.x, size_m, extent.x, face.pattern.z);
+        let way = way_through(start, middle, end);
+        var exposed = vec2(0.0, 1.0);
+        if (ROLLING) {
+            exposed = vec2(exposed_from(pixel), view.exposed_share);
+            middle = on_way(way, exposed.x + 0.5 * exposed.y);
         }
-        albedo *= 1.0 + face.pattern.x * step * sum;
+        if (PATTERN != 0u) {
+            let sides = sides_at(in_the_middle, pixel, middle);
+            let step = face.pattern.y;
+            let extent = abs(sides[0]) + abs(sides[1]) + step * exposed.y * abs(end - start);
+            let size_m = 0.5 * (extent.x + extent.y);
+            var sum = 0.0;
+            for (var sample = 0u; sample < face.seed_and_samples.y; sample++) {
+                let place = on_way(way, exposed.x + exposed.y * ((f32(sample) + 0.5) * step));
+                sum += pattern_at(place - face.anchor_and_centre.xy, face.seed_and_samples.x, size_m, extent.x, face.pattern.z);
+            }
+            albedo *= 1.0 + face.pattern.x * step * sum;
+        }
     }
     return vec4(albedo * face.light.z * exp(dot(face.light.xy, middle)), 0.0, 0.0, 1.0);
 }

@@ -1,15 +1,13 @@
 // The mean of an exposure's plates.
 
-struct Sheet {
-    focal_px: vec2<f32>,
-    centre_px: vec2<f32>,
-    per_size: vec2<f32>,
-    n_plates: u32,
+struct Plates {
+    // Sub-frames, and the share of one in the exposure.
+    count: u32,
     share: f32,
 }
 
 // In storage, as loops depend on it.
-@group(0) @binding(0) var<storage, read> sheet: Sheet;
+@group(0) @binding(0) var<storage, read> counted: Plates;
 // One layer for each sub-frame.
 @group(0) @binding(1) var plates: texture_2d_array<f32>;
 
@@ -23,7 +21,7 @@ struct Plate {
 @vertex
 fn whole_plate(@builtin(vertex_index) index: u32) -> Plate {
     let corner = vec4(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-    return Plate(corner, sheet.n_plates, sheet.share);
+    return Plate(corner, counted.count, counted.share);
 }
 
 @fragment

@@ -13,6 +13,7 @@ use crate::{
 };
 
 const SURFACE_SHADER: &str = concat!(
+    include_str!("../row.wgsl"),
     include_str!("view.wgsl"),
     include_str!("world.wgsl"),
     include_str!("texture.wgsl"),
@@ -20,6 +21,7 @@ const SURFACE_SHADER: &str = concat!(
     include_str!("surface.wgsl")
 );
 const THING_SHADER: &str = concat!(
+    include_str!("../row.wgsl"),
     include_str!("view.wgsl"),
     include_str!("world.wgsl"),
     include_str!("lamp.wgsl"),

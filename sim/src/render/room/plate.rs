@@ -1,18 +1,17 @@
-//! Device memory of one view of a room: the plate, its view values, the lens's map.
+//! Device memory of one view of a room: its view values, and a plate for each sub-frame.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::{
-    frustum::Frustum,
-    map::LensMap,
     motion::{MAX_SUB_FRAMES, SubFrame},
     pipelines::{DEPTH_FORMAT, Pipelines},
     strips::StripOnDevice,
-    world::{RoomWorld, buffer},
+    world::RoomWorld,
 };
-use crate::{
-    render::{RenderError, device::Graphics, target::LUMINANCE_FORMAT},
-    sensors::lens::Lens,
+use crate::render::{
+    device::Graphics,
+    lens::{LensLayout, LensSlot},
+    target::LUMINANCE_FORMAT,
 };
 
 /// Bytes from one sub-frame's values to the next's; every adapter takes offsets of this.
@@ -25,31 +24,24 @@ pub(super) fn view_offset(index: usize) -> u32 {
 
 /// Buffers and bindings of one view, kept as long as its lens stays the same.
 pub(in crate::render) struct RoomSlot {
-    pub(super) lens: Lens,
-    /// The plate with edges in steps.
-    pub(super) stepped: wgpu::TextureView,
-    /// With smooth ones: a layer for each sub-frame, as many as were ever needed.
+    /// Plates with smooth edges: a layer for each sub-frame, as many as were ever needed.
     plates: wgpu::Texture,
     plate_views: Vec<wgpu::TextureView>,
     pub(super) depth: wgpu::TextureView,
     pub(super) view_bindings: wgpu::BindGroup,
+    /// The lens's own plate, on which edges are drawn in steps.
     pub(super) stepped_bindings: wgpu::BindGroup,
-    /// What the lens reads where there is one plate, and where there are several.
-    lens_bindings: [wgpu::BindGroup; 2],
+    /// What the lens reads where there is one plate.
+    single_bindings: wgpu::BindGroup,
     /// The plates whose mean is taken.
     pub(super) mean_bindings: wgpu::BindGroup,
     n_plates: usize,
     views: wgpu::Buffer,
-    sheet: wgpu::Buffer,
-    /// Where its pixels take their light from: instances for lens.wgsl.
-    pub(in crate::render) map: wgpu::Buffer,
-    pub(in crate::render) n_map_cells: u32,
+    counted: wgpu::Buffer,
     /// Which cells of the world's faces are drawn, and how.
     pub(super) chosen: wgpu::Buffer,
     /// What of them is hardly wider than a pixel.
     pub(super) strips: wgpu::Buffer,
-    plate_size_px: [u32; 2],
-    plate_centre_px: [f64; 2],
 }
 
 /// `View` of view.wgsl.
@@ -79,22 +71,18 @@ pub(super) struct ViewOnDevice {
     padding: [u32; 3],
 }
 
-/// `Sheet` of lens.wgsl.
+/// `Plates` of mean.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct SheetOnDevice {
-    focal_px: [f32; 2],
-    centre_px: [f32; 2],
-    per_size: [f32; 2],
-    n_plates: u32,
+struct PlatesOnDevice {
+    count: u32,
     share: f32,
-    defocus_radius_px: f32,
-    padding: f32,
 }
 
 impl ViewOnDevice {
     /// The values of a sub-frame; `turned_up` is a factor on all lamps of the world.
-    pub(super) fn new(lens: &Lens, slot: &RoomSlot, frame: &SubFrame, world: &RoomWorld, turned_up: f64) -> Self {
+    pub(super) fn new(seen_by: &LensSlot, frame: &SubFrame, world: &RoomWorld, turned_up: f64) -> Self {
+        let lens = &seen_by.lens;
         let (camera_from_world, turn, drift) = super::twist_rows(frame);
         let [k1, k2, p1, p2, k3] = lens.distortion.map(|coefficient| coefficient as f32);
         let eye = frame.world_from_camera.translation.vector;
@@ -106,8 +94,8 @@ impl ViewOnDevice {
             turn,
             drift,
             plate_focal_px: lens.focal_px.map(|focal_px| focal_px as f32),
-            plate_centre_px: slot.plate_centre_px.map(|at_px| at_px as f32),
-            plate_size_px: slot.plate_size_px.map(|size_px| size_px as f32),
+            plate_centre_px: seen_by.plate_centre_px.map(|at_px| at_px as f32),
+            plate_size_px: seen_by.plate_size_px.map(|size_px| size_px as f32),
             sensor_focal_px: lens.focal_px[1] as f32,
             sensor_centre_px: lens.principal_point_px[1] as f32,
             distortion: [k1, k2, p1, p2],
@@ -129,35 +117,17 @@ impl ViewOnDevice {
 }
 
 impl RoomSlot {
-    pub(super) fn new(
-        graphics: &Graphics,
-        pipelines: &Pipelines,
-        lens_layout: &wgpu::BindGroupLayout,
-        lens: &Lens,
-    ) -> Result<RoomSlot, RenderError> {
+    pub(super) fn new(graphics: &Graphics, pipelines: &Pipelines, layout: &LensLayout, lens: &LensSlot) -> RoomSlot {
         let device = &graphics.device;
-        let map = LensMap::new(lens)?;
-        let limit_px = device.limits().max_texture_dimension_2d;
-        if map.size_px[0].max(map.size_px[1]) > limit_px {
-            return Err(RenderError::TooLarge {
-                what: "a view before its lens",
-                needed: format!("{} × {} px", map.size_px[0], map.size_px[1]),
-                limit: format!("{limit_px} px"),
-            });
-        }
-        let read = wgpu::TextureUsages::TEXTURE_BINDING;
-        let stepped = attachment(device, map.size_px, 1, LUMINANCE_FORMAT, read | wgpu::TextureUsages::COPY_SRC)
+        let (plates, plate_views) = plates(device, lens.plate_size_px, 1);
+        let depth = attachment(device, lens.plate_size_px, 1, DEPTH_FORMAT, wgpu::TextureUsages::empty())
             .create_view(&wgpu::TextureViewDescriptor::default());
-        let (plates, plate_views) = plates(device, map.size_px, 1);
-        let depth = attachment(device, map.size_px, 1, DEPTH_FORMAT, wgpu::TextureUsages::empty())
-            .create_view(&wgpu::TextureViewDescriptor::default());
-        let cells = buffer(graphics, "lens map", wgpu::BufferUsages::VERTEX, &map.cells);
         let empty = |label, size, usage| {
             device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
         };
         let written = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let views = empty("room views", VIEW_STRIDE * MAX_SUB_FRAMES as u64, wgpu::BufferUsages::UNIFORM | written);
-        let sheet = empty("lens", size_of::<SheetOnDevice>() as u64, wgpu::BufferUsages::UNIFORM | written);
+        let counted = empty("plates", size_of::<PlatesOnDevice>() as u64, written);
         let view_bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("room view"),
             layout: &pipelines.view_layout,
@@ -170,34 +140,26 @@ impl RoomSlot {
                 }),
             }),
         });
+        let stepped = wgpu::BindingResource::TextureView(&lens.plate);
         let stepped_bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("stepped"),
             layout: &pipelines.stepped_layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&stepped) }],
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: stepped }],
         });
-        let lens_bindings =
-            [&plate_views[0], &stepped].map(|plate| bind(device, lens_layout, &sheet, plate, &pipelines.linear));
-        let mean_bindings = bind_mean(device, &pipelines.mean_layout, &sheet, &plates);
-        Ok(RoomSlot {
-            lens: lens.clone(),
-            stepped,
+        RoomSlot {
+            single_bindings: lens.reading(device, layout, &plate_views[0]),
+            mean_bindings: bind_mean(device, &pipelines.mean_layout, &counted, &plates),
             plates,
             plate_views,
             depth,
             view_bindings,
             stepped_bindings,
-            lens_bindings,
-            mean_bindings,
             n_plates: 1,
             views,
-            sheet,
-            map: cells,
-            n_map_cells: map.cells.len() as u32,
-            chosen: buffer::<u32>(graphics, "chosen", wgpu::BufferUsages::INDEX, &[]),
-            strips: buffer::<StripOnDevice>(graphics, "strips", wgpu::BufferUsages::VERTEX, &[]),
-            plate_size_px: map.size_px,
-            plate_centre_px: map.centre_px,
-        })
+            counted,
+            chosen: graphics.buffer::<u32>("chosen", wgpu::BufferUsages::INDEX, &[]),
+            strips: graphics.buffer::<StripOnDevice>("strips", wgpu::BufferUsages::VERTEX, &[]),
+        }
     }
 
     /// Makes room for the plates of so many sub-frames.
@@ -205,22 +167,23 @@ impl RoomSlot {
         &mut self,
         graphics: &Graphics,
         pipelines: &Pipelines,
-        lens_layout: &wgpu::BindGroupLayout,
+        (layout, lens): (&LensLayout, &LensSlot),
         count: usize,
     ) {
         self.n_plates = count;
+        let device = &graphics.device;
         if self.plate_views.len() < count {
-            let device = &graphics.device;
-            (self.plates, self.plate_views) = plates(device, self.plate_size_px, count as u32);
-            let plate = &self.plate_views[0];
-            self.lens_bindings[0] = bind(device, lens_layout, &self.sheet, plate, &pipelines.linear);
-            self.mean_bindings = bind_mean(device, &pipelines.mean_layout, &self.sheet, &self.plates);
+            (self.plates, self.plate_views) = plates(device, lens.plate_size_px, count as u32);
+            self.single_bindings = lens.reading(device, layout, &self.plate_views[0]);
+            self.mean_bindings = bind_mean(device, &pipelines.mean_layout, &self.counted, &self.plates);
         }
+        let counted = PlatesOnDevice { count: count as u32, share: 1.0 / count as f32 };
+        graphics.queue.write_buffer(&self.counted, 0, bytemuck::bytes_of(&counted));
     }
 
-    /// What the lens reads: the only plate, or the mean that was drawn over the stepped one.
-    pub(in crate::render) fn lens_bindings(&self) -> &wgpu::BindGroup {
-        &self.lens_bindings[usize::from(self.n_plates > 1)]
+    /// What the lens reads where that is not its own plate, over which the mean of several is drawn.
+    pub(in crate::render) fn single_plate(&self) -> Option<&wgpu::BindGroup> {
+        (self.n_plates == 1).then_some(&self.single_bindings)
     }
 
     /// Where a sub-frame's plate is copied to.
@@ -232,11 +195,6 @@ impl RoomSlot {
     /// A sub-frame's plate.
     pub(super) fn plate_view(&self, index: usize) -> &wgpu::TextureView {
         &self.plate_views[index]
-    }
-
-    /// What its plates show.
-    pub(super) fn frustum(&self, frames: &[SubFrame]) -> Frustum {
-        Frustum::new(frames, self.lens.focal_px, self.plate_size_px, self.plate_centre_px)
     }
 
     /// Writes which nodes are drawn, into a larger buffer where it has to be.
@@ -253,20 +211,6 @@ impl RoomSlot {
     pub(super) fn write_view(&self, graphics: &Graphics, index: usize, view: &ViewOnDevice) {
         graphics.queue.write_buffer(&self.views, u64::from(view_offset(index)), bytemuck::bytes_of(view));
     }
-
-    /// Writes what the lens needs for so many sub-frames.
-    pub(super) fn write_sheet(&self, graphics: &Graphics, n_plates: usize) {
-        let sheet = SheetOnDevice {
-            focal_px: self.lens.focal_px.map(|focal_px| focal_px as f32),
-            centre_px: self.plate_centre_px.map(|at_px| at_px as f32),
-            per_size: self.plate_size_px.map(|size_px| 1.0 / size_px as f32),
-            n_plates: n_plates as u32,
-            share: 1.0 / n_plates as f32,
-            defocus_radius_px: (self.lens.defocus_px / 2.0) as f32,
-            padding: 0.0,
-        };
-        graphics.queue.write_buffer(&self.sheet, 0, bytemuck::bytes_of(&sheet));
-    }
 }
 
 /// Writes into a buffer, or into a larger one in its place.
@@ -278,36 +222,17 @@ fn fill<T: Pod>(
 ) {
     let bytes: &[u8] = bytemuck::cast_slice(contents);
     if bytes.len() as u64 > written.size() {
-        *written = buffer(graphics, label, usage, contents);
+        *written = graphics.buffer(label, usage, contents);
     } else {
         graphics.queue.write_buffer(written, 0, bytes);
     }
-}
-
-/// What the lens reads.
-fn bind(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    sheet: &wgpu::Buffer,
-    plate: &wgpu::TextureView,
-    linear: &wgpu::Sampler,
-) -> wgpu::BindGroup {
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("lens"),
-        layout,
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(plate) },
-            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(linear) },
-        ],
-    })
 }
 
 /// All plates, for their mean.
 fn bind_mean(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    sheet: &wgpu::Buffer,
+    counted: &wgpu::Buffer,
     plates: &wgpu::Texture,
 ) -> wgpu::BindGroup {
     let layers = plates.create_view(&wgpu::TextureViewDescriptor {
@@ -318,7 +243,7 @@ fn bind_mean(
         label: Some("plates"),
         layout,
         entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: sheet.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 0, resource: counted.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&layers) },
         ],
     })

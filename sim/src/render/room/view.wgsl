@@ -50,12 +50,9 @@ const NEAR_M: f32 = 0.02;
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> counted: View;
 
-// Brown and Conrady's row of a point of the plane at depth 1.
+// Row of a point of the plane at depth 1.
 fn sensor_row(at: vec2<f32>) -> f32 {
-    let square = dot(at, at);
-    let radial = 1.0 + square * (view.distortion.x + square * (view.distortion.y + square * view.distortion_k3));
-    let tangential = view.distortion.z * (square + 2.0 * at.y * at.y) + 2.0 * view.distortion.w * at.x * at.y;
-    return view.sensor_focal_px * (at.y * radial + tangential) + view.sensor_centre_px;
+    return view.sensor_focal_px * slope_on_sensor(at, view.distortion, view.distortion_k3) + view.sensor_centre_px;
 }
 
 // A place in the camera's frame `time` seconds after the middle row: R(turn·time)ᵀ·(p − drift·time), by Rodrigues' formula.

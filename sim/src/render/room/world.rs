@@ -1,6 +1,6 @@
 //! A building on the device: faces, lamps, light maps, once per scene and seed.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
 
 use super::{
     edges::{self, Edges},
@@ -66,17 +66,17 @@ impl RoomWorld {
         let stored = [0, 1].map(|band| Stored::new(graphics, &building, &lighting, &map, band));
         let bindings = [0, 1].map(|band| stored[band].bind(graphics, pipelines, &light_maps[band]));
         RoomWorld {
-            nodes: buffer(graphics, "nodes", wgpu::BufferUsages::VERTEX, &nodes),
+            nodes: graphics.buffer("nodes", wgpu::BufferUsages::VERTEX, &nodes),
             cells,
             first_bulb: lighting.sources.iter().filter(|source| source.shape.normal().is_some()).count() as u32,
             lamp_count: lighting.sources.len() as u32,
             mirrored_count: building.n_large_panels as u32,
             disc_count: discs[0].len() as u32,
-            edges: edges.each_ref().map(|(edges, _)| buffer(graphics, "edges", wgpu::BufferUsages::VERTEX, edges)),
+            edges: edges.each_ref().map(|(edges, _)| graphics.buffer("edges", wgpu::BufferUsages::VERTEX, edges)),
             edge_lists: edges.map(|(_, list)| list),
             stored,
             bindings,
-            discs: discs.map(|discs| buffer(graphics, "discs", wgpu::BufferUsages::VERTEX, &discs)),
+            discs: discs.map(|discs| graphics.buffer("discs", wgpu::BufferUsages::VERTEX, &discs)),
             people: People::none(graphics),
             building,
             lighting,
@@ -124,8 +124,8 @@ impl RoomWorld {
 
 impl Stored {
     fn new(graphics: &Graphics, building: &Building, lighting: &Lighting, map: &LightMap, band: usize) -> Stored {
-        let storage = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::STORAGE, bytes);
-        let uniform = |label, bytes: &[u8]| buffer(graphics, label, wgpu::BufferUsages::UNIFORM, bytes);
+        let storage = |label, bytes: &[u8]| graphics.buffer(label, wgpu::BufferUsages::STORAGE, bytes);
+        let uniform = |label, bytes: &[u8]| graphics.buffer(label, wgpu::BufferUsages::UNIFORM, bytes);
         let (grid, albedo) = faces::grid(building);
         let mut lamps = faces::lamps(building, lighting, band);
         lamps.resize(MAX_LAMPS, Zeroable::zeroed());
@@ -179,22 +179,4 @@ pub(super) fn write_light(graphics: &Graphics, texture: &wgpu::Texture, nodes: &
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * texture.width()), rows_per_image: None },
         texture.size(),
     );
-}
-
-/// A buffer that holds `content`, or a few bytes where there is none.
-pub(super) fn buffer<T: Pod>(
-    graphics: &Graphics,
-    label: &str,
-    usage: wgpu::BufferUsages,
-    content: &[T],
-) -> wgpu::Buffer {
-    let bytes: &[u8] = bytemuck::cast_slice(content);
-    let buffer = graphics.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size: (bytes.len() as u64).next_multiple_of(4).max(256),
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    graphics.queue.write_buffer(&buffer, 0, bytes);
-    buffer
 }

@@ -177,7 +177,11 @@ fn lenses(scene: &Scene, found: &mut Vec<Contradiction>) {
         let lens = Lens { focal_px: camera.focal_px, principal_point_px: camera.principal_point_px, ..ideal };
         ("robot.ceiling_camera", lens, &camera.lens)
     });
-    for (key, lens, LensKeys { distortion, .. }) in forward.into_iter().chain(ceiling) {
+    let floor = robot.floor_camera.as_ref().map(|camera| {
+        let focal_px = f64::from(camera.width_px) / camera.footprint_width_m * camera.height_m;
+        ("robot.floor_camera", Lens::ideal([camera.width_px, camera.height_px], focal_px), &camera.lens)
+    });
+    for (key, lens, LensKeys { distortion, .. }) in floor.into_iter().chain(forward).chain(ceiling) {
         let lens = Lens { distortion: *distortion, ..lens };
         let [width, height] = lens.size_px.map(|size| f64::from(size) - 1.0);
         let places = [0.0, 0.25, 0.5, 0.75, 1.0];

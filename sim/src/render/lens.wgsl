@@ -1,14 +1,10 @@
 // From the plate to the sensor: each pixel looks up where the lens takes its light from. Follows photons.wgsl.
 
 struct Sheet {
-    // Focal lengths and principal point of the plate.
+    // Focal lengths, principal point and size of the plate.
     focal_px: vec2<f32>,
     centre_px: vec2<f32>,
-    // One over the plate's size.
-    per_size: vec2<f32>,
-    // Sub-frames, and the share of one in the exposure.
-    n_plates: u32,
-    share: f32,
+    size_px: vec2<f32>,
     defocus_radius_px: f32,
     padding: f32,
 }
@@ -16,11 +12,18 @@ struct Sheet {
 override BENT: bool = false;
 override DEFOCUSED: bool = false;
 override VIGNETTING: bool = false;
+// Whether what lamps give is laid over the plate.
+override LAMPLIT: bool = false;
+
+// Places along each side of the lamplight, as in cut.rs.
+const LAMPLIGHT_PX: f32 = 65.0;
 
 @group(1) @binding(0) var<uniform> sheet: Sheet;
 // Mean over the sub-frames.
 @group(1) @binding(1) var plate: texture_2d<f32>;
 @group(1) @binding(2) var between: sampler;
+// A factor, from the plate's first pixel to its last.
+@group(1) @binding(3) var lamplight: texture_2d<f32>;
 
 // A rectangle of the sensor whose places on the plate are a pixel's own number and a polynomial, as in map.rs.
 struct Cell {
@@ -50,6 +53,8 @@ struct Picture {
     @location(10) @interpolate(flat) axis: vec4<f32>,
     // One over the plate's size, and the radius of defocus.
     @location(11) @interpolate(flat) plate: vec3<f32>,
+    // From the plate's first pixel to its last.
+    @location(12) @interpolate(flat) last: vec2<f32>,
 }
 
 @vertex
@@ -70,7 +75,8 @@ fn picture_corner(@builtin(vertex_index) index: u32, cell: Cell) -> Picture {
         cell.uvv_vvv,
         0.5 * (cell.bounds.xy + cell.bounds.zw - 1.0),
         vec4(sheet.centre_px, 1.0 / sheet.focal_px),
-        vec3(sheet.per_size, sheet.defocus_radius_px),
+        vec3(1.0 / sheet.size_px, sheet.defocus_radius_px),
+        max(sheet.size_px - 1.0, vec2(1.0)),
     );
 }
 
@@ -134,6 +140,10 @@ fn read_out(picture: Picture) -> @location(0) u32 {
     } else {
         // The plate is the picture.
         luminance = textureLoad(plate, pixel, 0).x;
+    }
+    if (LAMPLIT) {
+        let at = (place / picture.last * (LAMPLIGHT_PX - 1.0) + 0.5) / LAMPLIGHT_PX;
+        luminance *= textureSampleLevel(lamplight, between, at, 0.0).x;
     }
     if (VIGNETTING) {
         // cos⁴ of the angle off the axis; its tangent is the distance on the plate over the focal length.

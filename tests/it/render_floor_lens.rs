@@ -1,0 +1,259 @@
+//! The floor camera's lens and shutter against formulas written out here.
+
+use image::GrayImage;
+use nalgebra::{Isometry3, Translation3};
+use sim::{render::View, sensors::camera::world_from_floor_camera, truth::Truth};
+
+use crate::{
+    render_projection::{dark_centroid, marks},
+    render_studio::{Studio, standing},
+};
+
+/// Brown and Conrady's k1, k2, p1, p2, k3 of a cheap wide lens: corners come 30 px nearer.
+const BENT: [f64; 5] = [-0.16, 0.03, 0.001, -0.0006, 0.0];
+
+/// OpenCV's model: where a lens shows what a pinhole of the same focal length shows at a pixel.
+fn distorted(pinhole_px: [f64; 2], focal_px: f64, [k1, k2, p1, p2, k3]: [f64; 5]) -> [f64; 2] {
+    let (x, y) = ((pinhole_px[0] - 319.5) / focal_px, (pinhole_px[1] - 239.5) / focal_px);
+    let r = x.hypot(y);
+    let factor = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
+    let xd = x * factor + 2.0 * p1 * x * y + p2 * (r.powi(2) + 2.0 * x.powi(2));
+    let yd = y * factor + p1 * (r.powi(2) + 2.0 * y.powi(2)) + 2.0 * p2 * x * y;
+    [319.5 + focal_px * xd, 239.5 + focal_px * yd]
+}
+
+/// Places under the camera of a robot in the middle of a room of 4 m, and the marks there.
+fn marked_places() -> Vec<[f64; 2]> {
+    let offsets = [[0.0, 0.0], [0.12, 0.13], [-0.13, 0.17], [0.11, -0.16], [-0.12, -0.13], [0.02, 0.19]];
+    offsets.iter().map(|[forward, left]| [2.0 - 0.15 + forward, 2.0 + left]).collect()
+}
+
+/// Centroid on the image of a mark of 13 mm, by an image of its points: each counts by the area that it takes there.
+fn mark_centroid([x, y]: [f64; 2], image_of: &dyn Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
+    const STEP_M: f64 = 0.013 / 8.0;
+    let mut sums = [0.0; 3];
+    for (i, j) in (0..8).flat_map(|i| (0..8).map(move |j| (i, j))) {
+        let [dx, dy] = [i, j].map(|index| (f64::from(index) - 3.5) * STEP_M);
+        let corner = |sx: f64, sy: f64| image_of([x + dx + sx * STEP_M / 2.0, y + dy + sy * STEP_M / 2.0]);
+        let diagonals = [(corner(-1.0, -1.0), corner(1.0, 1.0)), (corner(-1.0, 1.0), corner(1.0, -1.0))];
+        let [a, b] = diagonals.map(|(from, to)| [to[0] - from[0], to[1] - from[1]]);
+        let area = (a[0] * b[1] - a[1] * b[0]).abs() / 2.0;
+        let [u, v] = image_of([x + dx, y + dy]);
+        sums = [sums[0] + area, sums[1] + area * u, sums[2] + area * v];
+    }
+    [sums[1] / sums[0], sums[2] / sums[0]]
+}
+
+fn level(image: &GrayImage, u: u32, v: u32) -> f64 {
+    f64::from(image.get_pixel(u, v).0[0])
+}
+
+#[test]
+fn a_bent_lens_shows_floor_points_where_brown_and_conrady_put_them() {
+    let places = marked_places();
+    let studio = Studio::new(4.0, &marks(&places));
+    let truth = standing(2.0, 2.0, 0.0);
+    let mut view = studio.quiet_view(&[truth]);
+    view.lens.distortion = BENT;
+    let image = studio.draw(view);
+    for place in places {
+        let pinhole = studio.project(&truth, place);
+        let image_of = |place| distorted(studio.project(&truth, place), studio.mount.focal_px, BENT);
+        let expected = mark_centroid(place, &image_of);
+        let seen = dark_centroid(&image, expected);
+        let error_px = f64::hypot(seen[0] - expected[0], seen[1] - expected[1]);
+        assert!(error_px < 0.05, "{place:?}: {seen:?}, expected {expected:?}, without the lens {pinhole:?}");
+    }
+}
+
+#[test]
+fn what_a_bent_lens_bends_is_what_the_scene_declares() {
+    let studio = Studio::new(
+        4.0,
+        "[robot.floor_camera]\nscale_tolerance = 0.0\nlens.distortion = [-0.16, 0.03, 0.001, -0.0006, 0.0]\n\
+         lens.vignetting = true\nlens.defocus_px = 3.0\nlens.row_time_s = 20e-6\n",
+    );
+    let lens = sim::sensors::lens::Lens::floor(
+        studio.scene.robot.floor_camera.as_ref().unwrap(),
+        &studio.drawn.floor_camera.unwrap(),
+    );
+    assert_eq!((lens.distortion, lens.vignetting), (BENT, true));
+    assert_eq!((lens.defocus_px, lens.row_time_s), (3.0, 20e-6));
+}
+
+#[test]
+fn the_floor_falls_off_by_the_fourth_power_of_the_cosine() {
+    // One tile without pattern fills the view.
+    let tile = "[floor.tiles]\nedge_x_m = 5.0\nedge_y_m = 5.0\nphase_x_m = 0.0\nphase_y_m = 0.0\npattern = \"plain\"\n";
+    let studio = Studio::new(5.0, tile);
+    let mut view = studio.quiet_view(&[standing(2.5, 2.5, 0.0)]);
+    view.lens.vignetting = true;
+    let image = studio.draw(view);
+    let mean = |u0: u32, v0: u32| {
+        let block = (v0 - 4..v0 + 4).flat_map(|v| (u0 - 4..u0 + 4).map(move |u| (u, v)));
+        block.map(|(u, v)| level(&image, u, v)).sum::<f64>() / 64.0
+    };
+    let middle = mean(320, 240);
+    for (u, v) in [(600, 240), (320, 440), (40, 40), (560, 420)] {
+        // The block's middle is half a pixel before its corner.
+        let tangent = f64::hypot(f64::from(u) - 0.5 - 319.5, f64::from(v) - 0.5 - 239.5) / studio.mount.focal_px;
+        let expected = tangent.atan().cos().powi(4);
+        let seen = mean(u, v) / middle;
+        assert!((seen / expected - 1.0).abs() < 0.01, "({u}, {v}): {seen}, expected {expected}");
+    }
+}
+
+#[test]
+fn a_shadow_on_the_floor_bends_with_the_lens_and_leans_with_the_shutter() {
+    // A bulb at 2 m and a board of 1 m across the room before it: light begins 2.42 m from the bulb's foot.
+    let lit = "[building]\nwall_albedo = 0.0\nceiling_albedo = 0.0\n[light]\n[[lamp]]\nkind = \"point\"\nx_m = 1.2\ny_m = 2.0\nheight_m = 2.0\nlumens = 2000\n\
+               [[furniture]]\nname = \"board\"\nx_m = 2.4\ny_m = 2.0\nsize_m = [0.02, 3.0]\nheight_m = 1.0\n";
+    let studio = Studio::new(4.0, lit);
+    // Over the floor at x = 3.47 image up is world x, and the shadow ends 0.15 m further on.
+    let still = || studio.quiet_view(&[standing(3.62, 2.0, 0.0)]);
+    let column = |mut view: View| {
+        view.illuminance_at_floor_lux = 60.0 / view.exposure_s;
+        view.gain_levels_per_electron *= 4.0;
+        let image = studio.draw(view);
+        (0..480).map(|v| (300..340).map(|u| level(&image, u, v)).sum::<f64>() / 40.0).collect::<Vec<f64>>()
+    };
+    let mut bent = still();
+    bent.lens.distortion = BENT;
+    let mut rolling = still();
+    (rolling.exposure_s, rolling.lens.row_time_s) = (EXPOSURE_S, ROW_TIME_S);
+    let speed_m_per_s = 0.8;
+    let ahead_m = [-0.5, 0.5].map(|share| share * (EXPOSURE_S + 479.0 * ROW_TIME_S) * speed_m_per_s);
+    let pose = still().world_from_camera[0];
+    rolling.world_from_camera = ahead_m.map(|ahead_m| Translation3::new(ahead_m, 0.0, 0.0) * pose).to_vec();
+
+    let straight = column(still());
+    let (least, most) = straight.iter().fold((f64::MAX, 0.0_f64), |(low, high), at| (low.min(*at), high.max(*at)));
+    let half = (least + most) / 2.0;
+    let crossing = |levels: &[f64]| {
+        let v = (1..480).rev().find(|v| levels[v - 1] > half && levels[*v] <= half).unwrap();
+        v as f64 - (half - levels[v]) / (levels[v - 1] - levels[v])
+    };
+    let (plain_px, bent_px, rolling_px) = (crossing(&straight), crossing(&column(bent)), crossing(&column(rolling)));
+    let expected_px = distorted([319.5, plain_px], studio.mount.focal_px, BENT)[1];
+    assert!((plain_px - expected_px).abs() > 2.0, "the edge at {plain_px} is too near to the axis");
+    assert!((bent_px - expected_px).abs() < 0.7, "{bent_px}, expected {expected_px}, without the lens {plain_px}");
+    // v = plain + speed·(v − 239.5)·row time·scale: 1333 px to the metre.
+    let per_row = speed_m_per_s * ROW_TIME_S * 640.0 / 0.48;
+    let expected_px = (plain_px - 239.5 * per_row) / (1.0 - per_row);
+    assert!((plain_px - expected_px).abs() > 4.0, "{expected_px}");
+    assert!((rolling_px - expected_px).abs() < 0.7, "{rolling_px}, expected {expected_px}, at rest {plain_px}");
+}
+
+#[test]
+fn defocus_spreads_a_tape_by_a_discs_variance() {
+    // A tape of 20 mm across the picture: 26.7 px wide, seen from straight above.
+    let tape = "[[floor.stray]]\nfrom_m = [1.0, 2.0]\nto_m = [3.0, 2.0]\nwidth_m = 0.02\nalbedo = 0.0\n";
+    let studio = Studio::new(4.0, tape);
+    let variance = |defocus_px: f64| {
+        let mut view = studio.quiet_view(&[standing(2.0, 2.0, 0.0)]);
+        view.lens.defocus_px = defocus_px;
+        let image = studio.draw(view);
+        // Mean over rows, to be rid of noise; the tape runs down the picture's middle.
+        let column = |u: u32| (100..380).map(|v| level(&image, u, v)).sum::<f64>() / 280.0;
+        let open = column(250);
+        let dark: Vec<(f64, f64)> = (280..360).map(|u| (f64::from(u) - 319.5, (open - column(u)) / open)).collect();
+        let sum: f64 = dark.iter().map(|(_, dark)| dark).sum();
+        dark.iter().map(|(at, dark)| dark * at * at).sum::<f64>() / sum
+    };
+    let sharp = variance(0.0);
+    assert!((sharp - (26.667_f64.powi(2) + 1.0) / 12.0).abs() < 0.3, "{sharp}");
+    for diameter_px in [6.0, 12.0] {
+        // A disc of radius r has the variance r²/4 along an axis; interpolation adds up to a quarter of a square pixel.
+        let (added, expected) = (variance(diameter_px) - sharp, (diameter_px / 2.0_f64).powi(2) / 4.0);
+        assert!((-0.1..0.3).contains(&(added - expected)), "{diameter_px} px: {added}, expected {expected}");
+    }
+}
+
+/// How a robot drives and turns while a rolling shutter reads out.
+struct Drive {
+    speed_m_per_s: f64,
+    turn_rad_per_s: f64,
+}
+
+impl Drive {
+    /// On its circle, in the middle of the room at time 0.
+    fn at(&self, time_s: f64) -> Truth {
+        let turned = self.turn_rad_per_s * time_s;
+        let radius_m = self.speed_m_per_s / self.turn_rad_per_s;
+        standing(2.0 + radius_m * turned.sin(), 2.0 + radius_m * (1.0 - turned.cos()), turned)
+    }
+
+    /// Five poses from `-total_s/2` to `total_s/2`, as the cameras give them.
+    fn poses(&self, studio: &Studio, total_s: f64) -> Vec<Isometry3<f64>> {
+        let at = |step: i32| self.at(total_s * (f64::from(step) / 4.0 - 0.5));
+        (0..=4).map(|step| world_from_floor_camera(&at(step), &studio.mount)).collect()
+    }
+}
+
+const DRIVE: Drive = Drive { speed_m_per_s: 0.6, turn_rad_per_s: 1.5 };
+const ROW_TIME_S: f64 = 40e-6;
+const EXPOSURE_S: f64 = 0.0004;
+
+/// Read out row by row while the robot drives; the exposure is short.
+fn rolling(studio: &Studio, distortion: [f64; 5]) -> View {
+    let mut view = studio.quiet_view(&[standing(2.0, 2.0, 0.0)]);
+    let longer = view.exposure_s / EXPOSURE_S;
+    view.exposure_s = EXPOSURE_S;
+    // Light and gain in place of time, so that noise stays low.
+    view.illuminance_at_floor_lux *= longer;
+    view.lens.row_time_s = ROW_TIME_S;
+    view.lens.distortion = distortion;
+    view.world_from_camera = DRIVE.poses(studio, EXPOSURE_S + 479.0 * ROW_TIME_S);
+    view
+}
+
+#[test]
+fn a_rolling_shutter_skews_the_floor_by_each_rows_time() {
+    let places = marked_places();
+    let studio = Studio::new(4.0, &marks(&places));
+    let mut most_px: f64 = 0.0;
+    for distortion in [[0.0; 5], BENT] {
+        let image = studio.draw(rolling(&studio, distortion));
+        let image_at =
+            |place, time_s| distorted(studio.project(&DRIVE.at(time_s), place), studio.mount.focal_px, distortion);
+        for place in &places {
+            // The time decides the row, and the row the time.
+            let on_its_row = |place: [f64; 2]| {
+                let first = image_at(place, 0.0);
+                (0..20).fold(first, |seen, _| image_at(place, (seen[1] - 239.5) * ROW_TIME_S))
+            };
+            let expected = mark_centroid(*place, &on_its_row);
+            let seen = dark_centroid(&image, expected);
+            let error_px = f64::hypot(seen[0] - expected[0], seen[1] - expected[1]);
+            assert!(error_px < 0.1, "{place:?}: {seen:?}, expected {expected:?}");
+            let unskewed = image_at(*place, 0.0);
+            most_px = most_px.max(f64::hypot(seen[0] - unskewed[0], seen[1] - unskewed[1]));
+        }
+    }
+    // What is measured is not small.
+    assert!(most_px > 4.0, "{most_px}");
+}
+
+#[test]
+fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() {
+    // Marble, tiles of very different albedo, joints, a wire and a carpet's edge: every kind of thing that a floor has.
+    let floor = "[floor.tiles]\nedge_x_m = 0.2\nedge_y_m = 0.15\npattern = \"marble\"\ntile_albedo_spread = 0.3\n\
+                 [[floor.stray]]\nfrom_m = [1.7, 1.8]\nto_m = [2.0, 2.1]\nwidth_m = 0.008\nalbedo = 0.05\n\
+                 [[floor.region]]\nname = \"rug\"\nx_m = [1.0, 1.78]\ny_m = [1.0, 3.0]\nfriction = 0.7\ncovering = \"carpet\"\n";
+    let studio = Studio::new(4.0, floor);
+    let whole = studio.draw(rolling(&studio, BENT));
+    for v in [3_u32, 60, 150, 239, 300, 400, 476] {
+        let middle_s = (f64::from(v) - 239.5) * ROW_TIME_S;
+        let mut view = rolling(&studio, BENT);
+        view.lens.row_time_s = 0.0;
+        let at = |share: f64| world_from_floor_camera(&DRIVE.at(middle_s + share * EXPOSURE_S), &studio.mount);
+        view.world_from_camera = [-0.5, -0.25, 0.0, 0.25, 0.5].map(at).to_vec();
+        let row = studio.draw(view);
+        let difference = |u: u32| (level(&whole, u, v) - level(&row, u, v)).abs();
+        let mut differences: Vec<f64> = (0..640).map(difference).collect();
+        differences.sort_by(f64::total_cmp);
+        // Levels run up to 150, and both pictures carry the same noise.
+        let mean = differences.iter().sum::<f64>() / 640.0;
+        assert!(mean < 0.5 && differences[633] < 3.0, "row {v}: mean {mean}, 99 % within {}", differences[633]);
+    }
+}
