@@ -10,10 +10,10 @@ use localizer::{
     reading::Camera,
     vision::forward::{self, Picture, stabilise},
 };
-use nalgebra::{Isometry3, Translation3};
+use nalgebra::{UnitQuaternion, Vector3};
 use sim::{
     drawn::Drawn,
-    render::{Renderer, Shows, View},
+    render::{Renderer, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
     still::{take, views_at},
@@ -153,11 +153,13 @@ fn views() {
     let pose = Pose { x_m: 0.8, y_m: 0.9, heading_rad: 0.5 };
     let lux = world.illuminance_at_floor_lux().unwrap();
     let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &Camera::ALL, 0);
-    // Moved so far during the exposure that the room's views take four sub-frames, at 1 m: 6 px at 417 and at 755 px.
+    // Turned so far about the image's u axis during the exposure that its corners move by 5.9 px, which the room's views draw as four sub-frames.
     let moved = |view: &View| {
-        let way_m = if view.lens.focal_px[0] < 500.0 && view.shows == Shows::Room { 0.0135 } else { 0.0073 };
-        let end = Isometry3::from(Translation3::new(way_m, 0.0, 0.0)) * view.world_from_camera[0];
-        View { world_from_camera: vec![view.world_from_camera[0], end], ..view.clone() }
+        let (lens, start) = (&view.lens, view.world_from_camera[0]);
+        let [x, y] = [0, 1].map(|axis| 0.5 * f64::from(lens.size_px[axis]) / lens.focal_px[axis]);
+        let turn_rad = 5.9 / (lens.focal_px[1] * (x * y).hypot(1.0 + y * y));
+        let end = start * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), turn_rad);
+        View { world_from_camera: vec![start, end], ..view.clone() }
     };
     let moving: Vec<View> = still.iter().map(moved).collect();
     for (what, views, aim) in [

@@ -211,21 +211,26 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
 fn blur_is_as_long_as_the_way_on_the_image() {
     let scene = dots(&[[2.0, 1.5]], 0.005);
     let lens = ring(Lens::ideal([256, 192], 560.0));
-    // At the depth for which sub-frames are counted, so that 4 px are three of them.
-    let depth_m = DOT_HEIGHT_M - 1.6;
-    let variance = |blur_px: f64| {
-        let way_m = blur_px / 560.0 * depth_m;
-        let poses = (0..=4)
-            .map(|index| looking_up(2.0 + (f64::from(index) / 4.0 - 0.5) * way_m, 1.5, 1.6, Vector3::zeros()))
-            .collect();
-        let image = draw(&scene, quiet_view(lens.clone(), poses, 0.07));
-        spot(&image, [127.5, 95.5], 24).1
-    };
-    let still = variance(0.0);
-    for blur_px in [4.0, 9.0, 20.0] {
-        // A steady motion adds a box of this length, whose variance is b²/12.
-        let measured_px = (12.0 * (variance(blur_px) - still)).sqrt();
-        assert!((measured_px / blur_px - 1.0).abs() < 0.02, "{measured_px} px, expected {blur_px}");
+    // A metre away, and so near that the same blur is a quarter of the way: sub-frames are counted by what is seen.
+    for height_m in [1.6, 2.25] {
+        let depth_m = DOT_HEIGHT_M - height_m;
+        let variance = |blur_px: f64| {
+            let way_m = blur_px / 560.0 * depth_m;
+            let poses = (0..=4)
+                .map(|index| looking_up(2.0 + (f64::from(index) / 4.0 - 0.5) * way_m, 1.5, height_m, Vector3::zeros()))
+                .collect();
+            let image = draw(&scene, quiet_view(lens.clone(), poses, 0.07 * depth_m.powi(2)));
+            spot(&image, [127.5, 95.5], 60).1
+        };
+        let still = variance(0.0);
+        for blur_px in [4.0, 9.0, 20.0, 70.0] {
+            // A steady motion adds a box of this length, whose variance is b²/12.
+            let measured_px = (12.0 * (variance(blur_px) - still)).sqrt();
+            assert!(
+                (measured_px / blur_px - 1.0).abs() < 0.02,
+                "{measured_px} px, expected {blur_px}, {depth_m} m away"
+            );
+        }
     }
 }
 

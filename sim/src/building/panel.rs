@@ -129,6 +129,18 @@ impl Panel {
         [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[s, t]| self.place(s, t))
     }
 
+    /// How far along a ray, in its own lengths, it is met from the side from which it is seen; `None` if it is not.
+    pub fn seen_along(&self, from: Point3<f64>, ray: Vector3<f64>) -> Option<f64> {
+        let normal = self.along.cross(&self.up);
+        let (height, fall) = (normal.dot(&(from - self.corner)), -normal.dot(&ray));
+        if height <= 0.0 || fall <= 0.0 {
+            return None;
+        }
+        let hit = from + ray * (height / fall) - self.corner;
+        let within = |side: Vector3<f64>| (0.0..=side.norm_squared()).contains(&hit.dot(&side));
+        (within(self.along) && within(self.up)).then_some(height / fall)
+    }
+
     /// Whether the straight way between two places goes through it, from either side.
     pub fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         let normal = self.along.cross(&self.up);

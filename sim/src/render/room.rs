@@ -75,7 +75,8 @@ impl RoomPass {
     ) -> Result<(), RenderError> {
         let lens = &seen_by.lens;
         let slot = slot.get_or_insert_with(|| RoomSlot::new(graphics, &self.pipelines, layout, seen_by));
-        let frames = sub_frames(lens, &view.world_from_camera, view.exposure_s, &world.people.placed)
+        let things = (world.building.panels.as_slice(), world.people.placed.as_slice());
+        let frames = sub_frames(lens, &view.world_from_camera, view.exposure_s, things)
             .ok_or(RenderError::BadView("it has no camera pose"))?;
         let turned_up = view.illuminance_at_floor_lux / world.mean_at_floor_lux().max(1e-12);
         slot.reserve(graphics, &self.pipelines, (layout, seen_by), frames.len());

@@ -2,14 +2,21 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::{building::UprightBody, sensors::lens::Lens};
+use crate::{
+    building::{Panel, UprightBody},
+    sensors::lens::Lens,
+};
 
 /// Blur that is drawn as one sub-frame: below the width of the pixel's own filter and the bilinear one together.
 const BLUR_PER_SUB_FRAME_PX: f64 = 1.5;
 /// Sub-frames at most; a longer blur shows as so many images.
-pub(super) const MAX_SUB_FRAMES: usize = 24;
-/// Things are taken to be this far when the length of blur is estimated: nearer than most.
-const TYPICAL_DEPTH_M: f64 = 1.0;
+pub(super) const MAX_SUB_FRAMES: usize = 64;
+/// Places along each side of the image at which the length of blur is told by what is seen there.
+const PLACES_PER_SIDE: u32 = 7;
+/// Where nothing is seen, it is taken to be this far.
+const FARTHEST_M: f64 = 100.0;
+/// Nothing comes nearer to a lens.
+const NEAREST_M: f64 = 0.05;
 
 /// One of the instants that stand for an exposure.
 #[derive(Clone, Debug)]
@@ -31,14 +38,14 @@ pub(super) fn sub_frames(
     lens: &Lens,
     poses: &[Isometry3<f64>],
     exposure_s: f64,
-    bodies: &[UprightBody],
+    (panels, bodies): (&[Panel], &[UprightBody]),
 ) -> Option<Vec<SubFrame>> {
     let readout_s = lens.readout_s();
     let total_s = exposure_s + readout_s;
     let at = |time_s: f64| interpolated(poses, if total_s > 0.0 { time_s / total_s } else { 0.5 });
     let (start, end) = (at(0.5 * readout_s)?, at(0.5 * readout_s + exposure_s)?);
-    let longest_px = bodies.iter().map(|body| body_blur_px(lens, &start, body, exposure_s)).fold(0.0, f64::max);
-    let longest_px = longest_px.max(blur_px(lens, &start, &end));
+    let of_bodies = bodies.iter().map(|body| body_blur_px(lens, [&start, &end], body, exposure_s)).fold(0.0, f64::max);
+    let longest_px = of_bodies.max(blur_px(lens, [&start, &end], panels));
     let count = ((longest_px / BLUR_PER_SUB_FRAME_PX).ceil() as usize).clamp(1, MAX_SUB_FRAMES);
     let spread = if count > 1 { 1.0 / (1.0 - 1.0 / (count * count) as f64).sqrt() } else { 1.0 };
     (0..count)
@@ -58,34 +65,51 @@ pub(super) fn sub_frames(
         .collect()
 }
 
-/// The longest way that a typical thing at rest moves over the image, at its corners and its middle.
-fn blur_px(lens: &Lens, start: &Isometry3<f64>, end: &Isometry3<f64>) -> f64 {
-    let [width, height] = lens.size_px.map(|size| f64::from(size - 1));
-    let pixels = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height], [width / 2.0, height / 2.0]];
+/// The longest way over the image of what stands still, by what some places spread over the image show first.
+fn blur_px(lens: &Lens, [start, end]: [&Isometry3<f64>; 2], panels: &[Panel]) -> f64 {
+    if start == end {
+        return 0.0;
+    }
+    let last = PLACES_PER_SIDE - 1;
+    let along = |index: u32, axis: usize| f64::from(index) / f64::from(last) * f64::from(lens.size_px[axis] - 1);
+    let eye = Point3::from(start.translation.vector);
     let moved_px = |pixel: [f64; 2]| {
         let [x, y] = lens.ray(pixel)?;
-        let thing = start * Point3::new(x * TYPICAL_DEPTH_M, y * TYPICAL_DEPTH_M, TYPICAL_DEPTH_M);
-        let moved = end.inverse_transform_point(&thing);
-        let seen = lens.pixel([moved.x / moved.z, moved.y / moved.z]);
-        (moved.z > 0.0).then(|| (seen[0] - pixel[0]).hypot(seen[1] - pixel[1]))
+        let ray = start.rotation * Vector3::new(x, y, 1.0);
+        let depths_m = panels.iter().filter_map(|panel| panel.seen_along(eye, ray));
+        let depth_m = depths_m.filter(|depth_m| *depth_m > NEAREST_M).fold(FARTHEST_M, f64::min);
+        way_px(lens, [start, end], [eye + ray * depth_m; 2])
     };
-    pixels.into_iter().filter_map(moved_px).fold(0.0, f64::max)
+    let pixels = (0..=last).flat_map(|j| (0..=last).map(move |i| (i, j))).map(|(i, j)| [along(i, 0), along(j, 1)]);
+    pixels.filter_map(moved_px).fold(0.0, f64::max)
 }
 
-/// The way that a walking person moves over the image; nothing for one who is not in view.
-fn body_blur_px(lens: &Lens, world_from_camera: &Isometry3<f64>, body: &UprightBody, exposure_s: f64) -> f64 {
+/// The way that a person moves over the image, as walking and as passed by; nothing for one who is not in view.
+fn body_blur_px(lens: &Lens, camera: [&Isometry3<f64>; 2], body: &UprightBody, exposure_s: f64) -> f64 {
     let [x, y] = body.velocity_m_per_s;
-    let way = world_from_camera.rotation.inverse() * Vector3::new(x, y, 0.0) * exposure_s;
+    let walked = Vector3::new(x, y, 0.0) * exposure_s;
     let [width, height] = lens.size_px.map(f64::from);
     let of_height = |share: f64| {
         let place = Point3::new(body.middle_m[0], body.middle_m[1], share * body.height_m);
-        let seen = world_from_camera.inverse_transform_point(&place);
+        let seen = camera[1].inverse_transform_point(&place);
         let [u, v] = lens.pixel([seen.x / seen.z, seen.y / seen.z]);
         let in_view =
             seen.z > body.radius_m && (-width..2.0 * width).contains(&u) && (-height..2.0 * height).contains(&v);
-        in_view.then(|| way.norm() * lens.focal_px[0] / seen.z)
+        // Its near side passes faster than its middle.
+        let nearer = seen.z / (seen.z - body.radius_m).max(NEAREST_M);
+        in_view.then(|| way_px(lens, camera, [place - walked, place]))?.map(|way_px| way_px * nearer)
     };
     [0.1, 0.5, 0.9].into_iter().filter_map(of_height).fold(0.0, f64::max)
+}
+
+/// How far a place moves over the image, from where it and the camera are first to where they are last; `None` if it gets behind the camera.
+fn way_px(lens: &Lens, camera: [&Isometry3<f64>; 2], places: [Point3<f64>; 2]) -> Option<f64> {
+    let [first, last] = [0, 1].map(|instant: usize| {
+        let seen = camera[instant].inverse_transform_point(&places[instant]);
+        (seen.z > 0.0).then(|| lens.pixel([seen.x / seen.z, seen.y / seen.z]))
+    });
+    let ([u0, v0], [u1, v1]) = (first?, last?);
+    Some((u1 - u0).hypot(v1 - v0))
 }
 
 /// The pose at a share of the way through poses at equal steps.
