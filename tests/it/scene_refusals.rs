@@ -330,6 +330,43 @@ fn what_hangs_in_the_air_or_above_the_ceiling_is_refused() {
 }
 
 #[test]
+fn furniture_and_people_may_be_in_further_rooms_but_not_in_walls() {
+    // A room of 3 m by 3 m behind the wall at x = 3, and an open door of 0.9 m in it.
+    let rooms = "[[building.room]]\nx_m = 3.0\ny_m = 0.0\nwidth_m = 3.0\ndepth_m = 3.0\n\
+                 [[building.door]]\nfrom_m = [3.0, 0.5]\nto_m = [3.0, 1.4]\nopen = true\n";
+    let scene = |more: &str| blind_scene(10.0, &format!("{rooms}{more}"));
+    let fine = "[[furniture]]\nx_m = 5.0\ny_m = 2.5\nsize_m = [0.5, 0.5]\n\
+                [[person]]\nwaypoints_m = [[5.0, 0.95], [2.0, 0.95]]\n";
+    sim::scene::Scene::parse(&scene(fine), "rooms.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    let cases = [
+        (
+            "[[furniture]]\nx_m = 6.5\ny_m = 1.0\nsize_m = [0.5, 0.5]\n",
+            ["`furniture[0].x_m", "or a place in a further"],
+        ),
+        ("[[landmark]]\nx_m = 4.0\ny_m = 1.0\n", ["`landmark[0].x_m", "from 0 to 3"]),
+        (
+            "[[person]]\nwaypoints_m = [[5.0, 0.95], [7.0, 0.95]]\n",
+            ["`person[0].waypoints_m", "[7, 0.95] is in no room"],
+        ),
+        (
+            "[[person]]\nwaypoints_m = [[5.0, 2.9]]\n",
+            ["`person[0].waypoints_m", "[5, 2.9] is a place too near to a wall"],
+        ),
+        (
+            "[[person]]\nwaypoints_m = [[5.0, 0.6], [2.0, 0.6]]\n",
+            ["`person[0].waypoints_m", "comes too near to a wall"],
+        ),
+        (
+            "[[person]]\nwaypoints_m = [[5.0, 1.8], [2.0, 1.7]]\n",
+            ["`person[0].waypoints_m", "the way from [5, 1.8] to [2, 1.7]"],
+        ),
+    ];
+    for (index, (more, parts)) in cases.into_iter().enumerate() {
+        assert_refused(&format!("further_rooms_{index}"), scene(more), &parts);
+    }
+}
+
+#[test]
 fn things_in_impossible_places_are_refused() {
     let cases = [
         (

@@ -94,7 +94,7 @@ pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
 }
 
 /// Walls with their skirting.
-pub(super) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
+pub(crate) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     let mut panels = Vec::new();
     for (index, room) in rooms.iter().enumerate() {
         for side in room.sides() {

@@ -4,6 +4,7 @@ mod building;
 mod errands;
 mod markers;
 mod sensors;
+mod things;
 
 use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
 
@@ -16,7 +17,8 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     drive(scene, &mut found);
     robot_places(scene, &mut found);
     floor_places(scene, &mut found);
-    things(scene, &mut found);
+    things::contradictions(scene, &mut found);
+    methods(scene, &mut found);
     events(scene, &mut found);
     building::contradictions(scene, &mut found);
     errands::contradictions(scene, &mut found);
@@ -95,34 +97,8 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     }
 }
 
-/// Furniture, people and landmarks are inside the room.
-fn things(scene: &Scene, found: &mut Vec<Contradiction>) {
-    let room_m = [scene.room.width_m, scene.room.depth_m];
-    let mut place = |key: String, at_m: [f64; 2]| {
-        for (axis, name) in ["x_m", "y_m"].into_iter().enumerate() {
-            if !(0.0..=room_m[axis]).contains(&at_m[axis]) {
-                let expected = format!("outside the room, expected a number from 0 to {}", room_m[axis]);
-                found.push(Contradiction { key: format!("{key}.{name}"), expected });
-            }
-        }
-    };
-    for (index, furniture) in scene.furniture.iter().enumerate() {
-        place(format!("furniture[{index}]"), [furniture.x_m, furniture.y_m]);
-    }
-    for (index, landmark) in scene.landmarks.iter().enumerate() {
-        place(format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]);
-    }
-    for (index, person) in scene.people.iter().enumerate() {
-        for at_m in &person.waypoints_m {
-            if (0..2).any(|axis| !(person.radius_m..=room_m[axis] - person.radius_m).contains(&at_m[axis])) {
-                let expected = format!(
-                    "a place too near to a wall, expected {} m of distance, the person's radius",
-                    person.radius_m
-                );
-                found.push(Contradiction { key: format!("person[{index}].waypoints_m"), expected });
-            }
-        }
-    }
+/// Methods have what they read, and ranges a length.
+fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
     if scene.localizer.methods.contains(&MethodName::RangeLandmarks) && scene.robot.range_camera.is_none() {
         let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
         found.push(Contradiction { key: "localizer.methods".to_owned(), expected });

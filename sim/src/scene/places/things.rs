@@ -1,0 +1,87 @@
+//! Furniture, landmarks and people that stand nowhere or walk through walls.
+
+use nalgebra::{Point3, Vector2};
+
+use crate::{
+    building::{Enclosure, Panel, enclosures, wall_panels},
+    scene::{Person, Scene, parse::Contradiction},
+};
+
+/// Distances like 0.4 − 0.15 are not exact.
+const ROUNDING_M: f64 = 1e-9;
+
+/// Everything about what stands and walks in the building in which `scene` contradicts itself.
+pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let rooms = enclosures(scene);
+    for (index, furniture) in scene.furniture.iter().enumerate() {
+        found.extend(place_problem(&rooms, &format!("furniture[{index}]"), [furniture.x_m, furniture.y_m]));
+    }
+    // Only the robot's own room tells what it can see.
+    for (index, landmark) in scene.landmarks.iter().enumerate() {
+        found.extend(place_problem(&rooms[..1], &format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]));
+    }
+    let walls = wall_panels(scene, &rooms);
+    for (index, person) in scene.people.iter().enumerate() {
+        let expected = person_problem(&rooms, &walls, person);
+        found.extend(expected.map(|expected| Contradiction { key: format!("person[{index}].waypoints_m"), expected }));
+    }
+}
+
+fn place_problem(rooms: &[Enclosure], key: &str, at_m: [f64; 2]) -> Option<Contradiction> {
+    if is_in_one(rooms, at_m) {
+        return None;
+    }
+    let own = &rooms[0];
+    let extents_m = [own.width_m, own.depth_m];
+    // The coordinate that is to blame, if there is one.
+    let axis = (0..2).find(|axis| !(0.0..=extents_m[*axis]).contains(&at_m[*axis]))?;
+    let further = if rooms.len() > 1 { ", or a place in a further room" } else { "" };
+    let expected = format!("outside the room, expected a number from 0 to {}{further}", extents_m[axis]);
+    Some(Contradiction { key: format!("{key}.{}", ["x_m", "y_m"][axis]), expected })
+}
+
+fn is_in_one(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
+    rooms.iter().any(|room| room.contains(Point3::new(x_m, y_m, 0.0)))
+}
+
+/// What is wrong with where somebody walks: places in no room, or ways that come too near to a wall. Open doors leave holes in walls.
+fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Option<String> {
+    let ways_m = &person.waypoints_m;
+    if let Some([x_m, y_m]) = ways_m.iter().find(|at_m| !is_in_one(rooms, **at_m)) {
+        return Some(format!("[{x_m}, {y_m}] is in no room, expected places within one"));
+    }
+    let stands = walls.iter().filter(|wall| wall.corner.z < person.height_m).map(foot);
+    let feet: Vec<[Vector2<f64>; 2]> = stands.collect();
+    let is_near = |way: [[f64; 2]; 2]| {
+        let way = way.map(Vector2::from);
+        feet.iter().any(|foot| distance_m(way, *foot) < person.radius_m - ROUNDING_M)
+    };
+    let margin = format!("expected {} m of distance, the person's radius", person.radius_m);
+    if let Some([x_m, y_m]) = ways_m.iter().find(|at_m| is_near([**at_m; 2])) {
+        return Some(format!("[{x_m}, {y_m}] is a place too near to a wall, {margin}"));
+    }
+    let leg = ways_m.windows(2).find(|leg| is_near([leg[0], leg[1]]))?;
+    let [[x0_m, y0_m], [x1_m, y1_m]] = [leg[0], leg[1]];
+    Some(format!("the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] comes too near to a wall, {margin}"))
+}
+
+/// The line on the floor above which a wall stands.
+fn foot(wall: &Panel) -> [Vector2<f64>; 2] {
+    [wall.corner.coords.xy(), (wall.corner + wall.along).coords.xy()]
+}
+
+/// Least distance between two segments of the plane.
+fn distance_m(one: [Vector2<f64>; 2], other: [Vector2<f64>; 2]) -> f64 {
+    let side = |[from, to]: [Vector2<f64>; 2], at: Vector2<f64>| (to - from).perp(&(at - from));
+    let parts = |line: [Vector2<f64>; 2], ends: [Vector2<f64>; 2]| side(line, ends[0]) * side(line, ends[1]) < 0.0;
+    if parts(one, other) && parts(other, one) {
+        return 0.0;
+    }
+    let from_end = |at: Vector2<f64>, [from, to]: [Vector2<f64>; 2]| {
+        let along = to - from;
+        let share = (at - from).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        (at - from - along * share.clamp(0.0, 1.0)).norm()
+    };
+    let of_ends = [from_end(one[0], other), from_end(one[1], other), from_end(other[0], one), from_end(other[1], one)];
+    of_ends.into_iter().fold(f64::INFINITY, f64::min)
+}
