@@ -11,7 +11,7 @@ pub use body::{BodyMesh, BodyVertex, STRIDE_M, UprightBody, body_mesh};
 pub(crate) use coverings::covering_albedo;
 pub use panel::{Material, Panel, Part, Texture};
 pub use upright_box::UprightBox;
-pub use walls::Enclosure;
+pub use walls::{Enclosure, Opening};
 pub(crate) use walls::{Side, enclosures, wall_panels};
 
 use nalgebra::{Point3, Vector3, vector};
@@ -39,6 +39,8 @@ pub struct Building {
     pub tiles: Option<(Tiles, LaidTiles)>,
     /// Retro-reflective dots.
     pub dots: Vec<RetroDot>,
+    /// Holes between rooms.
+    pub openings: Vec<Opening>,
 }
 
 /// A round retro-reflective dot that faces down.
@@ -60,8 +62,10 @@ impl Building {
 
     /// The building of a scene with these boxes instead of the scene's furniture.
     pub fn furnished(scene: &Scene, drawn: &Drawn, boxes: Vec<UprightBox>) -> Building {
+        let rooms = walls::enclosures(scene);
         let mut building = Building {
-            rooms: walls::enclosures(scene),
+            openings: walls::openings(scene, &rooms),
+            rooms,
             panels: Vec::new(),
             n_large_panels: 0,
             boxes,

@@ -13,7 +13,7 @@ mod people;
 mod source;
 mod spectrum;
 
-pub use bounce::{Bounce, opposite_rectangles_view_factor};
+pub use bounce::{Bounce, RoomLight, opposite_rectangles_view_factor};
 pub use floor_field::FloorField;
 pub use lightmap::{LightMap, Patch, bake};
 pub use occlusion::Occluders;

@@ -235,6 +235,41 @@ fn light_bounces_as_in_an_integrating_sphere() {
 }
 
 #[test]
+fn light_that_bounces_goes_through_open_doors_and_none_is_lost() {
+    // Two rooms of 3 m by 3 m, the lamp in the first one; without the frames of its doors a room is floor, walls and ceiling.
+    let rooms = |hole: &str| {
+        let text = format!(
+            "[room]\nwidth_m = 3.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.7\nceiling_albedo = 0.8\n\
+             skirting_height_m = 0.0\n[start]\nx_m = 1.3\ny_m = 1.3\n[[route.waypoint]]\nx_m = 1.3\ny_m = 1.3\n\
+             [[lamp]]\nkind = \"panel\"\nx_m = 1.5\ny_m = 1.5\nlumens = 1000\nspectrum = \"monochrome\"\n\
+             [[building.room]]\nx_m = 3.0\ny_m = 0.0\nwidth_m = 3.0\ndepth_m = 3.0\n{hole}"
+        );
+        baked(&Scene::parse(&text, "two.toml").unwrap_or_else(|error| panic!("failed to {error}")), &[])
+    };
+    // What all surfaces of a room take, by what falls on them and what they do not throw back.
+    let taken_lm = |(building, _, map): &(Building, Lighting, LightMap), room: usize| -> f64 {
+        let panels = building.panels.iter().enumerate();
+        let of_room = panels.filter(|(_, panel)| panel.room == room && panel.part != Part::Thing);
+        of_room
+            .map(|(index, panel)| {
+                let places = (0..400).map(|k| (f64::from(k % 20) / 20.0 + 0.025, f64::from(k / 20) / 20.0 + 0.025));
+                let mean = places.map(|(s, t)| map.at(index, s, t, 0)).sum::<f64>() / 400.0;
+                mean * panel.area_m2() * (1.0 - panel.material.albedo[0])
+            })
+            .sum()
+    };
+    let shut = rooms("");
+    // Nodes on the line where both rooms meet see both sides of the wall.
+    assert!(taken_lm(&shut, 1) < 5.0);
+    close(taken_lm(&shut, 0), 1000.0, 0.02);
+    let open = rooms("[[building.door]]\nfrom_m = [3.0, 0.5]\nto_m = [3.0, 2.0]\nheight_m = 2.0\nopen = true\n");
+    let (first_lm, second_lm) = (taken_lm(&open, 0), taken_lm(&open, 1));
+    close(first_lm + second_lm, 1000.0, 0.02);
+    // Walls take on average what bounces there, of which the hole's share leaves; the lamp itself shines through onto the floor, too.
+    assert!((100.0..300.0).contains(&second_lm), "{first_lm} and {second_lm} lm");
+}
+
+#[test]
 fn photons_of_a_lux_are_those_of_published_conversions() {
     // A lux of 555 nm is 4.091e15 photons a second and square metre, that is 6.793e-3 µmol.
     let micromoles = |spectrum: Spectrum| Photons::of(spectrum).visible * 4.0908e15 / 6.02214e17;

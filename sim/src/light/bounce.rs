@@ -1,11 +1,11 @@
-//! Light that arrives by way of floor, walls and ceiling: radiosity of a room of three surfaces, each with one mean.
+//! Light that arrives by way of floor, walls and ceiling: radiosity of rooms of three surfaces, each with one mean.
 
 use std::f64::consts::PI;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::Illuminance;
-use crate::building::Enclosure;
+use crate::building::{Enclosure, Opening};
 
 /// What the rest of a room throws back on its floor, its walls and its ceiling, before dimming.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,25 +14,67 @@ pub struct Bounce {
     onto: [Illuminance; 3],
 }
 
+/// What bounces in a room starts from.
+#[derive(Clone, Copy, Debug)]
+pub struct RoomLight {
+    /// Mean direct illuminance of floor, walls and ceiling.
+    pub direct: [Illuminance; 3],
+    /// Their mean albedo, visible and infrared.
+    pub albedo: [[f64; 2]; 3],
+}
+
+/// Surfaces of a room: floor, walls, ceiling.
+const SURFACES: usize = 3;
+const WALLS: usize = 1;
+/// What is left of walls that are all holes, so that light has somewhere to end.
+const LEAST_WALL: f64 = 0.05;
+
 impl Bounce {
-    /// From the mean direct illuminance and the mean albedo, visible and infrared, of floor, walls and ceiling.
+    /// What bounces in each room.
     ///
-    /// Exitances B solve B = ρ·(E + F·B), all bounces included. View factors are those of an empty rectangular room, which
-    /// furniture changes little on the average.
-    pub fn new(room: &Enclosure, direct: [Illuminance; 3], albedo: [[f64; 2]; 3]) -> Bounce {
-        let factors = view_factors(room);
-        let arriving = |value: fn(&Illuminance) -> f64, band: usize| -> Vector3<f64> {
-            let reflectance = Matrix3::from_diagonal(&Vector3::from(albedo.map(|bands| bands[band])));
-            let first = Vector3::from(direct.map(|light| value(&light)));
-            let system = Matrix3::identity() - reflectance * factors;
+    /// Exitances B solve B = ρ·(E + F·B), all bounces included. View factors F are those of empty rectangular rooms, which
+    /// furniture changes little on the average. Of walls a share is open to other rooms: what arrives there leaves into those.
+    pub fn in_rooms(rooms: &[Enclosure], light: &[RoomLight], openings: &[Opening]) -> Vec<Bounce> {
+        let size = SURFACES * rooms.len();
+        let mut factors = DMatrix::zeros(size, size);
+        for (index, room) in rooms.iter().enumerate() {
+            factors
+                .fixed_view_mut::<SURFACES, SURFACES>(SURFACES * index, SURFACES * index)
+                .copy_from(&view_factors(room));
+        }
+        // Share of a room's walls that is open to another room.
+        let mut open = DMatrix::zeros(size, size);
+        for Opening { rooms: [one, other], area_m2 } in openings {
+            for (here, there) in [(*one, *other), (*other, *one)] {
+                open[(SURFACES * here + WALLS, SURFACES * there + WALLS)] = area_m2 / walls_m2(&rooms[here]);
+            }
+        }
+        for mut row in open.row_iter_mut() {
+            let most = 1.0 - LEAST_WALL;
+            let sum: f64 = row.sum();
+            row *= if sum > most { most / sum } else { 1.0 };
+        }
+        let solid = DVector::from_fn(size, |surface, _| 1.0 - open.row(surface).sum());
+        let arriving = |value: fn(&Illuminance) -> f64, band: usize| -> DVector<f64> {
+            let of_surface = |surface: usize| (&light[surface / SURFACES], surface % SURFACES);
+            let reflectance = DMatrix::from_diagonal(&DVector::from_fn(size, |surface, _| {
+                let (light, side) = of_surface(surface);
+                solid[surface] * light.albedo[side][band]
+            }));
+            let first = DVector::from_fn(size, |surface, _| {
+                let (light, side) = of_surface(surface);
+                value(&light.direct[side])
+            });
+            let system = DMatrix::identity(size, size) - (&reflectance + &open) * &factors;
             // Albedos are at most 1 and some light always leaves by the walls' own view of themselves, or B is infinite.
-            let exitance = system.lu().solve(&(reflectance * first)).unwrap_or_default();
-            factors * exitance
+            let exitance = system.lu().solve(&(reflectance * first)).unwrap_or_else(|| DVector::zeros(size));
+            &factors * exitance
         };
         let lux = arriving(|light| light.lux, 0);
         let visible = arriving(|light| light.by_band[0], 0);
         let infrared = arriving(|light| light.by_band[1], 1);
-        Bounce { onto: [0, 1, 2].map(|side| Illuminance { lux: lux[side], by_band: [visible[side], infrared[side]] }) }
+        let onto = |surface: usize| Illuminance { lux: lux[surface], by_band: [visible[surface], infrared[surface]] };
+        (0..rooms.len()).map(|room| Bounce { onto: [0, 1, 2].map(|side| onto(SURFACES * room + side)) }).collect()
     }
 
     /// What arrives on a surface that faces along `normal`.
@@ -47,10 +89,13 @@ impl Bounce {
 fn view_factors(room: &Enclosure) -> Matrix3<f64> {
     let opposite = opposite_rectangles_view_factor(room.width_m / room.height_m, room.depth_m / room.height_m);
     let floor_m2 = room.width_m * room.depth_m;
-    let walls_m2 = 2.0 * (room.width_m + room.depth_m) * room.height_m;
     let to_walls = 1.0 - opposite;
-    let from_walls = to_walls * floor_m2 / walls_m2;
+    let from_walls = to_walls * floor_m2 / walls_m2(room);
     Matrix3::new(0.0, to_walls, opposite, from_walls, 1.0 - 2.0 * from_walls, from_walls, opposite, to_walls, 0.0)
+}
+
+fn walls_m2(room: &Enclosure) -> f64 {
+    2.0 * (room.width_m + room.depth_m) * room.height_m
 }
 
 /// View factor between two equal rectangles straight above each other, by their sides over their distance.

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::{Bounce, Illuminance, Lighting, Source, source::Shape};
+use super::{Bounce, Illuminance, Lighting, RoomLight, Source, source::Shape};
 use crate::{
     building::{Building, Panel, Part},
     scene::Scene,
@@ -203,22 +203,19 @@ fn with_bounces(lighting: &Lighting, panel: &Panel, patch: Patch, direct: &[Illu
 
 fn bounces(building: &Building, work: &[(&Panel, Patch)], direct: &[Vec<Illuminance>]) -> Vec<Bounce> {
     const PARTS: [Part; 3] = [Part::Floor, Part::Wall, Part::Ceiling];
-    building
-        .rooms
-        .iter()
-        .enumerate()
-        .map(|(room, enclosure)| {
-            let light = PARTS.map(|part| mean_over(work, direct, |panel| panel.room == room && panel.part == part));
-            let albedo = PARTS.map(|part| {
-                let panels = || building.panels.iter().filter(move |panel| panel.room == room && panel.part == part);
-                let area_m2: f64 = panels().map(Panel::area_m2).sum();
-                [0, 1].map(|band| {
-                    panels().map(|panel| panel.area_m2() * panel.material.albedo[band]).sum::<f64>() / area_m2.max(1e-9)
-                })
-            });
-            Bounce::new(enclosure, light, albedo)
-        })
-        .collect()
+    let of_room = |room: usize| {
+        let direct = PARTS.map(|part| mean_over(work, direct, |panel| panel.room == room && panel.part == part));
+        let albedo = PARTS.map(|part| {
+            let panels = || building.panels.iter().filter(move |panel| panel.room == room && panel.part == part);
+            let area_m2: f64 = panels().map(Panel::area_m2).sum();
+            [0, 1].map(|band| {
+                panels().map(|panel| panel.area_m2() * panel.material.albedo[band]).sum::<f64>() / area_m2.max(1e-9)
+            })
+        });
+        RoomLight { direct, albedo }
+    };
+    let light: Vec<RoomLight> = (0..building.rooms.len()).map(of_room).collect();
+    Bounce::in_rooms(&building.rooms, &light, &building.openings)
 }
 
 /// Mean illuminance over the area of some panels, by the trapezoidal rule.
