@@ -12,6 +12,7 @@
 
 pub mod ceiling;
 pub mod direct;
+pub(crate) mod distortion;
 pub mod forward;
 pub mod line_fit;
 pub mod p3p;
