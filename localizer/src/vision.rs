@@ -17,6 +17,7 @@ pub mod forward;
 pub mod line_fit;
 pub mod p3p;
 pub mod paper;
+pub(crate) mod straighten;
 
 #[cfg(test)]
 pub(crate) mod synthetic;
