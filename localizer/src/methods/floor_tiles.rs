@@ -19,7 +19,7 @@ use crate::{
     Interval, Map, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, Twist},
     reading::Camera,
-    vision::{self, FloorLines, FloorView, line_fit},
+    vision::{self, FloorLines, FloorView, line_fit, straighten::RowMotion},
 };
 
 use joint::Joint;
@@ -98,7 +98,9 @@ impl FloorTiles {
         Some(FloorTiles { geometry, optics, view, chain })
     }
 
-    /// What lines found in an image of `stamp_s` say of the pose, told in pixels of a pinhole's picture; `None` when no line is left.
+    /// What lines found in an image of `stamp_s` say of the pose; `None` when no line is left.
+    ///
+    /// They are told in pixels of a pinhole's picture, each point where that shows it when the raw row that shows it is exposed.
     pub fn constraint(&self, stamp_s: f64, found: FloorLines, prior: &PoseUnion) -> Option<Constraint> {
         let FloorLines { lines, mut rejected_px } = found;
         let straightness_px = self.geometry.grid.straightness_m * self.geometry.camera.pixels_per_m.hi();
@@ -140,7 +142,7 @@ impl FloorTiles {
         })
     }
 
-    /// Motion of the picture over the exposure, at its centre, in pixels right and down.
+    /// Motion of the picture over the exposure, or any other time, at its centre, in pixels right and down.
     ///
     /// The floor passes under the camera against the camera's own motion (v, ω·a_f); image up is forward, image right is right.
     fn blur_px(&self, twist: &Twist, exposure_s: f64) -> [f64; 2] {
@@ -166,7 +168,9 @@ impl Method for FloorTiles {
             Chain::Direct => vision::direct::detect,
             Chain::Paper => vision::paper::detect,
         };
-        let lines = self.optics.look(image, |picture| chain(picture, &self.view, blur_px, turn_rad));
+        let row_time_s = self.geometry.camera.row_time_s;
+        let rows = RowMotion { shift_px: self.blur_px(twist, row_time_s), turn_rad: twist.turn_rad_per_s * row_time_s };
+        let lines = self.optics.look(image, rows, |picture| chain(picture, &self.view, blur_px, turn_rad));
         self.constraint(*measured_s, lines, prior)
     }
 }

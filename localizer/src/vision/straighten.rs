@@ -2,11 +2,32 @@
 //!
 //! Frames, both with u right, v down and (0, 0) the centre of the first pixel: `raw`, the picture as taken, and `pinhole`, that of a
 //! camera of the same size, focal length and principal point without distortion. Where one is known from the other, it is the
-//! raw place of a pinhole's pixel: Brown and Conrady's formula, without any inversion.
+//! raw place of a pinhole's pixel: Brown and Conrady's formula, without any inversion. Where rows are exposed one after the other, the
+//! straightened picture may besides be what the pinhole would show at the stamp, if the motion were what it is thought to be.
+
+#[cfg(test)]
+mod tests;
 
 use image::GrayImage;
 
 use super::{FloorLines, distortion};
+
+/// How far the pinhole's picture moves from one raw row's exposure to that of the next, as far as it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct RowMotion {
+    /// Right and down, at the middle.
+    pub(crate) shift_px: [f64; 2],
+    /// Turn of the robot, counter-clockwise seen from above: the picture turns the other way.
+    pub(crate) turn_rad: f64,
+}
+
+impl RowMotion {
+    /// Greatest way of a pixel of a picture of this size.
+    fn most_px(&self, size_px: [u32; 2]) -> f64 {
+        let reach_px = 0.5 * f64::from(size_px[0]).hypot(f64::from(size_px[1]));
+        self.shift_px[0].hypot(self.shift_px[1]) + self.turn_rad.abs() * reach_px
+    }
+}
 
 /// A lens whose principal point is the middle of the picture, with the source of every pixel of the straightened picture.
 ///
@@ -17,6 +38,7 @@ use super::{FloorLines, distortion};
 pub(crate) struct Straightening {
     distortion: [f64; 5],
     focal_px: f64,
+    rows: RowMotion,
     raw_size_px: [u32; 2],
     /// Pixels of the pinhole's picture left out at the left and at the right, and above and below.
     inset_px: [u32; 2],
@@ -36,20 +58,18 @@ struct Source {
 /// Least factor by which the lens may shrink what the straightened picture shows: beyond it the polynomial is about to fold back,
 /// and one raw pixel would be told to be five.
 const LEAST_SLOPE: f64 = 0.2;
+/// Motion from row to row beyond which a picture is left as its rows took it: taken out, it would stretch the picture by as much.
+const MOST_ROW_MOTION_PX: f64 = 0.1;
 
 impl Straightening {
-    /// For pictures of a size behind a lens with k1, k2, p1, p2, k3; `None` for one that does not bend.
-    pub(crate) fn new(raw_size_px: [u32; 2], focal_px: f64, distortion: [f64; 5]) -> Option<Self> {
-        if distortion == [0.0; 5] {
+    /// For pictures of a size behind a lens with k1, k2, p1, p2, k3, taken row by row in motion; `None` where nothing is to be straightened.
+    pub(crate) fn new(raw_size_px: [u32; 2], focal_px: f64, distortion: [f64; 5], rows: RowMotion) -> Option<Self> {
+        let rows = if rows.most_px(raw_size_px) < MOST_ROW_MOTION_PX { rows } else { RowMotion::default() };
+        if distortion == [0.0; 5] && rows == RowMotion::default() {
             return None;
         }
-        let mut lens = Straightening {
-            distortion,
-            focal_px,
-            raw_size_px,
-            inset_px: raw_size_px.map(|size| size / 2),
-            sources: Vec::new(),
-        };
+        let inset_px = raw_size_px.map(|size| size / 2);
+        let mut lens = Straightening { distortion, focal_px, rows, raw_size_px, inset_px, sources: Vec::new() };
         if raw_size_px.iter().all(|&size| size >= 2) {
             lens.inset_px = lens.inset();
             lens.sources = lens.pixels().map(|pixel| lens.source(pixel)).collect();
@@ -80,6 +100,7 @@ impl Straightening {
 
     /// Whether the raw picture shows what a pinhole's pixel would, and the lens does not fold there.
     fn is_shown(&self, pinhole_px: [f64; 2]) -> bool {
+        let pinhole_px = self.at_row(pinhole_px);
         let [a, mixed, b] = distortion::slopes(self.distortion, self.in_focal_lengths(pinhole_px));
         let least = 0.5 * (a + b) - (0.5 * (a - b)).hypot(mixed);
         let raw_px = self.raw_px(pinhole_px);
@@ -87,7 +108,7 @@ impl Straightening {
     }
 
     fn source(&self, pinhole_px: [f64; 2]) -> Source {
-        let raw_px = self.raw_px(pinhole_px);
+        let raw_px = self.raw_px(self.at_row(pinhole_px));
         // The last pixel has no neighbour beyond it: it is wholly towards that of the one before.
         let first = [0, 1].map(|axis| (raw_px[axis].max(0.0) as u32).min(self.raw_size_px[axis] - 2));
         let towards =
@@ -112,14 +133,40 @@ impl Straightening {
         GrayImage::from_raw(width, height, self.sources.iter().map(grey).collect()).unwrap_or_default()
     }
 
-    /// Lines found in the straightened picture in the pixels of the whole pinhole's.
+    /// Where the pinhole's picture shows, when the raw row that shows it is exposed, what it shows here at the stamp.
+    ///
+    /// The motion from row to row is small beside a row, so that the row found for a place hardly moves it: three steps end below 0.01 px.
+    fn at_row(&self, pinhole_px: [f64; 2]) -> [f64; 2] {
+        let (RowMotion { shift_px, turn_rad }, mut at) = (self.rows, pinhole_px);
+        if self.rows == RowMotion::default() {
+            return at;
+        }
+        let middle_px = self.middle_px();
+        // The floor turns by −ω in the frame of a robot that turns by ω: with v down, q from the middle moves by ω·(−v, u).
+        let way_px = [
+            shift_px[0] - turn_rad * (pinhole_px[1] - middle_px[1]),
+            shift_px[1] + turn_rad * (pinhole_px[0] - middle_px[0]),
+        ];
+        for _ in 0..3 {
+            let rows = self.raw_px(at)[1] - middle_px[1];
+            at = [0, 1].map(|axis| pinhole_px[axis] + rows * way_px[axis]);
+        }
+        at
+    }
+
+    /// Lines found in the straightened picture in the pixels of the whole pinhole's, each point where that shows it when its row is exposed.
     pub(crate) fn in_pinhole(&self, mut found: FloorLines) -> FloorLines {
         let [left, above] = self.inset_px.map(f64::from);
+        let place = |u: f64, v: f64| self.at_row([u + left, v + above]);
+        // A row's motion is by how much neighbouring rows are pulled apart; twice that, for a lens that shows a row as more than one.
+        let pull = 1.0 + 2.0 * self.rows.most_px(self.raw_size_px);
         for point in found.lines.iter_mut().flat_map(|line| &mut line.points_px) {
-            *point = [point[0] + left, point[1] + above, point[2]];
+            let [u, v] = place(point[0], point[1]);
+            *point = [u, v, point[2] * pull];
         }
-        for [u0, v0, u1, v1] in &mut found.rejected_px {
-            (*u0, *v0, *u1, *v1) = (*u0 + left, *v0 + above, *u1 + left, *v1 + above);
+        for segment in &mut found.rejected_px {
+            let [from, to] = [place(segment[0], segment[1]), place(segment[2], segment[3])];
+            *segment = [from[0], from[1], to[0], to[1]];
         }
         found
     }
@@ -163,129 +210,5 @@ impl Straightening {
     fn in_focal_lengths(&self, pixel: [f64; 2]) -> [f64; 2] {
         let middle_px = self.middle_px();
         [0, 1].map(|axis| (pixel[axis] - middle_px[axis]) / self.focal_px)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SIZE_PX: [u32; 2] = [641, 481];
-
-    fn lens(distortion: [f64; 5]) -> Straightening {
-        Straightening::new(SIZE_PX, 400.0, distortion).unwrap_or_else(|| panic!("a lens that bends"))
-    }
-
-    fn close(a: [f64; 2], b: [f64; 2]) -> bool {
-        (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9
-    }
-
-    #[test]
-    fn a_barrel_shows_a_place_nearer_to_the_middle() {
-        // By hand, at (x, y) = (0.5, −0.4), r² = 0.41: k1 = −0.2 leaves 1 − 0.082 = 0.918 of the distance.
-        assert!(close(
-            lens([-0.2, 0.0, 0.0, 0.0, 0.0]).raw_px([520.0, 80.0]),
-            [320.0 + 200.0 * 0.918, 240.0 - 160.0 * 0.918]
-        ));
-        // k2 = 0.1 and k3 = 0.1 add 0.1·(0.1681 + 0.068921) = 0.0237021.
-        assert!(close(
-            lens([0.0, 0.1, 0.0, 0.0, 0.1]).raw_px([520.0, 80.0]),
-            [320.0 + 200.0 * 1.0237021, 240.0 - 160.0 * 1.0237021]
-        ));
-        // p1 = 0.01: u by 400·0.02·0.5·(−0.4) = −1.6, v by 400·0.01·(0.41 + 2·0.16) = 2.92; p2 = 0.01: u by 400·0.01·(0.41 + 0.5) = 3.64.
-        assert!(close(lens([0.0, 0.0, 0.01, 0.0, 0.0]).raw_px([520.0, 80.0]), [518.4, 82.92]));
-        assert!(close(lens([0.0, 0.0, 0.0, 0.01, 0.0]).raw_px([520.0, 80.0]), [523.64, 78.4]));
-    }
-
-    #[test]
-    fn a_straightened_picture_shows_what_the_raw_one_shows_at_its_source() {
-        // A ramp along each axis tells where a pixel comes from.
-        for (axis, per_px) in [(0, 0.3), (1, 0.5)] {
-            let ramp = GrayImage::from_fn(SIZE_PX[0], SIZE_PX[1], |u, v| {
-                image::Luma([(5.0 + per_px * f64::from([u, v][axis])).round() as u8])
-            });
-            let lens = lens([-0.25, 0.06, 0.001, -0.001, 0.0]);
-            let straight = lens.straight(&ramp);
-            assert_eq!(straight.dimensions(), (641, 481), "a barrel fills the whole picture");
-            for (u, v, grey) in straight.enumerate_pixels() {
-                let expected = 5.0 + per_px * lens.raw_px([f64::from(u), f64::from(v)])[axis];
-                assert!((f64::from(grey[0]) - expected).abs() < 1.01, "{u} {v} {grey:?} {expected}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_pincushion_leaves_out_what_the_raw_picture_does_not_show() {
-        let lens = lens([0.12, 0.0, 0.0, 0.0, 0.0]);
-        let straight = lens.straight(&GrayImage::from_pixel(641, 481, image::Luma([100])));
-        let inset = lens.inset_px;
-        assert_eq!([straight.width(), straight.height()], [641 - 2 * inset[0], 481 - 2 * inset[1]]);
-        // By hand: the corner (0.8, 0.6)·s is cut where s·(1 + 0.12·s²) = 1, s = 0.9041, of which the pixel before is left.
-        let kept = [0, 1].map(|axis| 1.0 - f64::from(inset[axis]) / [320.5, 240.5][axis]);
-        assert!(kept.iter().all(|kept| (kept - 0.9041).abs() < 0.01), "{kept:?}");
-        assert!(lens.pixels().all(|pixel| lens.is_shown(pixel)));
-        let point = FloorLines {
-            lines: vec![crate::vision::FloorLine { points_px: vec![[1.0, 2.0, 0.3]], share_wrong: 0.0, family: 0 }],
-            rejected_px: vec![[0.0, 0.0, 5.0, 6.0]],
-        };
-        let [left, above] = inset.map(f64::from);
-        let moved = lens.in_pinhole(point);
-        assert_eq!(moved.lines[0].points_px, [[1.0 + left, 2.0 + above, 0.3]]);
-        assert_eq!(moved.rejected_px, [[left, above, 5.0 + left, 6.0 + above]]);
-    }
-
-    #[test]
-    fn a_lens_that_folds_back_is_cut_before_it_does() {
-        // D' = 1 − 1.8·r² is 0.2 at r = 2/3, 267 px: a third of the way to the corner is left out.
-        let lens = lens([-0.6, 0.0, 0.0, 0.0, 0.0]);
-        assert!(lens.pixels().all(|[u, v]| (u - 320.0).hypot(v - 240.0) <= 267.0));
-        assert!(lens.pixels().count() > 400 * 300);
-        // Nothing at all is left of a lens that folds in its middle, and of another size than its own it makes nothing.
-        assert_eq!(lens.straight(&GrayImage::new(640, 480)).dimensions(), (0, 0));
-        assert!(Straightening::new([1, 1], 400.0, [0.1; 5]).is_some());
-        assert!(Straightening::new(SIZE_PX, 400.0, [0.0; 5]).is_none());
-    }
-
-    #[test]
-    fn stretch_is_how_far_apart_two_lines_are_whose_images_are_a_pixel_apart() {
-        let lens = lens([-0.25, 0.06, 0.001, -0.002, 0.01]);
-        for (at, angle_rad) in
-            [([100.0, 50.0], 0.3_f64), ([600.0, 300.0], 1.2), ([320.0, 240.0], 2.0), ([30.0, 470.0], -0.7)]
-        {
-            let normal: [f64; 2] = [angle_rad.cos(), angle_rad.sin()];
-            // Images of a line through the place, and of one a hundredth of a pixel beside it: their distance by points on both.
-            let image = |across: f64, along: f64| {
-                lens.raw_px([
-                    at[0] + across * normal[0] - along * normal[1],
-                    at[1] + across * normal[1] + along * normal[0],
-                ])
-            };
-            let nearest = (-4000..4000).map(|step| {
-                let [here, there] = [image(0.0, 0.0), image(0.01, f64::from(step) * 1e-5)];
-                (there[0] - here[0]).hypot(there[1] - here[1])
-            });
-            let apart_px = nearest.fold(f64::MAX, f64::min);
-            let stretch = lens.stretch_across(at, normal);
-            assert!((0.01 / apart_px / stretch - 1.0).abs() < 1e-3, "{at:?}: {} {stretch}", 0.01 / apart_px);
-        }
-    }
-
-    #[test]
-    fn another_focal_length_shifts_a_straightened_point_by_what_is_told() {
-        let distortion = [-0.25, 0.06, 0.001, -0.002, 0.01];
-        let (believed, share) = (lens(distortion), 1e-4);
-        let true_one = Straightening { focal_px: 400.0 * (1.0 + share), ..lens(distortion) };
-        for pinhole_px in [[100.0, 50.0], [600.0, 300.0], [400.0, 200.0]] {
-            // The believed place with the same raw pixel, by Newton's steps.
-            let (raw_px, mut at) = (true_one.raw_px(pinhole_px), pinhole_px);
-            for _ in 0..20 {
-                let seen = believed.raw_px(at);
-                let step = believed.unbent(believed.in_focal_lengths(at), [raw_px[0] - seen[0], raw_px[1] - seen[1]]);
-                at = [at[0] + step[0], at[1] + step[1]];
-            }
-            let told_px = believed.focal_shift_px(pinhole_px).map(|shift| -share * shift);
-            let off_px = [0, 1].map(|axis| at[axis] - pinhole_px[axis] - told_px[axis]);
-            assert!(off_px[0].hypot(off_px[1]) < 1e-2 * told_px[0].hypot(told_px[1]), "{pinhole_px:?}");
-        }
     }
 }

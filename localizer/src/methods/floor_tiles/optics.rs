@@ -5,7 +5,10 @@ use image::GrayImage;
 use crate::{
     Interval,
     robot::FloorCameraModel,
-    vision::{FloorLines, straighten::Straightening},
+    vision::{
+        FloorLines,
+        straighten::{RowMotion, Straightening},
+    },
 };
 
 use super::{
@@ -16,6 +19,9 @@ use super::{
 /// The way from the image as taken to the pinhole's picture, where lines are looked for and fitted, and back.
 #[derive(Clone, Debug)]
 pub(super) struct Optics {
+    size_px: [u32; 2],
+    focal_px: f64,
+    distortion: [f64; 5],
     /// `None` for a lens that does not bend.
     straightening: Option<Straightening>,
 }
@@ -30,12 +36,24 @@ impl Optics {
     pub(super) fn of(camera: &FloorCameraModel) -> Self {
         let focal_px = camera.pixels_per_m.mid() * camera.height_m;
         let size_px = [camera.width_px, camera.height_px];
-        Optics { straightening: Straightening::new(size_px, focal_px, camera.distortion) }
+        let straightening = Straightening::new(size_px, focal_px, camera.distortion, RowMotion::default());
+        Optics { size_px, focal_px, distortion: camera.distortion, straightening }
     }
 
-    /// Lines found in the pinhole's picture of an image, in its pixels.
-    pub(super) fn look(&self, image: &GrayImage, find: impl Fn(&GrayImage) -> FloorLines) -> FloorLines {
-        match &self.straightening {
+    /// Lines found in an image, in the pixels of the pinhole's picture at the time of each point's row.
+    ///
+    /// They are looked for in the picture that the motion from row to row, as the wheels tell it, would leave straight. Were it another, joints
+    /// would be bent and fewer of them found, but a point found is always told where its row shows it.
+    pub(super) fn look(
+        &self,
+        image: &GrayImage,
+        rows: RowMotion,
+        find: impl Fn(&GrayImage) -> FloorLines,
+    ) -> FloorLines {
+        let of_rows = (rows != RowMotion::default())
+            .then(|| Straightening::new(self.size_px, self.focal_px, self.distortion, rows))
+            .flatten();
+        match of_rows.as_ref().or(self.straightening.as_ref()) {
             Some(lens) => lens.in_pinhole(find(&lens.straight(image))),
             None => find(image),
         }

@@ -9,6 +9,7 @@ use super::{Chain, FloorTiles};
 use crate::{
     Constraint, Interval, Map, PoseBox, RobotModel,
     map::TileGrid,
+    method::Twist,
     robot::{BodyModel, FloorCameraModel, Reach, WheelModel},
     vision::synthetic::Random,
 };
@@ -94,12 +95,22 @@ struct Eye {
     /// Forward, left and turning, while the rows are exposed one after the other.
     speed: [f64; 3],
     row_time_s: f64,
+    /// What the wheels say of it.
+    twist: Twist,
 }
 
 impl Eye {
     /// Without any error.
     fn exact(lens: [f64; 5]) -> Self {
-        Eye { lens, focal_px: SCALE * HEIGHT_M, mount_m: MOUNT_M, yaw_rad: 0.0, speed: [0.0; 3], row_time_s: 0.0 }
+        Eye {
+            lens,
+            focal_px: SCALE * HEIGHT_M,
+            mount_m: MOUNT_M,
+            yaw_rad: 0.0,
+            speed: [0.0; 3],
+            row_time_s: 0.0,
+            twist: Twist::default(),
+        }
     }
 
     /// With every error at a corner of its bound.
