@@ -96,7 +96,8 @@ pub struct Constraint {
 pub enum Claim {
     /// A joint of the tiled floor: at most `share_wrong` of the points lie farther than their bound from the centre line of a true joint.
     FloorJoint {
-        /// Points on the claimed centre line with the bound of their distance to it: `[u_px, v_px, bound_px]`.
+        /// Points on the image of the claimed centre line with the bound of their distance to it, `[u_px, v_px, bound_px]`, in the image
+        /// as taken: lens and shutter bend the joint in it.
         points_px: Vec<[f64; 3]>,
         /// Share of the points that may be farther away.
         share_wrong: f64,

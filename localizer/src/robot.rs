@@ -77,10 +77,17 @@ pub struct FloorCameraModel {
     pub width_px: u32,
     /// Image height.
     pub height_px: u32,
-    /// Pixels per metre on the floor at rest, `floor_camera.scale`.
+    /// Focal length over height: pixels per metre on the floor at rest, in the picture of a pinhole, `floor_camera.scale`.
     pub pixels_per_m: Interval,
     /// Height of the optical centre above the floor.
     pub height_m: f64,
+    /// Brown and Conrady's k1, k2, p1, p2, k3, as calibrated, for coordinates in focal lengths from the middle of the image.
+    pub distortion: [f64; 5],
+    /// Greatest distance between a pixel and where the lens model puts it, `floor_camera.distortion`.
+    pub distortion_px: f64,
+    /// From the start of one row's exposure to that of the next; an image's stamp is mid-exposure of row (height − 1)/2. 0 for a
+    /// global shutter.
+    pub row_time_s: f64,
     /// Optical centre in the robot frame: forward and left, `floor_camera.position`.
     pub position_m: [Interval; 2],
     /// Rotation of the image about the vertical, counter-clockwise seen from above, `floor_camera.yaw`.

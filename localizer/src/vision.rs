@@ -12,10 +12,12 @@
 
 pub mod ceiling;
 pub mod direct;
+pub(crate) mod distortion;
 pub mod forward;
 pub mod line_fit;
 pub mod p3p;
 pub mod paper;
+pub(crate) mod straighten;
 
 #[cfg(test)]
 pub(crate) mod synthetic;

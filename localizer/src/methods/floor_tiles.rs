@@ -5,22 +5,29 @@
 //! θ + ψ = k·π/2 + γ, and says of the pose n(k·π/2 + γ)·P ∈ ±(E·ℤ + phase) − n(ψ)·a − ρ. Each axis is contracted on its own; which
 //! tile and which quadrant stay a union of branches. Joints end at the walls: a branch from which most of a line would lie outside
 //! of the room goes.
+//!
+//! All of this is about the picture of a pinhole with a global shutter: a lens that bends is taken out of the image before lines are
+//! looked for, and what lens and rows leave open widens the bounds of their points.
 
 mod joint;
+mod optics;
 mod pose_contractor;
+#[cfg(test)]
+mod trial;
 
 use crate::{
     Interval, Map, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, Twist},
     reading::Camera,
-    vision::{self, FloorLines, FloorView, line_fit},
+    vision::{self, FloorLines, FloorView, line_fit, straighten::RowMotion},
 };
 
 use joint::Joint;
+use optics::Optics;
 use pose_contractor::TileJoints;
 
 /// The declared bounds a floor-tile constraint stands on.
-pub const RELIES_ON: [Assumption; 13] = [
+pub const RELIES_ON: [Assumption; 14] = [
     "floor_tiles.laying",
     "floor_tiles.laying_angle",
     "floor_tiles.straightness",
@@ -28,6 +35,7 @@ pub const RELIES_ON: [Assumption; 13] = [
     "floor_camera.position",
     "floor_camera.yaw",
     "floor_camera.tilt",
+    "floor_camera.distortion",
     "floor_camera.stamp",
     "body.tilt",
     "body.heave",
@@ -50,6 +58,7 @@ pub enum Chain {
 #[derive(Clone, Debug)]
 pub struct FloorTiles {
     geometry: Geometry,
+    optics: Optics,
     view: FloorView,
     chain: Chain,
 }
@@ -63,6 +72,16 @@ struct Geometry {
     room_m: [Interval; 2],
 }
 
+impl Geometry {
+    /// A pixel of the pinhole's picture in the camera frame: forward and left of the principal point, in pixels.
+    ///
+    /// Image up is forward, image right is right: forward = v₀ − v, left = u₀ − u.
+    fn in_camera_px(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let size_px = [self.camera.width_px, self.camera.height_px].map(f64::from);
+        [(size_px[1] - 1.0) / 2.0 - v, (size_px[0] - 1.0) / 2.0 - u]
+    }
+}
+
 impl FloorTiles {
     /// The method for this robot on this map; `None` if there is no floor camera or no tiled floor.
     pub fn new(map: &Map, robot: &RobotModel, chain: Chain) -> Option<Self> {
@@ -74,10 +93,14 @@ impl FloorTiles {
             joint_width_px: grid.joint_width_m * scale,
             q_items: camera.q_items,
         };
-        Some(FloorTiles { geometry: Geometry { robot: robot.clone(), camera, grid, room_m: map.room_m }, view, chain })
+        let optics = Optics::of(&camera);
+        let geometry = Geometry { robot: robot.clone(), camera, grid, room_m: map.room_m };
+        Some(FloorTiles { geometry, optics, view, chain })
     }
 
     /// What lines found in an image of `stamp_s` say of the pose; `None` when no line is left.
+    ///
+    /// They are told in pixels of a pinhole's picture, each point where that shows it when the raw row that shows it is exposed.
     pub fn constraint(&self, stamp_s: f64, found: FloorLines, prior: &PoseUnion) -> Option<Constraint> {
         let FloorLines { lines, mut rejected_px } = found;
         let straightness_px = self.geometry.grid.straightness_m * self.geometry.camera.pixels_per_m.hi();
@@ -85,9 +108,12 @@ impl FloorTiles {
         let mut claims = Vec::new();
         for line in lines {
             let mut points = line.points_px.clone();
-            points.iter_mut().for_each(|point| point[2] += straightness_px);
+            let open_px = self.optics.left_open_px(&line.points_px, &self.geometry);
+            points.iter_mut().zip(&open_px).for_each(|(point, open_px)| point[2] += straightness_px + open_px);
+            let most_open_px = open_px.into_iter().fold(0.0, f64::max);
             let set = line_fit::enclose(&points, line.share_wrong);
-            let Some(joint) = set.and_then(|set| Joint::new(set, &line, &self.geometry)) else { continue };
+            let joint = set.and_then(|set| Joint::new(set, &line, most_open_px, &self.geometry));
+            let Some(joint) = joint else { continue };
             // Eq. (20): the paper drops a line that no heading of the odometric prior explains. The direct chain's lines are
             // orthogonal and at the pitch already; one that contradicts the prior then speaks against the prior.
             if self.chain == Chain::Paper && !joint.agrees(prior, &self.geometry) {
@@ -95,7 +121,8 @@ impl FloorTiles {
                 continue;
             }
             joints.push(joint);
-            claims.push(Claim::FloorJoint { points_px: line.points_px, share_wrong: line.share_wrong });
+            let points_px = self.optics.as_taken(line.points_px);
+            claims.push(Claim::FloorJoint { points_px, share_wrong: line.share_wrong });
         }
         if joints.is_empty() {
             return None;
@@ -107,7 +134,7 @@ impl FloorTiles {
             relies_on: RELIES_ON.to_vec(),
             claims,
             q_items: self.view.q_items,
-            rejected_px,
+            rejected_px: rejected_px.into_iter().map(|segment| self.optics.segment_as_taken(segment)).collect(),
             // Joints of one family leave the place along them open, but those of a doubt's many images do not.
             decides: true,
             n_held: 1,
@@ -115,7 +142,7 @@ impl FloorTiles {
         })
     }
 
-    /// Motion of the picture over the exposure, at its centre, in pixels right and down.
+    /// Motion of the picture over the exposure, or any other time, at its centre, in pixels right and down.
     ///
     /// The floor passes under the camera against the camera's own motion (v, ω·a_f); image up is forward, image right is right.
     fn blur_px(&self, twist: &Twist, exposure_s: f64) -> [f64; 2] {
@@ -137,10 +164,13 @@ impl Method for FloorTiles {
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
         let Reading::Camera { measured_s, camera: Camera::Floor, exposure_s, image, .. } = reading else { return None };
         let (blur_px, turn_rad) = (self.blur_px(twist, *exposure_s), twist.turn_rad_per_s * exposure_s);
-        let lines = match self.chain {
-            Chain::Direct => vision::direct::detect(image, &self.view, blur_px, turn_rad),
-            Chain::Paper => vision::paper::detect(image, &self.view, blur_px, turn_rad),
+        let chain = match self.chain {
+            Chain::Direct => vision::direct::detect,
+            Chain::Paper => vision::paper::detect,
         };
+        let row_time_s = self.geometry.camera.row_time_s;
+        let rows = RowMotion { shift_px: self.blur_px(twist, row_time_s), turn_rad: twist.turn_rad_per_s * row_time_s };
+        let lines = self.optics.look(image, rows, |picture| chain(picture, &self.view, blur_px, turn_rad));
         self.constraint(*measured_s, lines, prior)
     }
 }

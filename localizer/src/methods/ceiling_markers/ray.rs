@@ -10,7 +10,7 @@
 //!
 //! A tilt by the angle α is written as Cayley's vector a = tan(α/2)·axis: T(a) v = v + 2 (a × v + a × (a × v))/(1 + |a|²), free of trigonometry.
 
-use crate::{Interval, robot::BodyModel, robot::CeilingCameraModel};
+use crate::{Interval, robot::BodyModel, robot::CeilingCameraModel, vision::distortion};
 
 use super::dual::Dual;
 
@@ -127,20 +127,12 @@ impl Optics {
     ///
     /// Brown's D(x) = x + b(x), where b is Lipschitz with constant L on the picture, so that D⁻¹ is with 1/(1 − L).
     fn undistorted(&self, [u, v, bound_px]: [f64; 3]) -> Option<[f64; 3]> {
-        let [k1, k2, p1, p2, k3] = self.distortion;
         if self.distortion == [0.0; 5] {
             return Some([u, v, bound_px + self.distortion_px]);
         }
         let (focal, centre) = (FOCAL.map(|k| self.parameters[k]), CENTRE.map(|k| self.parameters[k]));
         let seen = [(u - centre[0].mid()) / focal[0].mid(), (v - centre[1].mid()) / focal[1].mid()];
-        let bend = |[x, y]: [f64; 2]| {
-            let square = x * x + y * y;
-            let radial = square * (k1 + square * (k2 + square * k3));
-            [
-                x * radial + 2.0 * p1 * x * y + p2 * (square + 2.0 * x * x),
-                y * radial + p1 * (square + 2.0 * y * y) + 2.0 * p2 * x * y,
-            ]
-        };
+        let bend = |point: [f64; 2]| distortion::bend(self.distortion, point);
         let mut point = seen;
         for _ in 0..30 {
             let bent = bend(point);
@@ -148,7 +140,7 @@ impl Optics {
         }
         let (bent, reach) = (bend(point), 1.1 * point[0].hypot(point[1]) + 0.02);
         let residual = (point[0] + bent[0] - seen[0]).hypot(point[1] + bent[1] - seen[1]);
-        let square = reach * reach;
+        let ([k1, k2, p1, p2, k3], square) = (self.distortion, reach * reach);
         let radial = square * (3.0 * k1.abs() + square * (5.0 * k2.abs() + square * 7.0 * k3.abs()));
         let lipschitz = radial + 6.0 * (p1.abs() + p2.abs()) * reach;
         if lipschitz > 0.8 {

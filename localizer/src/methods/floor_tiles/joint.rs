@@ -23,6 +23,8 @@ pub(super) struct Joint {
     /// Points of the line in the robot frame, and how many of them may be no joint's.
     points_m: Vec<[f64; 2]>,
     n_wrong: usize,
+    /// A point is off by no more.
+    slack_m: f64,
     /// Greatest turn of the line by tilts of mount and body.
     tilt_angle_rad: f64,
     /// Greatest shift of the line along its normal, at the centroid, by tilts, heave and stamp.
@@ -30,21 +32,21 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    /// The statement of a fitted line; `None` when the line passes so far out that its tilt bound makes no sense.
-    pub(super) fn new(set: LineSet, line: &FloorLine, geometry: &Geometry) -> Option<Self> {
+    /// The statement of a fitted line, what lens and shutter leave open at most of one of its points; `None` when the line passes so far
+    /// out that its tilt bound makes no sense.
+    pub(super) fn new(set: LineSet, line: &FloorLine, most_open_px: f64, geometry: &Geometry) -> Option<Self> {
         let camera = &geometry.camera;
-        let middle_px = [(f64::from(camera.width_px) - 1.0) / 2.0, (f64::from(camera.height_px) - 1.0) / 2.0];
-        // Image up is forward, image right is right: forward = v₀ − v, left = u₀ − u.
-        let in_camera_px = |u: f64, v: f64| [middle_px[1] - v, middle_px[0] - u];
-        let centroid_px = in_camera_px(set.centroid_px[0], set.centroid_px[1]);
+        let centroid_px = geometry.in_camera_px(set.centroid_px);
         let in_robot_m = |&[u, v, _]: &[f64; 3]| {
-            let point_px = in_camera_px(u, v);
+            let point_px = geometry.in_camera_px([u, v]);
             [0, 1].map(|axis| camera.position_m[axis].mid() + point_px[axis] / camera.pixels_per_m.mid())
         };
         let points_m: Vec<[f64; 2]> = line.points_px.iter().map(in_robot_m).collect();
         let n_wrong = (line.share_wrong * points_m.len() as f64).floor() as usize;
         let angle_rad = camera_angle(Interval::new(set.normal_angle_rad[0], set.normal_angle_rad[1]));
-        let mut joint = Joint { set, centroid_px, angle_rad, points_m, n_wrong, tilt_angle_rad: 0.0, shift_m: 0.0 };
+        let slack_m = POINT_SLACK_M + most_open_px / camera.pixels_per_m.lo();
+        let mut joint =
+            Joint { set, centroid_px, angle_rad, points_m, n_wrong, slack_m, tilt_angle_rad: 0.0, shift_m: 0.0 };
         joint.account_for_posture(geometry);
         (joint.tilt_angle_rad < FRAC_PI_2 / 4.0).then_some(joint)
     }
@@ -53,10 +55,11 @@ impl Joint {
     ///
     /// To first order a tilt of the mount by the vector a shifts the floor point p by h·a + p·(p·a)/h, and one of the body by
     /// g shifts it by p·(q·g)/h, q = p + mount position: both shift the normal component by what stands below, and turn a line by at most
-    /// |ρ|/h times the tilt. The second order is below 2 % of the first for tilts up to 1°, hence the factor.
+    /// |ρ|/h times the tilt. Under a rolling shutter each row has a posture of its own: there the bounds of the points account for that of
+    /// the body ([`body_shift_m`]).
     fn account_for_posture(&mut self, geometry: &Geometry) {
-        const SECOND_ORDER: f64 = 1.02;
         let (camera, body, reach) = (&geometry.camera, &geometry.robot.body, &geometry.robot.reach);
+        let is_rolling = camera.row_time_s > 0.0;
         let (height_m, scale) = (camera.height_m, camera.pixels_per_m.lo());
         let point_m = self.centroid_px[0].hypot(self.centroid_px[1]) / scale;
         let normal = Interval::point(1.0) * self.angle_rad;
@@ -68,11 +71,12 @@ impl Joint {
 
         let mount_m =
             camera.tilt_rad * (height_m * height_m + 2.0 * distance_m * distance_m + (slope * point_m).powi(2)).sqrt();
-        let posture_m = slope * (arm_m * body.tilt_rad + body.heave_m);
+        let posture_m = if is_rolling { 0.0 } else { slope * (arm_m * body.tilt_rad + body.heave_m) };
+        let body_tilt_rad = if is_rolling { 0.0 } else { body.tilt_rad };
         let stamp_m = camera.stamp_error_s * (reach.speed_m_per_s + reach.turn_rate_rad_per_s * arm_m);
         self.shift_m = SECOND_ORDER * (mount_m + posture_m) + stamp_m;
         self.tilt_angle_rad =
-            SECOND_ORDER * slope * (camera.tilt_rad + body.tilt_rad) + camera.stamp_error_s * reach.turn_rate_rad_per_s;
+            SECOND_ORDER * slope * (camera.tilt_rad + body_tilt_rad) + camera.stamp_error_s * reach.turn_rate_rad_per_s;
     }
 
     /// Hull of ψ, the normal angle in the robot frame.
@@ -107,8 +111,8 @@ impl Joint {
         let outside = self.points_m.iter().filter(|&&[forward_m, left_m]| {
             let x = pose[0] + cos * forward_m - sin * left_m;
             let y = pose[1] + sin * forward_m + cos * left_m;
-            !x.overlaps(geometry.room_m[0].inflate(WALL_SLACK_M))
-                || !y.overlaps(geometry.room_m[1].inflate(WALL_SLACK_M))
+            !x.overlaps(geometry.room_m[0].inflate(self.slack_m))
+                || !y.overlaps(geometry.room_m[1].inflate(self.slack_m))
         });
         outside.count() > self.n_wrong
     }
@@ -153,7 +157,17 @@ impl Joint {
 }
 
 /// A point of a joint is off by less than this for all errors of mount, scale, tilt and detection together.
-const WALL_SLACK_M: f64 = 0.01;
+pub(super) const POINT_SLACK_M: f64 = 0.01;
+
+/// The second order of what tilts do to a line is below 2 % of the first for tilts up to 1°.
+const SECOND_ORDER: f64 = 1.02;
+
+/// What tilt and heave of the body shift a point of a line across it, at most: the line passes `distance_m` from the point below the
+/// camera, the point is `arm_m` from the robot origin.
+pub(super) fn body_shift_m(distance_m: f64, arm_m: f64, geometry: &Geometry) -> f64 {
+    let body = &geometry.robot.body;
+    SECOND_ORDER * distance_m / geometry.camera.height_m * (arm_m * body.tilt_rad + body.heave_m)
+}
 
 /// k·π/2 + γ.
 fn family_angle(family: i64, geometry: &Geometry) -> Interval {

@@ -1,0 +1,137 @@
+//! Places and pictures worked out by hand.
+
+use super::*;
+
+const SIZE_PX: [u32; 2] = [641, 481];
+
+fn lens(distortion: [f64; 5]) -> Straightening {
+    Straightening::new(SIZE_PX, 400.0, distortion, RowMotion::default()).unwrap_or_else(|| panic!("a lens that bends"))
+}
+
+fn close(a: [f64; 2], b: [f64; 2]) -> bool {
+    (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9
+}
+
+#[test]
+fn a_barrel_shows_a_place_nearer_to_the_middle() {
+    // By hand, at (x, y) = (0.5, −0.4), r² = 0.41: k1 = −0.2 leaves 1 − 0.082 = 0.918 of the distance.
+    assert!(close(
+        lens([-0.2, 0.0, 0.0, 0.0, 0.0]).raw_px([520.0, 80.0]),
+        [320.0 + 200.0 * 0.918, 240.0 - 160.0 * 0.918]
+    ));
+    // k2 = 0.1 and k3 = 0.1 add 0.1·(0.1681 + 0.068921) = 0.0237021.
+    assert!(close(
+        lens([0.0, 0.1, 0.0, 0.0, 0.1]).raw_px([520.0, 80.0]),
+        [320.0 + 200.0 * 1.0237021, 240.0 - 160.0 * 1.0237021]
+    ));
+    // p1 = 0.01: u by 400·0.02·0.5·(−0.4) = −1.6, v by 400·0.01·(0.41 + 2·0.16) = 2.92; p2 = 0.01: u by 400·0.01·(0.41 + 0.5) = 3.64.
+    assert!(close(lens([0.0, 0.0, 0.01, 0.0, 0.0]).raw_px([520.0, 80.0]), [518.4, 82.92]));
+    assert!(close(lens([0.0, 0.0, 0.0, 0.01, 0.0]).raw_px([520.0, 80.0]), [523.64, 78.4]));
+}
+
+#[test]
+fn a_straightened_picture_shows_what_the_raw_one_shows_at_its_source() {
+    // A ramp along each axis tells where a pixel comes from.
+    for (axis, per_px) in [(0, 0.3), (1, 0.5)] {
+        let ramp = GrayImage::from_fn(SIZE_PX[0], SIZE_PX[1], |u, v| {
+            image::Luma([(5.0 + per_px * f64::from([u, v][axis])).round() as u8])
+        });
+        let lens = lens([-0.25, 0.06, 0.001, -0.001, 0.0]);
+        let straight = lens.straight(&ramp);
+        assert_eq!(straight.dimensions(), (641, 481), "a barrel fills the whole picture");
+        for (u, v, grey) in straight.enumerate_pixels() {
+            let expected = 5.0 + per_px * lens.raw_px([f64::from(u), f64::from(v)])[axis];
+            assert!((f64::from(grey[0]) - expected).abs() < 1.01, "{u} {v} {grey:?} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_pincushion_leaves_out_what_the_raw_picture_does_not_show() {
+    let lens = lens([0.12, 0.0, 0.0, 0.0, 0.0]);
+    let straight = lens.straight(&GrayImage::from_pixel(641, 481, image::Luma([100])));
+    let inset = lens.inset_px;
+    assert_eq!([straight.width(), straight.height()], [641 - 2 * inset[0], 481 - 2 * inset[1]]);
+    // By hand: the corner (0.8, 0.6)·s is cut where s·(1 + 0.12·s²) = 1, s = 0.9041, of which the pixel before is left.
+    let kept = [0, 1].map(|axis| 1.0 - f64::from(inset[axis]) / [320.5, 240.5][axis]);
+    assert!(kept.iter().all(|kept| (kept - 0.9041).abs() < 0.01), "{kept:?}");
+    assert!(lens.pixels().all(|pixel| lens.is_shown(pixel)));
+    let point = FloorLines {
+        lines: vec![crate::vision::FloorLine { points_px: vec![[1.0, 2.0, 0.3]], share_wrong: 0.0, family: 0 }],
+        rejected_px: vec![[0.0, 0.0, 5.0, 6.0]],
+    };
+    let [left, above] = inset.map(f64::from);
+    let moved = lens.in_pinhole(point);
+    assert_eq!(moved.lines[0].points_px, [[1.0 + left, 2.0 + above, 0.3]]);
+    assert_eq!(moved.rejected_px, [[left, above, 5.0 + left, 6.0 + above]]);
+}
+
+#[test]
+fn a_lens_that_folds_back_is_cut_before_it_does() {
+    // D' = 1 − 1.8·r² is 0.2 at r = 2/3, 267 px: a third of the way to the corner is left out.
+    let lens = lens([-0.6, 0.0, 0.0, 0.0, 0.0]);
+    assert!(lens.pixels().all(|[u, v]| (u - 320.0).hypot(v - 240.0) <= 267.0));
+    assert!(lens.pixels().count() > 400 * 300);
+    // Nothing at all is left of a lens that folds in its middle, and of another size than its own it makes nothing.
+    assert_eq!(lens.straight(&GrayImage::new(640, 480)).dimensions(), (0, 0));
+    assert!(Straightening::new([1, 1], 400.0, [0.1; 5], RowMotion::default()).is_some());
+    assert!(Straightening::new(SIZE_PX, 400.0, [0.0; 5], RowMotion::default()).is_none());
+}
+
+#[test]
+fn a_place_is_where_the_motion_has_brought_it_by_the_time_of_its_row() {
+    // By hand, without a lens: 100 rows below the middle, and a turn of 0.1 mrad a row at 50 px to the right of the middle brings it
+    // down by 0.005 px and left by 0.01 px a row; with the shift (0.02, 0.01), its own row included, v is 100/(1 − 0.015).
+    let rows = RowMotion { shift_px: [0.02, 0.01], turn_rad: 1e-4 };
+    let moving = Straightening::new(SIZE_PX, 400.0, [0.0; 5], rows).unwrap_or_else(|| panic!("a picture that moves"));
+    let row = 100.0 / (1.0 - 0.015);
+    let at = moving.at_row([370.0, 340.0]);
+    assert!((at[1] - 240.0 - row).abs() < 1e-3 && (at[0] - 370.0 - 0.01 * row).abs() < 1e-3, "{at:?}");
+    // So much motion is left alone, as none is.
+    for rows in [RowMotion { shift_px: [0.0, 0.2], turn_rad: 0.0 }, RowMotion::default()] {
+        assert!(Straightening::new(SIZE_PX, 400.0, [0.0; 5], rows).is_none());
+    }
+}
+
+#[test]
+fn stretch_is_how_far_apart_two_lines_are_whose_images_are_a_pixel_apart() {
+    let lens = lens([-0.25, 0.06, 0.001, -0.002, 0.01]);
+    for (at, angle_rad) in
+        [([100.0, 50.0], 0.3_f64), ([600.0, 300.0], 1.2), ([320.0, 240.0], 2.0), ([30.0, 470.0], -0.7)]
+    {
+        let normal: [f64; 2] = [angle_rad.cos(), angle_rad.sin()];
+        // Images of a line through the place, and of one a hundredth of a pixel beside it: their distance by points on both.
+        let image = |across: f64, along: f64| {
+            lens.raw_px([
+                at[0] + across * normal[0] - along * normal[1],
+                at[1] + across * normal[1] + along * normal[0],
+            ])
+        };
+        let nearest = (-4000..4000).map(|step| {
+            let [here, there] = [image(0.0, 0.0), image(0.01, f64::from(step) * 1e-5)];
+            (there[0] - here[0]).hypot(there[1] - here[1])
+        });
+        let apart_px = nearest.fold(f64::MAX, f64::min);
+        let stretch = lens.stretch_across(at, normal);
+        assert!((0.01 / apart_px / stretch - 1.0).abs() < 1e-3, "{at:?}: {} {stretch}", 0.01 / apart_px);
+    }
+}
+
+#[test]
+fn another_focal_length_shifts_a_straightened_point_by_what_is_told() {
+    let distortion = [-0.25, 0.06, 0.001, -0.002, 0.01];
+    let (believed, share) = (lens(distortion), 1e-4);
+    let true_one = Straightening { focal_px: 400.0 * (1.0 + share), ..lens(distortion) };
+    for pinhole_px in [[100.0, 50.0], [600.0, 300.0], [400.0, 200.0]] {
+        // The believed place with the same raw pixel, by Newton's steps.
+        let (raw_px, mut at) = (true_one.raw_px(pinhole_px), pinhole_px);
+        for _ in 0..20 {
+            let seen = believed.raw_px(at);
+            let step = believed.unbent(believed.in_focal_lengths(at), [raw_px[0] - seen[0], raw_px[1] - seen[1]]);
+            at = [at[0] + step[0], at[1] + step[1]];
+        }
+        let told_px = believed.focal_shift_px(pinhole_px).map(|shift| -share * shift);
+        let off_px = [0, 1].map(|axis| at[axis] - pinhole_px[axis] - told_px[axis]);
+        assert!(off_px[0].hypot(off_px[1]) < 1e-2 * told_px[0].hypot(told_px[1]), "{pinhole_px:?}");
+    }
+}
