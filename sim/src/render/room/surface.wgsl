@@ -144,7 +144,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
     var seen = 0.5 * matt;
     if (GLINTS) {
-        seen += face.lamplight.w * lamps_along(face.world, out, face.material.z, face.counts.xyz);
+        seen += face.lamplight.w * lamps_along(face.world, out, face.material.z, face.counts.xyz, FAR_M);
     }
     if (TEXTURE == 7u) {
         // Water mirrors what stands there and darkens what it soaks, within the edge of a puddle.
