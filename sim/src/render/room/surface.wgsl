@@ -106,8 +106,20 @@ fn texture_at(face: Face) -> f32 {
         return picture(place, face.size, pixel_m, seed);
     }
     if (TEXTURE == 7u) {
-        // Of what is below the water, tiles and concrete have a texture.
-        return select(concrete(place, pixel_m, 0u), tiles(place, extent, pixel_m, grid_of(face)), seed == 2u);
+        // What is below the water, by its number.
+        if (seed == 2u) {
+            return tiles(place, extent, pixel_m, grid_of(face));
+        }
+        if (seed == 3u) {
+            return concrete(place, pixel_m, 0u);
+        }
+        if (seed == 4u) {
+            return wood(place, extent, pixel_m);
+        }
+        if (seed == 5u) {
+            return carpet(place, face.place, face.size, pixel_m);
+        }
+        return 1.0;
     }
     if (TEXTURE == 8u) {
         return chessboard(place, extent, face.size, seed);
