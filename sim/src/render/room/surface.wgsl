@@ -117,7 +117,8 @@ fn texture_at(face: Face) -> f32 {
             return wood(place, extent, pixel_m);
         }
         if (seed == 5u) {
-            return carpet(place, face.place, face.size, pixel_m);
+            // Its border runs along walls, of which those beyond the puddle are not known here.
+            return carpet(place, place, 2.0 * place, pixel_m);
         }
         return 1.0;
     }
