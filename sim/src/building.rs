@@ -12,7 +12,7 @@ pub(crate) use coverings::covering_albedo;
 pub use panel::{Material, Panel, Part, Texture};
 pub use upright_box::UprightBox;
 pub use walls::Enclosure;
-pub(crate) use walls::{Side, enclosures};
+pub(crate) use walls::{Side, enclosures, leads_into_a_room};
 
 use nalgebra::{Point3, Vector3, vector};
 

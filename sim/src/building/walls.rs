@@ -148,6 +148,19 @@ fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
     stands.then(|| [shares[0].0.min(shares[1].0), shares[0].0.max(shares[1].0)])
 }
 
+/// Whether an open door is a hole through which another room is seen.
+pub(crate) fn leads_into_a_room(door: &Door, rooms: &[Enclosure]) -> bool {
+    // Beyond both walls, where two rooms stand back to back.
+    const BEYOND_M: f64 = 2.0 * DOOR_TO_WALL_M + 0.05;
+    let middle = raised([0, 1].map(|axis| (door.from_m[axis] + door.to_m[axis]) / 2.0), 0.0);
+    rooms.iter().enumerate().any(|(index, room)| {
+        room.sides().filter(|side| on_side(door, side).is_some()).any(|side| {
+            let behind = middle - side.inward * BEYOND_M;
+            others(rooms, index).any(|(_, other)| other.contains(behind))
+        })
+    })
+}
+
 /// What is left of 0 to 1 without the gaps.
 fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     gaps.sort_by(|one, other| one[0].total_cmp(&other[0]));
