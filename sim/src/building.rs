@@ -2,6 +2,7 @@
 
 mod body;
 mod coverings;
+mod openings;
 mod panel;
 mod upright_box;
 mod wall_things;
@@ -9,9 +10,11 @@ mod walls;
 
 pub use body::{BodyMesh, BodyVertex, STRIDE_M, UprightBody, body_mesh};
 pub(crate) use coverings::covering_albedo;
+pub use openings::Opening;
+pub(crate) use openings::leads_into_a_room;
 pub use panel::{Material, Panel, Part, Texture};
 pub use upright_box::UprightBox;
-pub use walls::{Enclosure, Opening};
+pub use walls::Enclosure;
 pub(crate) use walls::{Side, enclosures, wall_panels};
 
 use nalgebra::{Point3, Vector3, vector};
@@ -64,7 +67,7 @@ impl Building {
     pub fn furnished(scene: &Scene, drawn: &Drawn, boxes: Vec<UprightBox>) -> Building {
         let rooms = walls::enclosures(scene);
         let mut building = Building {
-            openings: walls::openings(scene, &rooms),
+            openings: openings::openings(scene, &rooms),
             rooms,
             panels: Vec::new(),
             n_large_panels: 0,

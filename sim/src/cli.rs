@@ -286,8 +286,10 @@ enum CommandError {
         wanted.map(|name| format!("{name} ")).unwrap_or_default()
     )]
     NoCamera { scene: PathBuf, wanted: Option<&'static str> },
-    #[error("render at {}, {}: outside the room, expected x from 0 to {} and y from 0 to {}", at_m[0], at_m[1], room_m[0], room_m[1])]
-    OutsideRoom { at_m: [f64; 2], room_m: [f64; 2] },
+    #[error("render {} --at {},{}: outside the room, expected x from {} to {} and y from {} to {}, as the robot's body reaches {reach_m} m about its origin", scene.display(), at_m[0], at_m[1], reach_m, room_m[0] - reach_m, reach_m, room_m[1] - reach_m)]
+    OutsideRoom { scene: PathBuf, at_m: [f64; 2], room_m: [f64; 2], reach_m: f64 },
+    #[error("render {} --at {},{}: in or by `furniture[{index}]`, expected {reach_m} m of distance, as the robot's body reaches that far about its origin", scene.display(), at_m[0], at_m[1])]
+    InFurniture { scene: PathBuf, at_m: [f64; 2], index: usize, reach_m: f64 },
     #[error("write {}: {}", .0.display(), .1)]
     Unwritable(PathBuf, io::Error),
     #[error("find markers in {}: expected a table `[markers]` with at least one marker on the map", .0.display())]

@@ -89,13 +89,27 @@ fn what_cannot_be_rendered_is_refused_with_its_reason() {
     let folder = folder("render_refused");
     fs::write(folder.join("blind.toml"), blind_scene(1.0, "")).unwrap();
     fs::write(folder.join("seeing.toml"), blind_scene(1.0, "[robot.forward_camera]\n")).unwrap();
-    let cases: [(&[&str], &str); 8] = [
+    let furnished =
+        "[robot.forward_camera]\n[[furniture]]\nname = \"box\"\nx_m = 1.5\ny_m = 1.6\nsize_m = [0.4, 0.4]\n";
+    fs::write(folder.join("furnished.toml"), blind_scene(1.0, furnished)).unwrap();
+    let cases: [(&[&str], &str); 12] = [
         (&["render", "blind.toml"], "its robot has no camera"),
         (&["render", "seeing.toml", "--camera", "ceiling"], "its robot has no ceiling camera"),
         (&["render", "seeing.toml", "--camera", "side"], "expected one of floor, forward, ceiling"),
         (&["render", "seeing.toml", "--at", "1,1"], "such as 1.5,2,90"),
         (&["render", "seeing.toml", "--at", "1,1,inf"], "such as 1.5,2,90"),
-        (&["render", "seeing.toml", "--at", "9,1,0"], "expected x from 0 to 3 and y from 0 to 2"),
+        (
+            &["render", "seeing.toml", "--at", "9,1,0"],
+            "failed to render seeing.toml --at 9,1: outside the room, expected x from 0.25 to 2.75 and y from 0.25 to 1.75",
+        ),
+        // In a wall, and where the robot's body would be in one.
+        (&["render", "seeing.toml", "--at", "1,2,90"], "outside the room"),
+        (&["render", "seeing.toml", "--at", "1,0.1,90"], "as the robot's body reaches 0.25 m about its origin"),
+        (
+            &["render", "furnished.toml", "--at", "1.6,1.5,0"],
+            "failed to render furnished.toml --at 1.6,1.5: in or by `furniture[0]`, expected 0.25 m of distance",
+        ),
+        (&["render", "furnished.toml", "--at", "1.5,1.2,0"], "in or by `furniture[0]`"),
         (&["render", "seeing.toml", "--lux", "-1"], "from 0 to 100000 lx"),
         (&["render", "seeing.toml", "--contact-sheet", "0.1,1"], "such as lux=0.1,1,10,100,1000"),
     ];

@@ -109,6 +109,16 @@ mod light_of_lamps;
 mod live_view;
 /// Rooms seen through lenses against projections of the tests' own.
 mod render_room;
+/// Puddles: mirrored things and lamps against the law of reflection, the wet floor against Ångström's.
+mod render_puddles;
+/// Glints of long lamps against their images below the floor.
+mod render_glints;
+/// People who walk, row by row and at the picture's border.
+mod render_walkers;
+/// Cracks between faces, and what defocus draws in from beyond the border.
+mod render_gaps;
+/// The ring's light on walls, people and lamps against both cosines.
+mod render_ring_light;
 /// Pictures of rooms against pictures that somebody has looked at.
 mod golden_images;
 /// `wherein render`.

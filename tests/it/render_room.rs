@@ -14,7 +14,7 @@ use sim::{
 use crate::{light_of_lamps::black_room, render_studio::renderer};
 
 /// A view of half a second with hardly any noise, in which 1 cd/m² is `levels` grey levels.
-fn quiet_view(lens: Lens, poses: Vec<Isometry3<f64>>, levels: f64) -> View {
+pub(crate) fn quiet_view(lens: Lens, poses: Vec<Isometry3<f64>>, levels: f64) -> View {
     let sensor = SensorModel {
         pixel_pitch_m: 5e-6,
         f_number: 2.0,
@@ -45,17 +45,17 @@ fn draw(scene: &Scene, view: View) -> GrayImage {
 }
 
 /// Looking down from a place, image up along world y.
-fn looking_down(x: f64, y: f64, z: f64) -> Isometry3<f64> {
+pub(crate) fn looking_down(x: f64, y: f64, z: f64) -> Isometry3<f64> {
     let rotation = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
     Isometry3::from_parts(Translation3::new(x, y, z), rotation)
 }
 
 /// Looking up from a place, image down along world y, turned about the axis and tipped.
-fn looking_up(x: f64, y: f64, z: f64, turn: Vector3<f64>) -> Isometry3<f64> {
+pub(crate) fn looking_up(x: f64, y: f64, z: f64, turn: Vector3<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_scaled_axis(turn))
 }
 
-fn level(image: &GrayImage, u: u32, v: u32) -> f64 {
+pub(crate) fn level(image: &GrayImage, u: u32, v: u32) -> f64 {
     f64::from(image.get_pixel(u, v).0[0])
 }
 
@@ -408,13 +408,13 @@ fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
 }
 
 /// A view from (0.5, 1.5, 1.6) along world x, image right along −y.
-fn looking_ahead() -> Isometry3<f64> {
+pub(crate) fn looking_ahead() -> Isometry3<f64> {
     let columns = nalgebra::Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
     Isometry3::from_parts(Translation3::new(0.5, 1.5, 1.6), UnitQuaternion::from_matrix(&columns))
 }
 
 /// Mean and variance of places by their weights.
-fn spread(places: impl Iterator<Item = (f64, f64)> + Clone) -> (f64, f64) {
+pub(crate) fn spread(places: impl Iterator<Item = (f64, f64)> + Clone) -> (f64, f64) {
     let sum: f64 = places.clone().map(|(_, weight)| weight).sum();
     let mean = places.clone().map(|(at, weight)| at * weight).sum::<f64>() / sum;
     (mean, places.map(|(at, weight)| (at - mean).powi(2) * weight).sum::<f64>() / sum)

@@ -136,6 +136,26 @@ fn a_deep_picture_is_the_same_picture_with_more_bits() {
 }
 
 #[test]
+fn counts_of_some_dozens_of_photons_are_skewed_as_poisson_s_law_is() {
+    const N_IMAGES: u32 = 4;
+    let studio = one_tile();
+    // Albedo 0.5: 16.2 electrons per lux at 10 ms.
+    for electrons in [25.0, 36.0, 60.0] {
+        let views: Vec<View> = (0..N_IMAGES).map(|image| view(&studio, counting(), electrons / 16.2, image)).collect();
+        let images: Vec<DeepImage> =
+            views.iter().flat_map(|view| draw_deep(&studio, std::slice::from_ref(view))).collect();
+        let counts: Vec<f64> = images.iter().flat_map(levels).collect();
+        let (mean, variance) = moments(counts.iter().copied());
+        let third = counts.iter().map(|count| (count - mean).powi(3)).sum::<f64>() / counts.len() as f64;
+        let skewness = third / variance.powf(1.5);
+        // The scatter of a skewness is √(6/n): 0.002 for 1.2 million pixels.
+        let (expected, deviation) = ((mean - 100.0).sqrt().recip(), (6.0 / counts.len() as f64).sqrt());
+        close(mean - 100.0, electrons, 0.02);
+        assert!((skewness - expected).abs() < 5.0 * deviation, "{skewness}, expected {expected} within {deviation}");
+    }
+}
+
+#[test]
 fn a_full_well_saturates_below_the_last_level() {
     let studio = one_tile();
     let sensor = SensorModel { full_well_electrons: 2000.0, ..counting() };

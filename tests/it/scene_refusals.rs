@@ -274,9 +274,40 @@ fn lamps_doors_and_lenses_that_cannot_be_are_refused() {
             "folds the image over within its edges",
         ),
         ("[robot.ceiling_camera]\nfocal_px = [700.0]\n".to_owned(), "a list of 1"),
+        (
+            "[robot.forward_camera]\n[light]\nilluminance_at_floor_lux = 80\nilluminance_at_camera_lux = 5\n"
+                .to_owned(),
+            "`light.illuminance_at_floor_lux = 80`: stands beside `illuminance_at_camera_lux`, expected one of the two",
+        ),
+        // The outer side of the only wall, and a further room that lies elsewhere.
+        (
+            "[[building.door]]\nfrom_m = [1.0, 0.0]\nto_m = [1.8, 0.0]\nopen = true\n".to_owned(),
+            "`building.door[0].open = true`: leads into no room, expected a `[[building.room]]`",
+        ),
+        (
+            "[[building.room]]\nx_m = 3.0\ny_m = 0.0\nwidth_m = 2.0\ndepth_m = 2.0\n\
+             [[building.door]]\nfrom_m = [1.0, 0.0]\nto_m = [1.8, 0.0]\nopen = true\n"
+                .to_owned(),
+            "`building.door[0].open = true`",
+        ),
     ];
     for (index, (keys, part)) in cases.into_iter().enumerate() {
         assert_refused(&format!("building_{index}"), blind_scene(10.0, &keys), &[part]);
+    }
+}
+
+#[test]
+fn open_doors_between_rooms_are_accepted_however_thick_the_wall() {
+    for gap_m in [0.0, 0.1, 0.3] {
+        let folder = folder("open_door");
+        let (behind_m, jamb_m) = (3.0 + gap_m, 3.0 + gap_m / 2.0);
+        let keys = format!(
+            "[[building.room]]\nx_m = {behind_m:?}\ny_m = 0.0\nwidth_m = 2.0\ndepth_m = 2.0\n\
+             [[building.door]]\nfrom_m = [{jamb_m:?}, 0.5]\nto_m = [{jamb_m:?}, 1.3]\nopen = true\n"
+        );
+        fs::write(folder.join("scene.toml"), blind_scene(0.1, &keys)).unwrap();
+        let (code, _, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
+        assert!(code != 2, "{gap_m} m: {stderr}");
     }
 }
 
@@ -414,6 +445,10 @@ fn a_sensor_that_cannot_be_is_refused() {
         ("sensor.preset = \"low_ligth\"", ["`robot.floor_camera.sensor.preset = \"low_ligth\"`", "low_light"]),
         ("sensor.f_number = 0", ["`robot.floor_camera.sensor.f_number = 0`", "from 0.7 to 32"]),
         ("sensor.prnu = -0.1", ["`robot.floor_camera.sensor.prnu = -0.1`", "from 0 to 0.2"]),
+        (
+            "sensor.exposure_s = 0.02\nsensor.longest_exposure_s = 0.01",
+            ["`robot.floor_camera.sensor.exposure_s = 0.02`", "expected at most `longest_exposure_s`, which is 0.01"],
+        ),
         ("sensor.gain = 2", ["`robot.floor_camera.sensor.gain`", "unknown key"]),
     ];
     for (index, (keys, parts)) in cases.into_iter().enumerate() {

@@ -46,7 +46,8 @@ pub(crate) fn covering_albedo(covering: Covering) -> f64 {
 /// Water over another covering, which shows through and around it. What is mirrored at right incidence is that of most varnishes
 /// too: ((1.33 − 1)/(1.33 + 1))² = 0.02.
 fn wet(below: Material) -> Material {
-    Material { texture: Texture::Wet, mirrored: below.mirrored.max(0.02), seed: below.texture as u32, ..below }
+    let seed = if below.texture == Texture::Wet { below.seed } else { below.texture as u32 };
+    Material { texture: Texture::Wet, mirrored: below.mirrored.max(0.02), seed, ..below }
 }
 
 fn material(covering: Covering, seed: u32) -> Material {
@@ -56,6 +57,7 @@ fn material(covering: Covering, seed: u32) -> Material {
         Covering::Concrete => matt(0.4, Texture::Concrete).glossy(0.03, 0.08),
         Covering::Wood => matt(0.35, Texture::Wood).glossy(0.04, 0.05),
         Covering::Carpet => matt(0.22, Texture::Carpet),
-        Covering::Wet => matt(0.28, Texture::Wet).glossy(0.02, 0.0),
+        // Over concrete.
+        Covering::Wet => Material { seed: Texture::Concrete as u32, ..matt(0.28, Texture::Wet).glossy(0.02, 0.0) },
     }
 }

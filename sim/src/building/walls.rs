@@ -6,7 +6,7 @@ use super::{LAYER_M, Material, Panel, Part, Texture, level, raised};
 use crate::scene::{Door, Scene};
 
 /// How far from a wall's foot a door may stand and still belong to it.
-const DOOR_TO_WALL_M: f64 = 0.15;
+pub(super) const DOOR_TO_WALL_M: f64 = 0.15;
 
 /// A rectangular room.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +53,7 @@ impl Enclosure {
     }
 
     /// Shares of another room's side, from 0 to 1, that lie within the room; where both rooms have a wall in one place, of the first one's.
-    fn covers(&self, side: &Side, is_first: bool) -> Option<[f64; 2]> {
+    pub(super) fn covers(&self, side: &Side, is_first: bool) -> Option<[f64; 2]> {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         for own in self.sides() {
             let (start, end) = (own.inward.dot(&(side.from - own.from)), own.inward.dot(&(side.to - own.from)));
@@ -132,12 +132,12 @@ pub(super) fn ceiling_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     rooms.iter().enumerate().map(panel).collect()
 }
 
-fn others(rooms: &[Enclosure], index: usize) -> impl Iterator<Item = (usize, &Enclosure)> {
+pub(super) fn others(rooms: &[Enclosure], index: usize) -> impl Iterator<Item = (usize, &Enclosure)> {
     rooms.iter().enumerate().filter(move |(other, _)| *other != index)
 }
 
 /// The shares of a side between a door's jambs, if the door stands on it.
-fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
+pub(super) fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
     let along = side.to - side.from;
     let shares = [door.from_m, door.to_m].map(|jamb| {
         let from_corner = raised(jamb, 0.0) - side.from;
@@ -146,39 +146,6 @@ fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
     });
     let stands = shares.iter().all(|(share, beside_m)| *beside_m <= DOOR_TO_WALL_M && (0.0..=1.0).contains(share));
     stands.then(|| [shares[0].0.min(shares[1].0), shares[0].0.max(shares[1].0)])
-}
-
-/// A hole between two rooms through which light passes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Opening {
-    /// Numbers of the rooms, the lesser first.
-    pub rooms: [usize; 2],
-    /// Area.
-    pub area_m2: f64,
-}
-
-/// Open doors, and where rooms run into each other.
-pub(crate) fn openings(scene: &Scene, rooms: &[Enclosure]) -> Vec<Opening> {
-    let length_m = |side: &Side, [from, to]: [f64; 2]| (to - from) * (side.to - side.from).norm();
-    let pairs = (0..rooms.len()).flat_map(|one| (one + 1..rooms.len()).map(move |other| [one, other]));
-    let mut found = Vec::new();
-    for pair in pairs {
-        let [one, other] = pair.map(|index| &rooms[index]);
-        // What of one room's walls is left out within the other one; a straight cut has the same on both sides.
-        let within = |room: &Enclosure, other: &Enclosure| -> f64 {
-            room.sides().filter_map(|side| Some(length_m(&side, other.covers(&side, false)?))).sum()
-        };
-        let seam_m2 = within(one, other).min(within(other, one)) * one.height_m;
-        let doors_m2 = scene.building.doors.iter().filter(|door| door.open).filter_map(|door| {
-            let width_m = |room: &Enclosure| room.sides().find_map(|side| Some(length_m(&side, on_side(door, &side)?)));
-            Some(width_m(one)?.min(width_m(other)?) * door.height_m)
-        });
-        let area_m2 = seam_m2 + doors_m2.sum::<f64>();
-        if area_m2 > 0.0 {
-            found.push(Opening { rooms: pair, area_m2 });
-        }
-    }
-    found
 }
 
 /// What is left of 0 to 1 without the gaps.

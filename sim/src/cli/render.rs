@@ -124,12 +124,19 @@ fn cameras(wanted: Option<Camera>, file: &SceneFile) -> Result<Vec<Camera>, Comm
     }
 }
 
-/// The pose asked for, which must be within the room, or the scene's start.
+/// The pose asked for, where the robot's body must have its place as at any other of the scene's, or the scene's start.
 fn pose(at: Option<At>, file: &SceneFile) -> Result<Pose, CommandError> {
     let Some(at) = at else { return Ok(file.scene.nominal_start()) };
-    let room = &file.scene.room;
-    if !(0.0..=room.width_m).contains(&at.x_m) || !(0.0..=room.depth_m).contains(&at.y_m) {
-        return Err(CommandError::OutsideRoom { at_m: [at.x_m, at.y_m], room_m: [room.width_m, room.depth_m] });
+    let (scene, at_m, reach_m) = (&file.scene, [at.x_m, at.y_m], file.scene.robot.body_radius_m);
+    let room_m = [scene.room.width_m, scene.room.depth_m];
+    // Differences like 2 − 0.25 are not always exact.
+    const ROUNDING_M: f64 = 1e-9;
+    let least_m = reach_m - ROUNDING_M;
+    if (0..2).any(|axis| !(least_m..=room_m[axis] - least_m).contains(&at_m[axis])) {
+        return Err(CommandError::OutsideRoom { scene: file.path.clone(), at_m, room_m, reach_m });
+    }
+    if let Some(index) = scene.furniture.iter().position(|furniture| furniture.distance_m(at_m) < least_m) {
+        return Err(CommandError::InFurniture { scene: file.path.clone(), at_m, index, reach_m });
     }
     Ok(Pose { x_m: at.x_m, y_m: at.y_m, heading_rad: at.heading_deg.to_radians() })
 }

@@ -48,6 +48,7 @@ fn read(text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
     let misplaced: Vec<Problem> = unreadable
         .map_or_else(|| places::contradictions(&scene), |unreadable| vec![unreadable])
         .into_iter()
+        .chain(stated_twice(&document))
         .map(|contradiction| contradiction.in_text(&document, text))
         .collect();
     if !misplaced.is_empty() {
@@ -56,6 +57,17 @@ fn read(text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
     // Only what is otherwise valid can be covered.
     scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(&document, text)])?;
     Ok(scene)
+}
+
+/// One light that is stated both at the floor and at the camera; the scene alone does not tell what is stated from what is a default.
+fn stated_twice(document: &Spanned<DeTable<'_>>) -> Option<Contradiction> {
+    let DeValue::Table(light) = document.get_ref().get("light")?.get_ref() else { return None };
+    let is_twice =
+        ["illuminance_at_floor_lux", "illuminance_at_camera_lux"].iter().all(|key| light.get(*key).is_some());
+    is_twice.then(|| Contradiction {
+        key: "light.illuminance_at_floor_lux".to_owned(),
+        expected: "stands beside `illuminance_at_camera_lux`, expected one of the two".to_owned(),
+    })
 }
 
 /// Reads the map that a scene names.

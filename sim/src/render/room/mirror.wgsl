@@ -6,10 +6,13 @@ fn below(deviations: f32) -> f32 {
     return t * t * (3.0 - 2.0 * t);
 }
 
+// Farther than anything.
+const FAR_M: f32 = 1e9;
+
 // Luminance of lamps along a ray whose direction is spread by `roughness` (standard deviation, rad) about both axes: each lamp's share of
 // the spread, so that over all directions no light is lost or won. `range` tells the first lamp to look for, the first bulb of all, and
-// where lamps to look for end.
-fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, range: vec3<u32>) -> f32 {
+// where lamps to look for end; what is farther than `farthest` is hidden.
+fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, range: vec3<u32>, farthest: f32) -> f32 {
     var sum = 0.0;
     for (var index = range.x; index < min(range.y, range.z); index++) {
         let lamp = lamps[index];
@@ -23,7 +26,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, rang
         let per_spread = 1.0 / max(max(roughness, 0.002) * distance, 1e-4);
         let share = (below((at.x + half.x) * per_spread) - below((at.x - half.x) * per_spread))
             * (below((at.y + half.y) * per_spread) - below((at.y - half.y) * per_spread));
-        sum += select(0.0, lamp.centre.w * share, height > 0.0 && towards < -1e-4);
+        sum += select(0.0, lamp.centre.w * share, height > 0.0 && towards < -1e-4 && distance < farthest);
     }
     for (var index = max(range.x, range.y); index < range.z; index++) {
         let lamp = lamps[index];
@@ -33,7 +36,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, rang
         let spread = max(roughness * along, 0.5 * lamp.normal.w);
         let share = lamp.normal.w * lamp.normal.w / (2.0 * spread * spread)
             * exp(-0.5 * dot(aside, aside) / (spread * spread));
-        sum += select(0.0, lamp.centre.w * min(share, 1.0), along > 0.0);
+        sum += select(0.0, lamp.centre.w * min(share, 1.0), along > 0.0 && along < farthest);
     }
     return sum;
 }
@@ -41,7 +44,7 @@ fn lamps_along(from_place: vec3<f32>, direction: vec3<f32>, roughness: f32, rang
 // Luminance of the nearest face or lamp along a ray from a face.
 fn nearest_along(face: Face, direction: vec3<f32>) -> f32 {
     let from_place = face.world + face.normal * 0.002;
-    var nearest = 1e9;
+    var nearest = FAR_M;
     var seen = 0.0;
     for (var index = 0u; index < face.counts.w; index++) {
         let surface = surfaces[index];
@@ -60,6 +63,6 @@ fn nearest_along(face: Face, direction: vec3<f32>) -> f32 {
             seen = surface.corner.w * textureSampleLevel(light_map, between_nodes, node, 0.0).x * face.eye.w;
         }
     }
-    let lamp_light = face.lamplight.w * lamps_along(from_place, direction, 0.002, face.counts.xyz);
+    let lamp_light = face.lamplight.w * lamps_along(from_place, direction, 0.002, face.counts.xyz, nearest);
     return max(seen, lamp_light);
 }

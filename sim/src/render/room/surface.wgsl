@@ -106,8 +106,21 @@ fn texture_at(face: Face) -> f32 {
         return picture(place, face.size, pixel_m, seed);
     }
     if (TEXTURE == 7u) {
-        // Of what is below the water, tiles and concrete have a texture.
-        return select(concrete(place, pixel_m, 0u), tiles(place, extent, pixel_m, grid_of(face)), seed == 2u);
+        // What is below the water, by its number.
+        if (seed == 2u) {
+            return tiles(place, extent, pixel_m, grid_of(face));
+        }
+        if (seed == 3u) {
+            return concrete(place, pixel_m, 0u);
+        }
+        if (seed == 4u) {
+            return wood(place, extent, pixel_m);
+        }
+        if (seed == 5u) {
+            // Its border runs along walls, of which those beyond the puddle are not known here.
+            return carpet(place, place, 2.0 * place, pixel_m);
+        }
+        return 1.0;
     }
     if (TEXTURE == 8u) {
         return chessboard(place, extent, face.size, seed);
@@ -144,7 +157,7 @@ fn surface_luminance(face: Face) -> @location(0) vec4<f32> {
     // Of the room besides lamps a rough face mirrors some mean; half of what a white wall here would show.
     var seen = 0.5 * matt;
     if (GLINTS) {
-        seen += face.lamplight.w * lamps_along(face.world, out, face.material.z, face.counts.xyz);
+        seen += face.lamplight.w * lamps_along(face.world, out, face.material.z, face.counts.xyz, FAR_M);
     }
     if (TEXTURE == 7u) {
         // Water mirrors what stands there and darkens what it soaks, within the edge of a puddle.

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use crate::{
-    building::{Enclosure, Side, enclosures, level},
+    building::{Enclosure, Side, enclosures, leads_into_a_room, level},
     scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene, parse::Contradiction},
     sensors::lens::Lens,
 };
@@ -35,6 +35,13 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
                 let expected = format!("stands on no wall, expected a place within {ON_WALL_M} m of one");
                 found.push(Contradiction { key: format!("building.door[{index}].{key}"), expected });
             }
+        }
+        let is_placed =
+            door.from_m != door.to_m && ![door.from_m, door.to_m].iter().any(|jamb| is_off_walls(&rooms, *jamb));
+        if door.open && is_placed && !leads_into_a_room(door, &rooms) {
+            let expected =
+                "leads into no room, expected a `[[building.room]]` behind the wall at its feet, or false".to_owned();
+            found.push(Contradiction { key: format!("building.door[{index}].open"), expected });
         }
         if door.height_m >= scene.building.ceiling_height_m {
             let expected = format!("expected less than the ceiling's height, {} m", scene.building.ceiling_height_m);

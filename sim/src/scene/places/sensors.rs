@@ -21,6 +21,21 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         }
         None => {}
     }
+    let sensors = [
+        ("floor", robot.floor_camera.as_ref().map(|camera| &camera.sensor)),
+        ("forward", robot.forward_camera.as_ref().map(|camera| &camera.sensor)),
+        ("ceiling", robot.ceiling_camera.as_ref().map(|camera| &camera.sensor)),
+    ];
+    for (name, sensor) in sensors {
+        let Some((fixed_s, longest_s)) = sensor.and_then(|sensor| sensor.exposure_s.zip(sensor.longest_exposure_s))
+        else {
+            continue;
+        };
+        if fixed_s > longest_s {
+            let expected = format!("expected at most `longest_exposure_s`, which is {longest_s}");
+            found_at(&format!("robot.{name}_camera.sensor.exposure_s"), expected);
+        }
+    }
     if let Some(walls) = &localizer.wall_directions
         && !walls.learns
         && walls.mapped_deg.as_ref().is_some_and(Vec::is_empty)

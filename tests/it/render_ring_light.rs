@@ -1,0 +1,142 @@
+//! The ring of diodes around a lens: I·cos α/r² across its rays, and Lambert's cosine on what they meet.
+
+use std::f64::consts::PI;
+
+use image::GrayImage;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use sim::{building::UprightBody, drawn::Drawn, render::View, scene::Scene, sensors::lens::Lens};
+
+use crate::{
+    light_of_lamps::black_room,
+    render_room::{level, looking_ahead, looking_up, quiet_view},
+    render_studio::renderer,
+};
+
+const RING_CANDELA: f64 = 10.0;
+const DARK: &str = "[light]\nilluminance_at_floor_lux = 0.0\n";
+
+fn look(scene: &Scene, bodies: &[UprightBody], (lens, pose): (Lens, Isometry3<f64>), levels: f64) -> GrayImage {
+    let mut renderer = renderer();
+    let mut world = renderer.upload_room(scene, &Drawn::draw(scene, 0)).unwrap();
+    world.place_bodies(bodies);
+    let lens = Lens { ring_candela: RING_CANDELA, ..lens };
+    renderer
+        .draw(&world, &[View { illuminance_at_floor_lux: 0.0, ..quiet_view(lens, vec![pose], levels) }])
+        .unwrap()
+        .remove(0)
+}
+
+/// Mean of 3 × 3 pixels.
+fn around(image: &GrayImage, [u, v]: [f64; 2]) -> f64 {
+    let (u, v) = (u.round() as u32, v.round() as u32);
+    (0..9).map(|index| level(image, u - 1 + index % 3, v - 1 + index / 3)).sum::<f64>() / 9.0
+}
+
+/// Level at right incidence on a matt face of this albedo: E/π with E = I·cos α·cos β/r².
+fn expected(levels: f64, albedo: f64, cosines: f64, distance_m: f64) -> f64 {
+    levels * albedo * RING_CANDELA * cosines / (PI * distance_m.powi(2))
+}
+
+/// Along world x, image right along −y, and turned left by an angle.
+fn turned(x_m: f64, height_m: f64, left_rad: f64) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), left_rad);
+    Isometry3::from_parts(Translation3::new(x_m, 1.5, height_m), turn * looking_ahead().rotation)
+}
+
+#[test]
+fn a_wall_s_luminance_falls_by_the_cosine_off_the_axis_and_by_that_of_incidence() {
+    let text = "[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.6\nceiling_albedo = 0.0\nskirting_albedo = 0.0\n\
+        [start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n[light]\nilluminance_at_floor_lux = 0.0\n";
+    let scene = Scene::parse(text, "ring.toml").unwrap();
+    let (levels, left_rad) = (100.0, 0.5);
+    let lens = Lens::ideal([321, 161], 150.0);
+    let image = look(&scene, &[], (lens, turned(2.0, 1.3, left_rad)), levels);
+    // The wall at x = 4 is 2 m ahead; a pixel's ray in the world, by the turn.
+    for u in [20.0, 100.0, 160.0, 220.0, 300.0] {
+        for v in [30.0, 80.0, 120.0] {
+            let (right, down) = ((u - 160.0) / 150.0, (v - 80.0) / 150.0);
+            let length = 1.0_f64.hypot(right).hypot(down);
+            let (forward, left) = (left_rad.cos() + right * left_rad.sin(), left_rad.sin() - right * left_rad.cos());
+            let (incidence, off_axis) = (forward / length, 1.0 / length);
+            let distance_m = 2.0 / incidence;
+            if (left / forward * 2.0).abs() > 1.4 {
+                continue;
+            }
+            let (seen, expected) = (around(&image, [u, v]), expected(levels, 0.6, off_axis * incidence, distance_m));
+            // Plaster varies by 3.5 %.
+            assert!((seen / expected - 1.0).abs() < 0.045, "{u}, {v}: {seen}, expected {expected}");
+        }
+    }
+}
+
+fn person(x_m: f64) -> UprightBody {
+    UprightBody {
+        middle_m: [x_m, 1.5],
+        heading_rad: PI,
+        height_m: 1.75,
+        radius_m: 0.23,
+        stride: 0.0,
+        velocity_m_per_s: [0.0; 2],
+    }
+}
+
+#[test]
+fn a_person_s_luminance_falls_by_the_cosine_off_the_axis() {
+    let scene = black_room(DARK);
+    let levels = 150.0;
+    // The chest, 0.7 of the height above the floor: half as deep as half the width over the shoulders, shirt of albedo 0.35.
+    let distance_m = 2.0 - 0.5 * 0.23;
+    for left_rad in [-0.7_f64, -0.35, 0.0, 0.35, 0.7] {
+        let lens = Lens::ideal([321, 65], 150.0);
+        let image = look(&scene, &[person(3.0)], (lens, turned(1.0, 0.7 * 1.75, left_rad)), levels);
+        let seen = around(&image, [160.0 + 150.0 * left_rad.tan(), 32.0]);
+        let expected = expected(levels, 0.35, left_rad.cos(), distance_m);
+        assert!((seen / expected - 1.0).abs() < 0.03, "{left_rad} rad: {seen}, expected {expected}");
+    }
+}
+
+#[test]
+fn a_neck_is_as_bright_to_its_sides_as_the_cosine_on_an_ellipse_has_it() {
+    let scene = black_room(DARK);
+    // Seen from its own height, 0.86 of the body's; of skin, 0.22 of half the width over the shoulders wide and 0.24 deep.
+    let (levels, focal_px) = (400.0, 1500.0);
+    let (across_m, deep_m) = (0.22 * 0.23, 0.24 * 0.23);
+    let lens = Lens::ideal([161, 17], focal_px);
+    let image = look(&scene, &[person(2.5)], (lens, turned(1.0, 0.86 * 1.75, 0.0)), levels);
+    // It falls by some hundredths from pixel to pixel.
+    let between = |image: &GrayImage, u: f64| {
+        let (left, share) = (u.floor() as u32, u - u.floor());
+        (1.0 - share) * level(image, left, 8) + share * level(image, left + 1, 8)
+    };
+    for degrees in [-60.0_f64, -30.0, 0.0, 30.0, 60.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        // A place of the ellipse, its way from the eye, and the normal (cos/b, sin/a).
+        let at = Point3::new(1.5 - deep_m * cos, across_m * sin, 0.0);
+        let normal = Vector3::new(-cos / deep_m, sin / across_m, 0.0).normalize();
+        let incidence = -at.coords.normalize().dot(&normal);
+        let (seen, expected) = (
+            between(&image, 80.0 + focal_px * at.y / at.x),
+            expected(levels, 0.35, incidence * at.x / at.coords.norm(), at.coords.norm()),
+        );
+        assert!((seen / expected - 1.0).abs() < 0.06, "{degrees}°: {seen}, expected {expected}");
+    }
+}
+
+#[test]
+fn a_lamp_that_is_off_shows_its_diffuser_in_the_ring_s_light() {
+    let panel =
+        "[[lamp]]\nkind = \"panel\"\nx_m = 2.0\ny_m = 1.5\nheight_m = 2.5\nsize_m = [2.4, 2.4]\nlumens = 1000\n";
+    let scene = black_room(&format!("{DARK}{panel}"));
+    let levels = 100.0;
+    let image =
+        look(&scene, &[], (Lens::ideal([161, 161], 100.0), looking_up(2.0, 1.5, 1.0, Vector3::zeros())), levels);
+    for aside_px in [0.0, 30.0, 60.0, 75.0] {
+        let cosine = 1.0 / 1.0_f64.hypot(aside_px / 100.0);
+        // Of albedo 0.7; both cosines are that of the ray, which is 1.5 m/cos long.
+        let expected = expected(levels, 0.7, cosine.powi(2), 1.5 / cosine);
+        for at in [[80.0 + aside_px, 80.0], [80.0, 80.0 - aside_px]] {
+            let seen = around(&image, at);
+            assert!((seen / expected - 1.0).abs() < 0.03, "{at:?}: {seen}, expected {expected}");
+        }
+    }
+}

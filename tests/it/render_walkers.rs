@@ -1,0 +1,140 @@
+//! People who walk while a picture is taken: where each row of a rolling shutter sees them, who is left out, and their shadows.
+
+use std::f64::consts::PI;
+
+use image::GrayImage;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use sim::{building::UprightBody, drawn::Drawn, render::View, scene::Scene, sensors::lens::Lens};
+
+use crate::{
+    light_of_lamps::black_room,
+    render_room::{level, looking_ahead, quiet_view, spread},
+    render_studio::renderer,
+};
+
+/// Levels for 1 cd/m² at which whatever is lit is white, so that a row tells how much of each pixel is covered.
+const WHITE: f64 = 3000.0;
+
+fn person(middle_m: [f64; 2], heading_rad: f64, speed_m_per_s: f64) -> UprightBody {
+    UprightBody {
+        middle_m,
+        heading_rad,
+        height_m: 1.75,
+        radius_m: 0.23,
+        stride: 0.0,
+        velocity_m_per_s: [speed_m_per_s * heading_rad.cos(), speed_m_per_s * heading_rad.sin()],
+    }
+}
+
+/// What a camera sees of people in exposures of half a second, or of `exposure_s` with as many photons.
+fn look(scene: &Scene, bodies: &[UprightBody], view: View, exposure_s: f64) -> GrayImage {
+    let mut renderer = renderer();
+    let mut world = renderer.upload_room(scene, &Drawn::draw(scene, 0)).unwrap();
+    world.place_bodies(bodies);
+    let mut view = View { illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(), ..view };
+    view.sensor.quantum_efficiency *= view.exposure_s / exposure_s;
+    view.exposure_s = exposure_s;
+    renderer.draw(&world, &[view]).unwrap().remove(0)
+}
+
+/// Along world x, image right along −y, from here.
+fn ahead_from(x_m: f64, y_m: f64, z_m: f64) -> Isometry3<f64> {
+    Isometry3::from_parts(Translation3::new(x_m, y_m, z_m), looking_ahead().rotation)
+}
+
+/// Walls and ceiling are black: where no camera sees the floor, nothing is lit but people.
+fn lit_room() -> Scene {
+    black_room("[light]\nilluminance_at_floor_lux = 200\n")
+}
+
+#[test]
+fn rows_of_a_rolling_shutter_see_people_where_they_then_are() {
+    let (row_time_s, exposure_s, focal_px, before_m) = (100e-6, 0.0005, 600.0, 2.0);
+    let total_s = exposure_s + 479.0 * row_time_s;
+    let lens = Lens { row_time_s, ..Lens::ideal([320, 480], focal_px) };
+    let scene = lit_room();
+    // A head, whose middle is 0.91 of the height above the floor, seen on one row after another: both its sides are alike.
+    let head_m = 0.91 * 1.75;
+    for speed_m_per_s in [1.2, -1.2] {
+        for row in [40.0, 140.0, 239.5, 340.0, 440.0] {
+            let eye_m = head_m + (row - 239.5) * before_m / focal_px;
+            let view = quiet_view(lens.clone(), vec![ahead_from(1.0, 1.5, eye_m)], WHITE);
+            // Faces and walks along −y, to the right; at y = 1.5 when the last row's exposure ends.
+            let walker = person([1.0 + before_m, 1.5], -PI / 2.0, speed_m_per_s);
+            let image = look(&scene, &[walker], view, exposure_s);
+            for v in row as u32 - 3..row as u32 + 3 {
+                let before_end_s = total_s - 0.5 * exposure_s - f64::from(v) * row_time_s;
+                let expected = 159.5 - focal_px / before_m * speed_m_per_s * before_end_s;
+                let (seen, _) = spread((0..320).map(|u| (f64::from(u), level(&image, u, v))));
+                // White or not, a pixel on either side counts as a whole one.
+                assert!((seen - expected).abs() < 0.6, "{speed_m_per_s} m/s, row {v}: {seen}, expected {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn of_somebody_beside_the_picture_the_arm_is_seen_that_reaches_into_it() {
+    let (focal_px, before_m) = (300.0, 1.0);
+    let scene = lit_room();
+    let view = || quiet_view(Lens::ideal([160, 240], focal_px), vec![ahead_from(0.5, 1.5, 1.2)], WHITE);
+    // Arms reach 0.9 + 0.2 of the half width at 0.8 of the height.
+    let (reach_px, row) = (focal_px * 1.1 * 0.23 / before_m, 119.5 - focal_px * (0.8 * 1.75 - 1.2) / before_m);
+    for side in [-1.0, 1.0] {
+        // The body's axis is 40 px beyond the picture's border.
+        let axis_px = 79.5 + side * 120.0;
+        let standing = person([0.5 + before_m, 1.5 - side * 120.0 * before_m / focal_px], PI, 0.0);
+        let image = look(&scene, &[standing], view(), 0.5);
+        let lit: f64 = (0..160).map(|u| level(&image, u, row.round() as u32) / 255.0).sum();
+        let border_px = 79.5 + side * 80.0;
+        let expected = reach_px - (axis_px - border_px).abs();
+        assert!((lit - expected).abs() < 3.0, "{side}: {lit} px, expected {expected}");
+    }
+}
+
+#[test]
+fn somebody_who_runs_out_of_the_picture_has_been_in_it() {
+    let (focal_px, before_m) = (300.0, 3.0);
+    let scene = lit_room();
+    let view = |levels| quiet_view(Lens::ideal([160, 120], focal_px), vec![ahead_from(0.5, 0.6, 1.2)], levels);
+    let row = (59.5 - focal_px * (0.7 * 1.75 - 1.2) / before_m).round() as u32;
+    let column_of = |y_m: f64| (79.5 - focal_px * (y_m - 0.6) / before_m).round() as u32;
+    let levels = 12.0;
+    let still = look(&scene, &[person([3.5, 1.25], PI / 2.0, 0.0)], view(levels), 0.5);
+    let full = level(&still, column_of(1.25), row);
+    // In half a second from y = 1 to y = 2.5, far beyond the picture, which ends at y = 1.4.
+    let image = look(&scene, &[person([3.5, 2.5], PI / 2.0, 3.0)], view(8.0 * levels), 0.5);
+    // A trunk is half as deep as half its width: it passes a place in 0.23 m of 1.5 m; sub-frames know that to a fifth, and
+    // people are lit as where they are at the end.
+    let share = level(&image, column_of(1.25), row) / full / 8.0;
+    assert!((0.5..1.5).contains(&(share / (0.23 / 1.5))), "{share} of {full}, expected {}", 0.23 / 1.5);
+}
+
+#[test]
+fn a_camera_that_goes_with_a_shadow_sees_it_sharp() {
+    // A bulb at (0.5, 1.5) and a person 1 m from it: on the floor 1.6 m from it the shadow moves 1.6 times as far.
+    let scene = black_room(
+        "[[lamp]]\nkind = \"point\"\nx_m = 0.5\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\nspectrum = \"monochrome\"\n",
+    );
+    let lens = Lens::ideal([320, 64], 240.0);
+    // Straight down on the floor 1.6 m from the lamp, image right along world y; from 1.2 m 200 px to the metre.
+    let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI / 2.0) * down;
+    let pose = |y_m: f64| Isometry3::from_parts(Translation3::new(2.1, y_m, 1.2), turned);
+    let walker = |speed: f64| UprightBody { radius_m: 0.15, ..person([1.5, 1.5], PI / 2.0, speed) };
+    // The shadow ends at y = 1.5, and so does the camera.
+    let along = |bodies: &[UprightBody], speed_m_per_s: f64| {
+        let poses = (0..=4).map(|index| pose(1.5 - 1.6 * speed_m_per_s * 0.5 * (1.0 - f64::from(index) / 4.0)));
+        let image = look(&scene, bodies, quiet_view(lens.clone(), poses.collect(), 60.0), 0.5);
+        (0..320).map(|u| (28..36).map(|v| level(&image, u, v)).sum::<f64>()).collect::<Vec<f64>>()
+    };
+    let shadow = |speed_m_per_s: f64| {
+        let (lit, shaded) = (along(&[], speed_m_per_s), along(&[walker(speed_m_per_s)], speed_m_per_s));
+        spread((0..320).map(|u| (u as f64, 1.0 - shaded[u] / lit[u])).collect::<Vec<_>>().into_iter())
+    };
+    let (still, walking) = (shadow(0.0), shadow(0.5));
+    assert!((still.0 - walking.0).abs() < 3.0, "{still:?}, {walking:?}");
+    // Shadows are set anew every 0.05 m of the way, while the camera goes on: a box of 16 px, whose variance is 16²/12; without, of 80 px.
+    let added = walking.1 - still.1;
+    assert!((-10.0..60.0).contains(&added), "{added} px², {still:?}, {walking:?}");
+}
