@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use localizer::{Claim, Interval, Pose, reading::LandmarkId};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point2, Point3, Vector3};
 
 use super::markers;
 use crate::{
@@ -65,8 +65,15 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     let lens = Lens::floor(camera, mount);
     let mut near: BTreeMap<(usize, i32), usize> = BTreeMap::new();
     for &[u_px, v_px, bound_px] in points_px {
-        let Some((place_m, pixels_per_m)) = on_floor([u_px, v_px], &lens, truth, mount) else { continue };
-        for joint in laid.joints_within(tiles, place_m, bound_px / pixels_per_m) {
+        let look = |du_px: f64, dv_px: f64| on_floor([u_px + du_px, v_px + dv_px], &lens, truth, mount);
+        let (Some(place_m), Some([along_u, along_v])) = (look(0.0, 0.0), slopes(&look)) else { continue };
+        // What a pixel across the joint's image is on the floor across the joint, for either family's normal.
+        let distance_m = [0.0, 90.0].map(|turn_deg| {
+            let (sin, cos) = f64::to_radians(tiles.rotation_deg + turn_deg).sin_cos();
+            let across = |slope: [f64; 2]| cos * slope[0] + sin * slope[1];
+            bound_px * across(along_u).hypot(across(along_v))
+        });
+        for joint in laid.joints_within(tiles, place_m.into(), distance_m) {
             *near.entry(joint).or_default() += 1;
         }
     }
@@ -127,20 +134,21 @@ fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Sce
     in_robot_m[0].contains(cos * x_m + sin * y_m) && in_robot_m[1].contains(cos * y_m - sin * x_m)
 }
 
-/// Where a pixel of the floor camera looks when its row is exposed, and how many pixels a metre there takes at least; `None` if it does not look
-/// at the floor.
-fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnFloorCamera) -> Option<([f64; 2], f64)> {
+/// How a place on the floor moves with the pixel: for one pixel to the right, and for one down.
+fn slopes(look: &dyn Fn(f64, f64) -> Option<Point2<f64>>) -> Option<[[f64; 2]; 2]> {
+    let between = |from: Point2<f64>, to: Point2<f64>| (to - from).into();
+    Some([between(look(-0.5, 0.0)?, look(0.5, 0.0)?), between(look(0.0, -0.5)?, look(0.0, 0.5)?)])
+}
+
+/// Where a pixel of the floor camera looks when its row is exposed; `None` if it does not look at the floor.
+fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnFloorCamera) -> Option<Point2<f64>> {
     let [x, y] = lens.ray([u_px, v_px])?;
     let after_middle_s = (v_px - 0.5 * f64::from(lens.size_px[1] - 1)) * lens.row_time_s;
     let world_from_camera = world_from_floor_camera(&moved_on(truth, after_middle_s), mount);
     let direction = world_from_camera * Vector3::new(x, y, 1.0);
     let origin = world_from_camera * Point3::origin();
-    if direction.z >= 0.0 {
-        return None;
-    }
-    let depth_m = -origin.z / direction.z;
-    let place = origin + direction * depth_m;
-    Some(([place.x, place.y], lens.least_scale([x, y]) / depth_m))
+    let place = origin - direction * (origin.z / direction.z);
+    (direction.z < 0.0).then(|| place.xy())
 }
 
 /// The robot's pose a moment later or earlier, at its present velocity.

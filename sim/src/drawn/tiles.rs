@@ -101,13 +101,13 @@ impl LaidTiles {
             .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
     }
 
-    /// Family and index of every joint whose centre line passes within a distance of a place in the world; each once.
-    pub fn joints_within(&self, tiles: &Tiles, place_in_world_m: [f64; 2], distance_m: f64) -> Vec<(usize, i32)> {
+    /// Family and index of every joint whose centre line passes within its family's distance of a place in the world; each once.
+    pub fn joints_within(&self, tiles: &Tiles, place_in_world_m: [f64; 2], distance_m: [f64; 2]) -> Vec<(usize, i32)> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
         let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
         let mut joints: Vec<(usize, i32)> = self
             .segments_within(tiles, place, reach)
-            .filter(|segment| segment.distance_m(place) <= distance_m)
+            .filter(|segment| segment.distance_m(place) <= distance_m[segment.axis])
             .map(|segment| (segment.axis, segment.index))
             .collect();
         joints.sort_unstable();

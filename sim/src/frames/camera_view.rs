@@ -137,8 +137,14 @@ fn edge(
 
 /// The line through a claim's points, and the points that hold it up.
 fn joint(canvas: &mut Canvas, points_px: &[[f64; 3]], place: impl Fn(f64, f64) -> [f64; 2], colour: Rgb<u8>) {
-    if let (Some(first), Some(last)) = (points_px.first(), points_px.last()) {
-        canvas.line(place(first[0], first[1]), place(last[0], last[1]), 1.6, colour);
+    // Behind a bent lens a joint is a curve: from end to end by way of the means of its eighths.
+    let mean =
+        |part: &[[f64; 3]]| [0, 1].map(|axis| part.iter().map(|point| point[axis]).sum::<f64>() / part.len() as f64);
+    let ends = [points_px.first(), points_px.last()].map(|end| end.map(|[u, v, _]| [*u, *v]));
+    let parts = points_px.chunks(points_px.len().div_ceil(8).max(1)).map(mean);
+    let knots: Vec<[f64; 2]> = ends[0].into_iter().chain(parts).chain(ends[1]).collect();
+    for knot in knots.windows(2) {
+        canvas.line(place(knot[0][0], knot[0][1]), place(knot[1][0], knot[1][1]), 1.6, colour);
     }
     // More points than this run together.
     let every = points_px.len().div_ceil(40).max(1);

@@ -131,9 +131,9 @@ fn floor_camera_model(camera: &FloorCamera) -> FloorCameraModel {
         height_px: camera.height_px,
         pixels_per_m: relative(f64::from(camera.width_px) / camera.footprint_width_m, camera.scale_tolerance),
         height_m: camera.height_m,
-        distortion: [0.0; 5],
-        distortion_px: 0.0,
-        row_time_s: 0.0,
+        distortion: camera.lens.distortion,
+        distortion_px: camera.distortion_tolerance_px,
+        row_time_s: camera.lens.row_time_s,
         position_m: [
             Interval::centred(camera.forward_m, camera.position_tolerance_m),
             Interval::centred(camera.left_m, camera.position_tolerance_m),

@@ -141,13 +141,6 @@ impl Lens {
         None
     }
 
-    /// Pixels that a move of the point at depth 1 takes in the direction in which it takes fewest, for each unit.
-    pub fn least_scale(&self, point: [f64; 2]) -> f64 {
-        let [[a, b], [c, d]] = self.slope(point);
-        // The lesser singular value: half the difference of two norms, as a rotation and a reflection share a matrix of two rows.
-        0.5 * ((a + d).hypot(b - c) - (a - d).hypot(b + c)).abs()
-    }
-
     /// ∂pixel/∂point, row by row.
     fn slope(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let [k1, k2, p1, p2, k3] = self.distortion;
