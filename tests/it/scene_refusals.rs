@@ -450,6 +450,18 @@ fn a_sensor_that_cannot_be_is_refused() {
             ["`robot.floor_camera.sensor.exposure_s = 0.02`", "expected at most `longest_exposure_s`, which is 0.01"],
         ),
         ("sensor.gain = 2", ["`robot.floor_camera.sensor.gain`", "unknown key"]),
+        (
+            "lens.distortion = [-0.5, 0.0, 0.0, 0.0, 0.0]",
+            ["`robot.floor_camera.lens.distortion", "folds the image over within its edges"],
+        ),
+        ("lens.row_time_s = 0.1", ["`robot.floor_camera.lens.row_time_s = 0.1`", "from 0 to 0.001"]),
+        (
+            "[robot.forward_camera]\nturning_exposure_s = 0.5",
+            [
+                "`robot.forward_camera.turning_exposure_s = 0.5`",
+                "expected at most the longest exposure, which is 0.033",
+            ],
+        ),
     ];
     for (index, (keys, parts)) in cases.into_iter().enumerate() {
         assert_refused(&format!("impossible_sensor_{index}"), with(keys), &parts);

@@ -111,7 +111,7 @@ impl RoomPass {
                 slot.plate(index),
                 seen_by.plate.texture().size(),
             );
-            self.draw_edges(encoder, (world, &people), (&edges, narrow.len() as u32, slot), &how, index);
+            self.draw_edges(encoder, (world, lit, &people), (&edges, narrow.len() as u32, slot), &how, index);
         }
         if frames.len() > 1 {
             self.draw_mean(encoder, slot, &seen_by.plate);
@@ -186,7 +186,7 @@ impl RoomPass {
     fn draw_edges(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        (world, people): (&RoomWorld, &[usize]),
+        (world, lit, people): (&RoomWorld, &wgpu::BindGroup, &[usize]),
         (runs, n_strips, slot): (&[Range<u32>], u32, &RoomSlot),
         how: &Use,
         index: usize,
@@ -207,7 +207,7 @@ impl RoomPass {
             ..Default::default()
         });
         pass.set_bind_group(0, &slot.view_bindings, &[plate::view_offset(index); 2]);
-        pass.set_bind_group(1, world.bindings(how.band()), &[]);
+        pass.set_bind_group(1, lit, &[]);
         pass.set_bind_group(2, &slot.stepped_bindings, &[]);
         pass.set_pipeline(self.pipelines.edges(how));
         pass.set_vertex_buffer(0, world.edges[usize::from(how.rolling())].slice(..));

@@ -91,13 +91,16 @@ fn body_blur_px(lens: &Lens, camera: [&Isometry3<f64>; 2], body: &UprightBody, e
     let [width, height] = lens.size_px.map(f64::from);
     let of_height = |share: f64| {
         let place = Point3::new(body.middle_m[0], body.middle_m[1], share * body.height_m);
-        let seen = camera[1].inverse_transform_point(&place);
-        let [u, v] = lens.pixel([seen.x / seen.z, seen.y / seen.z]);
-        let in_view =
-            seen.z > body.radius_m && (-width..2.0 * width).contains(&u) && (-height..2.0 * height).contains(&v);
+        let places = [place - walked, place];
+        let seen = [0, 1].map(|instant: usize| camera[instant].inverse_transform_point(&places[instant]));
+        let in_view = seen.iter().any(|seen| {
+            let [u, v] = lens.pixel([seen.x / seen.z, seen.y / seen.z]);
+            seen.z > body.radius_m && (-width..2.0 * width).contains(&u) && (-height..2.0 * height).contains(&v)
+        });
         // Its near side passes faster than its middle.
-        let nearer = seen.z / (seen.z - body.radius_m).max(NEAREST_M);
-        in_view.then(|| way_px(lens, camera, [place - walked, place]))?.map(|way_px| way_px * nearer)
+        let depth_m = seen[0].z.min(seen[1].z);
+        let nearer = depth_m / (depth_m - body.radius_m).max(NEAREST_M);
+        in_view.then(|| way_px(lens, camera, places))?.map(|way_px| way_px * nearer)
     };
     [0.1, 0.5, 0.9].into_iter().filter_map(of_height).fold(0.0, f64::max)
 }

@@ -36,6 +36,14 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             found_at(&format!("robot.{name}_camera.sensor.exposure_s"), expected);
         }
     }
+    if let Some(camera) = &robot.forward_camera
+        && let Some(turning_s) = camera.turning_exposure_s
+        && turning_s > camera.sensor_model().longest_exposure_s
+    {
+        let expected =
+            format!("expected at most the longest exposure, which is {}", camera.sensor_model().longest_exposure_s);
+        found_at("robot.forward_camera.turning_exposure_s", expected);
+    }
     if let Some(walls) = &localizer.wall_directions
         && !walls.learns
         && walls.mapped_deg.as_ref().is_some_and(Vec::is_empty)
