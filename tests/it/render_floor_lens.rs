@@ -235,6 +235,21 @@ fn a_rolling_shutter_skews_the_floor_by_each_rows_time() {
 }
 
 #[test]
+fn a_floor_fills_a_rolling_picture_to_its_corners() {
+    for floor in ["", "[floor.tiles]\nedge_x_m = 0.3\nedge_y_m = 0.3\n"] {
+        let studio = Studio::new(4.0, floor);
+        for row_time_s in [ROW_TIME_S, 10.0 * ROW_TIME_S] {
+            let mut view = rolling(&studio, BENT);
+            view.lens.row_time_s = row_time_s;
+            view.world_from_camera = DRIVE.poses(&studio, EXPOSURE_S + 479.0 * row_time_s);
+            let image = studio.draw(view);
+            let darkest = image.pixels().map(|pixel| pixel.0[0]).min().unwrap();
+            assert!(darkest > 30, "{floor:?}, rows of {row_time_s} s: {darkest}");
+        }
+    }
+}
+
+#[test]
 fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() {
     // Marble, tiles of very different albedo, joints, a wire and a carpet's edge: every kind of thing that a floor has.
     let floor = "[floor.tiles]\nedge_x_m = 0.2\nedge_y_m = 0.15\npattern = \"marble\"\ntile_albedo_spread = 0.3\n\

@@ -31,6 +31,8 @@ pub(super) struct TileInstance {
     anchor: [f32; 2],
     albedo: f32,
     seed: u32,
+    /// 0 for a face whose corners are nowhere to be seen.
+    ends: u32,
 }
 
 /// `Band` of band.wgsl.
@@ -92,14 +94,15 @@ impl BandInstance {
     }
 }
 
-/// One face over the whole view.
+/// One face over all that the view sees at any time of its exposure.
 pub(super) fn plain_face(seen: &Footprint) -> TileInstance {
-    let (low, high) = (seen.low, seen.high);
+    let (low, high) = (seen.low - seen.motion_m, seen.high + seen.motion_m);
     TileInstance {
         corners: [low, vector![high.x, low.y], vector![low.x, high.y], high].map(single),
         anchor: [0.0; 2],
         albedo: PLAIN_ALBEDO,
         seed: 0,
+        ends: 0,
     }
 }
 
@@ -159,6 +162,7 @@ impl TileWindow<'_> {
             anchor: single(self.nominal_corner([i, j])),
             albedo: self.laid.tile_albedo[self.index([i, j])],
             seed: tile_seed(self.laid.pattern_seed, i, j),
+            ends: 1,
         }
     }
 

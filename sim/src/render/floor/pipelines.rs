@@ -28,7 +28,7 @@ const OVER: BlendComponent = BlendComponent {
 /// A pipeline for each pattern, in the order of [`Pattern`], for a rolling shutter or a global one.
 pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rolling: bool) -> [wgpu::RenderPipeline; 4] {
     let tile_attributes = wgpu::vertex_attr_array![
-        0 => Float32x4, 1 => Float32x4, 2 => Float32x2, 3 => Float32, 4 => Uint32
+        0 => Float32x4, 1 => Float32x4, 2 => Float32x2, 3 => Float32, 4 => Uint32, 5 => Uint32
     ];
     let tile_module = module(device, "tile", TILE_SHADER);
     [Pattern::Plain, Pattern::Speckle, Pattern::Marble, Pattern::Stripes].map(|pattern| {

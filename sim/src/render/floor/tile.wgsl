@@ -8,6 +8,8 @@ struct Tile {
     @location(2) anchor: vec2<f32>,
     @location(3) albedo: f32,
     @location(4) seed: u32,
+    // 0 if its corners are nowhere to be seen.
+    @location(5) ends: u32,
 }
 
 struct Face {
@@ -36,7 +38,7 @@ fn tile_corner(@builtin(vertex_index) index: u32, tile: Tile) -> Face {
     let pair = select(tile.low_corners, tile.high_corners, index >= 2u);
     let corner = select(pair.xy, pair.zw, (index & 1u) == 1u);
     return Face(
-        clip_at(on_its_row(corner)),
+        clip_at(select(corner, on_its_row(corner), tile.ends == 1u)),
         view.start.x.xyz,
         view.start.y.xyz,
         view.start.depth.xyz,

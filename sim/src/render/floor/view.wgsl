@@ -117,7 +117,7 @@ fn on_its_row(place: vec2<f32>) -> vec2<f32> {
         return place;
     }
     var shown = place;
-    for (var round = 0; round < 4; round++) {
+    for (var round = 0; round < 8; round++) {
         let clip = clip_at(shown);
         if (clip.w <= 0.0) {
             return place;
