@@ -23,7 +23,10 @@ pub use spectrum::{EQUIVALENT_LUMENS_PER_WATT_850_NM, Photons};
 
 use nalgebra::{Point3, Vector3};
 
-use crate::{building::Building, scene::Scene};
+use crate::{
+    building::{Building, Opening},
+    scene::Scene,
+};
 
 /// Lamps of a scene in its building, with what is in the way.
 #[derive(Clone, Debug)]
@@ -34,6 +37,8 @@ pub struct Lighting {
     pub occluders: Occluders,
     /// Light that arrives by way of walls, floor and ceiling, by room.
     pub bounces: Vec<Bounce>,
+    /// Holes between them.
+    pub openings: Vec<Opening>,
     /// Factor on everything, so that the scene's illuminance comes out.
     pub dimming: f64,
 }
@@ -76,6 +81,7 @@ impl Lighting {
             sources: source::sources(scene, building),
             occluders: Occluders::new(building),
             bounces: Vec::new(),
+            openings: building.openings.clone(),
             dimming: 1.0,
         }
     }
@@ -95,6 +101,11 @@ impl Lighting {
     /// All light at a point of a surface in a room; `samples` as in [`Lighting::direct_at`].
     pub fn at(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize, samples: usize) -> Illuminance {
         let direct = self.direct_at(at, normal, samples);
-        self.bounces.get(room).map_or(direct, |bounce| direct.plus(self.dimming, bounce.onto(normal)))
+        direct.plus(self.dimming, self.bounced(at, normal, room))
+    }
+
+    /// What bounces, undimmed, onto a point of a surface in a room.
+    pub(crate) fn bounced(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize) -> Illuminance {
+        Bounce::at(&self.bounces, &self.openings, room, (at, normal))
     }
 }

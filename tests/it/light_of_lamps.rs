@@ -259,14 +259,67 @@ fn light_that_bounces_goes_through_open_doors_and_none_is_lost() {
             .sum()
     };
     let shut = rooms("");
-    // Nodes on the line where both rooms meet see both sides of the wall.
-    assert!(taken_lm(&shut, 1) < 5.0);
+    assert_eq!(taken_lm(&shut, 1), 0.0);
     close(taken_lm(&shut, 0), 1000.0, 0.02);
     let open = rooms("[[building.door]]\nfrom_m = [3.0, 0.5]\nto_m = [3.0, 2.0]\nheight_m = 2.0\nopen = true\n");
     let (first_lm, second_lm) = (taken_lm(&open, 0), taken_lm(&open, 1));
     close(first_lm + second_lm, 1000.0, 0.02);
     // Walls take on average what bounces there, of which the hole's share leaves; the lamp itself shines through onto the floor, too.
     assert!((100.0..300.0).contains(&second_lm), "{first_lm} and {second_lm} lm");
+}
+
+#[test]
+fn openings_are_as_large_as_doors_and_seams() {
+    let openings = |rooms: &str| {
+        let text = format!(
+            "[room]\nwidth_m = 4.0\ndepth_m = 4.0\n[building]\nceiling_height_m = 2.5\n[start]\nx_m = 1.3\ny_m = 1.3\n\
+             [[route.waypoint]]\nx_m = 1.3\ny_m = 1.3\n{rooms}"
+        );
+        let scene = Scene::parse(&text, "holes.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+        Building::new(&scene, &Drawn::draw(&scene, 0)).openings
+    };
+    let beside = "[[building.room]]\nx_m = 4.0\ny_m = 1.0\nwidth_m = 3.0\ndepth_m = 2.0\n";
+    assert_eq!(openings(beside), []);
+    let door = "[[building.door]]\nfrom_m = [4.0, 1.5]\nto_m = [4.0, 2.4]\nheight_m = 2.0\nopen = true\n";
+    let found = openings(&format!("{beside}{door}"));
+    assert_eq!((found.len(), found[0].rooms, found[0].holes.len()), (1, [0, 1], 1));
+    close(found[0].area_m2, 0.9 * 2.0, 1e-9);
+    // Half a metre into the first room: a hole as wide as the second room, from floor to ceiling.
+    let joined = openings(&beside.replace("x_m = 4.0", "x_m = 3.5"));
+    assert_eq!((joined.len(), joined[0].rooms), (1, [0, 1]));
+    close(joined[0].area_m2, 2.0 * 2.5, 1e-5);
+}
+
+#[test]
+fn light_that_bounces_has_no_step_where_rooms_run_into_each_other() {
+    // A room of 7.5 m by 4 m, and the same of two rooms, the lamp in the first.
+    let room = |width_m: f64, more: &str| {
+        let text = format!(
+            "[room]\nwidth_m = {width_m:?}\ndepth_m = 4.0\n[building]\nskirting_height_m = 0.0\n[start]\nx_m = 1.3\ny_m = 1.3\n\
+             [[route.waypoint]]\nx_m = 1.3\ny_m = 1.3\n\
+             [[lamp]]\nkind = \"panel\"\nx_m = 1.5\ny_m = 2.0\nlumens = 3000\n{more}"
+        );
+        baked(&Scene::parse(&text, "seam.toml").unwrap_or_else(|error| panic!("failed to {error}")), &[]).1
+    };
+    let joined = room(
+        4.0,
+        "[[building.room]]\nx_m = 4.0\ny_m = 0.0\nwidth_m = 3.5\ndepth_m = 4.0\n\
+                            [[building.door]]\nfrom_m = [4.0, 0.0]\nto_m = [4.0, 4.0]\nheight_m = 2.5\nopen = true\n",
+    );
+    let whole = room(7.5, "");
+    let bounced = |lighting: &Lighting, x_m: f64, normal: Vector3<f64>, room: usize| {
+        let at = Point3::new(x_m, 2.0, if normal.z > 0.0 { 0.0 } else { 1.2 });
+        let at = if normal.y > 0.0 { Point3::new(x_m, 0.0, 1.2) } else { at };
+        lighting.at(at, normal, room, 8).lux - lighting.direct_at(at, normal, 8).lux
+    };
+    for normal in [Vector3::z(), Vector3::y()] {
+        let (before, behind) = (bounced(&joined, 3.98, normal, 0), bounced(&joined, 4.02, normal, 1));
+        assert!((behind / before - 1.0).abs() < 0.05, "{normal:?}: {before} and {behind} lx at the seam");
+        // Darker away from the lamp, as it should be, about the mean of the whole.
+        let (near, far) = (bounced(&joined, 1.5, normal, 0), bounced(&joined, 6.5, normal, 1));
+        let mean = bounced(&whole, 3.75, normal, 0);
+        assert!(near > mean && mean > far && far > 0.3 * near, "{near}, {mean}, {far} lx");
+    }
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Point3, Vector3};
 
-use super::Illuminance;
+use super::{Illuminance, source::polygon_irradiance};
 use crate::building::{Enclosure, Opening};
 
 /// What the rest of a room throws back on its floor, its walls and its ceiling, before dimming.
@@ -44,7 +44,7 @@ impl Bounce {
         }
         // Share of a room's walls that is open to another room.
         let mut open = DMatrix::zeros(size, size);
-        for Opening { rooms: [one, other], area_m2 } in openings {
+        for Opening { rooms: [one, other], area_m2, .. } in openings {
             for (here, there) in [(*one, *other), (*other, *one)] {
                 open[(SURFACES * here + WALLS, SURFACES * there + WALLS)] = area_m2 / walls_m2(&rooms[here]);
             }
@@ -75,6 +75,29 @@ impl Bounce {
         let infrared = arriving(|light| light.by_band[1], 1);
         let onto = |surface: usize| Illuminance { lux: lux[surface], by_band: [visible[surface], infrared[surface]] };
         (0..rooms.len()).map(|room| Bounce { onto: [0, 1, 2].map(|side| onto(SURFACES * room + side)) }).collect()
+    }
+
+    /// What arrives at a place of a room: the mean onto such surfaces there, and through holes, by the share of what is seen that they take,
+    /// that of the rooms behind them. So it passes evenly from room to room.
+    pub fn at(
+        bounces: &[Bounce],
+        openings: &[Opening],
+        room: usize,
+        (at, normal): (Point3<f64>, Vector3<f64>),
+    ) -> Illuminance {
+        let Some(own) = bounces.get(room).map(|bounce| bounce.onto(normal)) else { return Illuminance::default() };
+        let mut sum = own;
+        for opening in openings {
+            let behind = match opening.rooms {
+                [one, other] if one == room => other,
+                [one, other] if other == room => one,
+                _ => continue,
+            };
+            let seen = |hole: &[Point3<f64>; 4]| polygon_irradiance(&hole.map(|corner| corner - at), normal).abs() / PI;
+            let share = opening.holes.iter().map(seen).sum::<f64>().min(1.0);
+            sum = sum.plus(share, bounces[behind].onto(normal)).plus(-share, own);
+        }
+        sum
     }
 
     /// What arrives on a surface that faces along `normal`.

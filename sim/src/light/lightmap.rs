@@ -172,8 +172,8 @@ fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patc
     let within = |index: usize| (index as f64 + 0.5) / N as f64 - 0.5;
     let (mut seen, mut total) = (0.0, 0.0);
     for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
-        let in_cell = [s + step[0] * within(i), t + step[1] * within(j)].map(|share| share.clamp(0.0, 1.0));
-        let at = panel.place(in_cell[0], in_cell[1]) + normal * 0.001;
+        let [s, t] = inside(panel, [s + step[0] * within(i), t + step[1] * within(j)]);
+        let at = panel.place(s, t) + normal * 0.001;
         // What stands in the cell hides it, and neither lights nor darkens what is beside.
         if occluders.contain(at) {
             continue;
@@ -192,13 +192,24 @@ fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patc
 /// Adds what bounces, dimmed in the corners of furniture.
 fn with_bounces(lighting: &Lighting, panel: &Panel, patch: Patch, direct: &[Illuminance]) -> Vec<Illuminance> {
     let normal = panel.normal();
-    let bounced = lighting.bounces[panel.room].onto(normal);
     nodes_of(patch)
         .zip(direct)
         .map(|([s, t], light)| {
+            let [s_inside, t_inside] = inside(panel, [s, t]);
+            let bounced = lighting.bounced(panel.place(s_inside, t_inside), normal, panel.room);
             light.plus(lighting.occluders.open_share(panel.place(s, t), normal, CORNER_REACH_M), bounced)
         })
         .collect()
+}
+
+/// Shares of a panel's sides that lie within it by a hair: its edge lies in its neighbours' planes, which neither hide nor show a place in them.
+fn inside(panel: &Panel, shares: [f64; 2]) -> [f64; 2] {
+    const HAIR_M: f64 = 0.002;
+    let size_m = panel.size_m();
+    [0, 1].map(|axis| {
+        let hair = (HAIR_M / size_m[axis]).min(0.5);
+        shares[axis].clamp(hair, 1.0 - hair)
+    })
 }
 
 fn bounces(building: &Building, work: &[(&Panel, Patch)], direct: &[Vec<Illuminance>]) -> Vec<Bounce> {
