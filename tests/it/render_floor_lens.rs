@@ -1,8 +1,9 @@
 //! The floor camera's lens and shutter against formulas written out here.
 
 use image::GrayImage;
+use localizer::Claim;
 use nalgebra::{Isometry3, Translation3};
-use sim::{render::View, sensors::camera::world_from_floor_camera, truth::Truth};
+use sim::{check::is_true, render::View, sensors::camera::world_from_floor_camera, truth::Truth};
 
 use crate::{
     render_projection::{dark_centroid, marks},
@@ -288,4 +289,39 @@ fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() 
         }
     }
     assert!(widest > 40.0, "{widest}");
+}
+
+#[test]
+fn a_claimed_joint_is_judged_through_the_lens_and_at_the_time_of_each_points_row() {
+    // Joints lie where they should: every 0.3 m, one of each family through (1.8, 2.1).
+    let keys = format!(
+        "[floor.tiles]\nlaying_tolerance_m = 0.0\n[robot.floor_camera]\nlens.distortion = {BENT:?}\nlens.row_time_s = {}\n",
+        SHORT.row_time_s
+    );
+    let mut studio = Studio::new(4.0, &keys);
+    studio.drawn.floor_camera = Some(studio.mount);
+    let truth = Truth { velocity: [DRIVE.speed_m_per_s, 0.0, DRIVE.turn_rad_per_s], ..DRIVE.at(0.0) };
+    // Where each row shows a place: the time decides the row, and the row the time.
+    let shown = |place: [f64; 2]| {
+        let at = |time_s: f64| distorted(studio.project(&DRIVE.at(time_s), place), studio.mount.focal_px, BENT);
+        (0..20).fold(at(0.0), |seen, _| at((seen[1] - 239.5) * SHORT.row_time_s))
+    };
+    let along_x: Vec<[f64; 2]> = (0..9).map(|step| [1.72 + 0.03 * f64::from(step), 2.1]).collect();
+    let along_y: Vec<[f64; 2]> = (0..9).map(|step| [1.8, 1.85 + 0.03 * f64::from(step)]).collect();
+    for places in [along_x, along_y] {
+        let claimed = |off_px: f64, bound_px: f64| {
+            let ends = [shown(places[0]), shown(places[8])];
+            let (du, dv) = (ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]);
+            let across = [-dv / du.hypot(dv) * off_px, du / du.hypot(dv) * off_px];
+            let point = |place: &[f64; 2]| {
+                let [u, v] = shown(*place);
+                [u + across[0], v + across[1], bound_px]
+            };
+            let points_px = places.iter().map(point).collect();
+            is_true(&Claim::FloorJoint { points_px, share_wrong: 0.0 }, &studio.scene, &studio.drawn, &truth)
+        };
+        // A twentieth of a pixel off is within a tenth, but not within a thirtieth; nor are 2 px within 1.9 or beyond 2.1.
+        assert!(claimed(0.05, 0.1) && !claimed(0.05, 0.03), "{places:?}");
+        assert!(claimed(2.0, 2.1) && !claimed(2.0, 1.9), "{places:?}");
+    }
 }

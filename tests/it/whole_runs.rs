@@ -49,6 +49,17 @@ fn a_turned_grid_of_unequal_tiles_keeps_the_truth() {
 }
 
 #[test]
+fn a_bent_lens_and_a_rolling_shutter_keep_the_truth_and_make_no_claim_false() {
+    for (name, greatest_m) in [("bent_lens", 0.006), ("rolling_shutter", 0.009)] {
+        let (_, verdict) = judged(&scene(&format!("floor/{name}.toml"), 12.0), 35);
+        assert_clean(&verdict);
+        let method = &verdict.methods["floor_tiles"];
+        assert!(method.constraints > 45 && method.false_claims == 0, "{name}: {method:?}");
+        assert!(verdict.width.at_fix.x_m.mean < greatest_m, "{name}: {:?}", verdict.width);
+    }
+}
+
+#[test]
 fn the_papers_chain_keeps_the_truth() {
     let scene = scene("papers/floor_vision_odometry_paper_chain.toml", 8.0);
     let (_, verdict) = judged(&scene, 33);
