@@ -140,3 +140,23 @@ fn a_lamp_that_is_off_shows_its_diffuser_in_the_ring_s_light() {
         }
     }
 }
+
+#[test]
+fn without_a_ring_a_dot_is_a_matt_disc_in_the_rooms_light() {
+    // A bulb of 100 cd, 0.6 m aside and 0.999 m below the dot: E = I·cos β/d². What the floor throws back adds some lux.
+    let scene = black_room(
+        "[[building.dot]]\nx_m = 2.0\ny_m = 1.5\nradius_m = 0.05\n[[lamp]]\nkind = \"point\"\nx_m = 2.6\ny_m = 1.5\n\
+         height_m = 1.6\nlumens = 1256.637\nspectrum = \"monochrome\"\n",
+    );
+    let mut renderer = renderer();
+    let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    let view = View {
+        illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(),
+        ..quiet_view(Lens::ideal([64, 64], 200.0), vec![looking_up(2.0, 1.5, 0.6, Vector3::zeros())], 20.0)
+    };
+    let image = renderer.draw(&world, &[view]).unwrap().remove(0);
+    let square = 0.6_f64.powi(2) + 0.999_f64.powi(2);
+    let direct_lux = 100.0 * 0.999 / square.powf(1.5);
+    let (seen, expected) = (around(&image, [31.5, 31.5]), 20.0 * 0.3 * direct_lux / PI);
+    assert!((1.0..1.08).contains(&(seen / expected)), "{seen}, expected {expected} and some more");
+}
