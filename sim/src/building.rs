@@ -15,7 +15,7 @@ pub(crate) use openings::leads_into_a_room;
 pub use panel::{Material, Panel, Part, Texture};
 pub use upright_box::UprightBox;
 pub use walls::Enclosure;
-pub(crate) use walls::{Side, enclosures, wall_panels};
+pub(crate) use walls::{Side, enclosures, standing_walls, wall_panels};
 
 use nalgebra::{Point3, Vector3, vector};
 

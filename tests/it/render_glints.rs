@@ -1,9 +1,18 @@
-//! Glints of long lamps in a glossy floor: as long as the lamp's image below it, and whole.
+//! Glints of lamps: of long ones in a glossy floor as long as the lamp's image below it, and whole; of a bulb in a glossy box where a
+//! mirror would show it.
 
+use image::GrayImage;
 use nalgebra::{Isometry3, Translation3};
-use sim::{drawn::Drawn, render::View, scene::Scene, sensors::lens::Lens};
+use sim::{
+    building::{Building, Part},
+    drawn::Drawn,
+    render::View,
+    scene::Scene,
+    sensors::lens::Lens,
+};
 
 use crate::{
+    light_of_lamps::black_room,
     render_room::{level, looking_ahead, quiet_view},
     render_studio::renderer,
 };
@@ -86,5 +95,69 @@ fn the_glint_of_a_long_lamp_ends_where_its_image_ends_on_both_sides_and_has_no_s
                 assert!(step < most, "{is_first} {aside_m} {side}: a step of {step}, at most {most} of {within}");
             }
         }
+    }
+}
+
+/// Picture from (1, 1.3, 1.4) along world x of a black room with a bulb behind the eye, and a black box whose face is at x = 3.
+fn picture_of_box(more_of_box: &str) -> GrayImage {
+    let scene = black_room(&format!(
+        "[[furniture]]\nx_m = 3.3\ny_m = 1.5\nsize_m = [0.6, 2.8]\nheight_m = 2.0\nalbedo = 0.0\n{more_of_box}\
+         [[lamp]]\nkind = \"point\"\nx_m = 0.5\ny_m = 1.9\nheight_m = 1.1\nsize_m = [0.1, 0.1]\nlumens = 600\n\
+         spectrum = \"monochrome\"\n"
+    ));
+    let mut renderer = renderer();
+    let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
+    let pose = Isometry3::from_parts(Translation3::new(1.0, 1.3, 1.4), looking_ahead().rotation);
+    let view = View {
+        illuminance_at_floor_lux: world.illuminance_at_floor_lux().unwrap(),
+        ..quiet_view(Lens::ideal([321, 241], 300.0), vec![pose], 0.5)
+    };
+    renderer.draw(&world, &[view]).unwrap().remove(0)
+}
+
+#[test]
+fn a_glossy_box_shows_a_bulb_where_a_mirror_would() {
+    let matt = picture_of_box("");
+    // Above the floor's horizon only the box is seen, which is black.
+    let brightest = |image: &GrayImage| {
+        (0..321).flat_map(|u| (60..160).map(move |v| (u, v))).map(|(u, v)| level(image, u, v)).fold(0.0, f64::max)
+    };
+    assert!(brightest(&matt) < 1.0, "{}", brightest(&matt));
+    let image = picture_of_box("gloss = 0.1\nroughness_deg = 1.5\n");
+    // The bulb's image is as far behind x = 3 as the bulb before it: at (5.5, 1.9, 1.1), 4.5 m ahead, 0.6 m left and 0.3 m below the eye.
+    let expected = [160.0 - 300.0 * 0.6 / 4.5, 120.0 + 300.0 * 0.3 / 4.5];
+    let around = || (60..180).flat_map(|u| (80..200).map(move |v| (u, v)));
+    let total: f64 = around().map(|(u, v)| level(&image, u, v)).sum();
+    let mean = |coordinate: &dyn Fn((u32, u32)) -> f64| {
+        around().map(|place| coordinate(place) * level(&image, place.0, place.1)).sum::<f64>() / total
+    };
+    let seen = [mean(&|place| f64::from(place.0)), mean(&|place| f64::from(place.1))];
+    assert!((0..2).all(|axis| (seen[axis] - expected[axis]).abs() < 0.7), "{seen:?}, expected {expected:?}");
+    assert!(brightest(&image) < 250.0, "{}", brightest(&image));
+    // All of the glint together is the share that is mirrored (Schlick 1994) of the bulb's luminance I/(π·r²) times its disc of
+    // f²/z² · π·r² pixels over the cosine off the axis, however far it is blurred: the intensity I is Φ/4π.
+    let cosine = 4.5 / 4.5_f64.hypot(0.6).hypot(0.3);
+    let mirrored = 0.1 + 0.9 * (1.0 - cosine).powi(5);
+    let by_hand = 0.5 * mirrored * 600.0 / (4.0 * std::f64::consts::PI) * (300.0 / 4.5_f64).powi(2) / cosine;
+    assert!((total / by_hand - 1.0).abs() < 0.08, "{total}, expected {by_hand}");
+}
+
+#[test]
+fn a_floor_glints_by_the_gloss_that_is_stated_and_as_its_covering_otherwise() {
+    let share = |floor: &str| {
+        let scene = black_room(floor);
+        let building = Building::new(&scene, &Drawn::draw(&scene, 0));
+        let floor = building.panels.iter().find(|panel| panel.part == Part::Floor).unwrap();
+        floor.material.mirrored
+    };
+    for (keys, expected) in [
+        ("", 0.0),
+        ("[floor]\ngloss = 0.07\n", 0.07),
+        ("[floor]\ncovering = \"wood\"\n", 0.04),
+        ("[floor]\ncovering = \"wood\"\ngloss = 0.0\n", 0.0),
+        ("[floor.tiles]\n", 0.03),
+        ("[floor]\ngloss = 0.2\n[floor.tiles]\n", 0.2),
+    ] {
+        assert_eq!(share(keys), expected, "{keys}");
     }
 }

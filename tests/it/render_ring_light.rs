@@ -160,3 +160,40 @@ fn without_a_ring_a_dot_is_a_matt_disc_in_the_rooms_light() {
     let (seen, expected) = (around(&image, [31.5, 31.5]), 20.0 * 0.3 * direct_lux / PI);
     assert!((1.0..1.08).contains(&(seen / expected)), "{seen}, expected {expected} and some more");
 }
+
+fn an_infrared_forward_camera_sees_a_dark_room_by_its_ring() {
+    let intensity_w_per_sr = 0.05;
+    let scene = |band: &str| {
+        let text = format!(
+            "[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.6\nceiling_albedo = 0.0\nskirting_albedo = 0.0\n\
+             [start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n{DARK}\
+             [robot.forward_camera]\nband = \"{band}\"\nring_intensity_w_per_sr = {intensity_w_per_sr:?}\nlens.vignetting = false\n"
+        );
+        Scene::parse(&text, "forward_ring.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+    };
+    let seen = |band: &str, levels: f64| {
+        let scene = scene(band);
+        let drawn = Drawn::draw(&scene, 0);
+        let lens = Lens::forward(scene.robot.forward_camera.as_ref().unwrap(), &drawn.forward_camera.unwrap());
+        let mut renderer = renderer();
+        let world = renderer.upload_room(&scene, &drawn).unwrap();
+        let view = quiet_view(lens.clone(), vec![turned(2.0, 1.3, 0.0)], levels);
+        let image = renderer.draw(&world, &[View { illuminance_at_floor_lux: 0.0, ..view }]).unwrap().remove(0);
+        (image, lens)
+    };
+    let levels = 80.0;
+    let (image, lens) = seen("infrared", levels);
+    // A watt of 850 nm has as many photons as 683 · 850/555 lm of 555 nm; at 850 nm the wall's albedo is 0.25 + 0.65 · 0.6.
+    let (candela, albedo) = (intensity_w_per_sr * 683.0 * 850.0 / 555.0, 0.64);
+    for pixel in [[320.0, 240.0], [100.0, 240.0], [540.0, 300.0], [320.0, 80.0]] {
+        let [right, down] = lens.ray(pixel).unwrap();
+        // The wall is 2 m ahead and faces the camera, so that the ray's cosine off the axis is that of incidence.
+        let cosine = 1.0 / 1.0_f64.hypot(right).hypot(down);
+        let lux = candela * cosine * cosine / (2.0 / cosine).powi(2);
+        let (seen, expected) = (around(&image, pixel), levels * albedo * lux / PI);
+        // Plaster varies by 3.5 %.
+        assert!((seen / expected - 1.0).abs() < 0.045, "{pixel:?}: {seen}, expected {expected}");
+    }
+    let (image, _) = seen("visible", levels);
+    assert!(around(&image, [320.0, 240.0]) < 1.0, "diodes of 850 nm lit a visible picture");
+}

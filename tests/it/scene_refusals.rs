@@ -1,5 +1,7 @@
 use std::fs;
 
+use sim::scene::Scene;
+
 use crate::command::{blind_scene, folder, outcome, wherein};
 
 /// Asserts that a scene is refused with exit code 2 and one message that holds every one of `parts`.
@@ -361,6 +363,29 @@ fn what_hangs_in_the_air_or_above_the_ceiling_is_refused() {
 }
 
 #[test]
+fn doors_pictures_and_windows_on_walls_that_another_room_leaves_out_are_refused() {
+    // Within the room of 3 m by 2 m, and off its walls.
+    let inner = "[[building.room]]\nx_m = 0.6\ny_m = 0.6\nwidth_m = 1.8\ndepth_m = 0.8\n";
+    let door = "[[building.door]]\nfrom_m = [1.0, 0.6]\nto_m = [1.8, 0.6]\n";
+    let picture = "[[building.picture]]\nfrom_m = [1.0, 0.6]\nto_m = [1.8, 0.6]\n";
+    let window = "[[lamp]]\nkind = \"window\"\nx_m = 1.4\ny_m = 0.6\nheading_deg = 90\nsize_m = [0.5, 0.5]\n";
+    let none = ": within another room a room has none, expected a place within 0.3 m of one";
+    let cases = [
+        (door.to_owned(), vec!["`building.door[0].from_m = [1.0, 0.6]`: stands on no wall", none]),
+        (format!("{door}open = true\n"), vec!["`building.door[0].to_m = [1.8, 0.6]`: stands on no wall", none]),
+        (picture.to_owned(), vec!["`building.picture[0].from_m = [1.0, 0.6]`: hangs on no wall", none]),
+        (window.to_owned(), vec!["`lamp[0].heading_deg = 90`", "no wall within 0.3 m faces that way"]),
+    ];
+    for (index, (keys, parts)) in cases.iter().enumerate() {
+        assert_refused(&format!("room_within_{index}"), blind_scene(10.0, &format!("{inner}{keys}")), parts);
+        // The same on a wall that is there.
+        let keys = keys.replace("0.6", "0.0");
+        Scene::parse(&blind_scene(10.0, &keys.replace("open = true", "")), "wall.toml")
+            .unwrap_or_else(|error| panic!("failed to {error}"));
+    }
+}
+
+#[test]
 fn furniture_and_people_may_be_in_further_rooms_but_not_in_walls() {
     // A room of 3 m by 3 m behind the wall at x = 3, and an open door of 0.9 m in it.
     let rooms = "[[building.room]]\nx_m = 3.0\ny_m = 0.0\nwidth_m = 3.0\ndepth_m = 3.0\n\
@@ -368,7 +393,7 @@ fn furniture_and_people_may_be_in_further_rooms_but_not_in_walls() {
     let scene = |more: &str| blind_scene(10.0, &format!("{rooms}{more}"));
     let fine = "[[furniture]]\nx_m = 5.0\ny_m = 2.5\nsize_m = [0.5, 0.5]\n\
                 [[person]]\nwaypoints_m = [[5.0, 0.95], [2.0, 0.95]]\n";
-    sim::scene::Scene::parse(&scene(fine), "rooms.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    Scene::parse(&scene(fine), "rooms.toml").unwrap_or_else(|error| panic!("failed to {error}"));
     let cases = [
         (
             "[[furniture]]\nx_m = 6.5\ny_m = 1.0\nsize_m = [0.5, 0.5]\n",
@@ -409,10 +434,17 @@ fn things_in_impossible_places_are_refused() {
         ("[[furniture]]\nx_m = 0.8\ny_m = 0.6\nsize_m = [0.2, 0.2]\n", ["`start", "furniture"]),
         ("[[person]]\nwaypoints_m = [[1.5, 1.95]]\n", ["`person[0].waypoints_m", "too near to a wall"]),
         ("[[person]]\nwaypoints_m = []\n", ["`person[0].waypoints_m", "expected"]),
+        (
+            "[[person]]\nwaypoints_m = [[1.0, 0.6], [2.0, 0.6]]\n",
+            ["`person[0].waypoints_m", "[1, 0.6] is in the robot's start, expected 0.5 m of distance from [0.6, 0.6]"],
+        ),
     ];
     for (index, (more, parts)) in cases.into_iter().enumerate() {
         assert_refused(&format!("impossible_things_{index}"), blind_scene(10.0, more), &parts);
     }
+    // As far from the start as both radii, and through it later on.
+    let beside = blind_scene(10.0, "[[person]]\nwaypoints_m = [[1.1, 0.6], [0.6, 0.6]]\n");
+    Scene::parse(&beside, "beside.toml").unwrap_or_else(|error| panic!("failed to {error}"));
 }
 
 #[test]
@@ -466,4 +498,52 @@ fn a_sensor_that_cannot_be_is_refused() {
     for (index, (keys, parts)) in cases.into_iter().enumerate() {
         assert_refused(&format!("impossible_sensor_{index}"), with(keys), &parts);
     }
+}
+
+#[test]
+fn black_levels_without_a_level_for_light_are_refused() {
+    let with = |keys: &str| edited("floor_camera = false\n", &format!("[robot.floor_camera]\n{keys}\n"));
+    let cases = [
+        ("sensor.black_level = 255", "expected less than 255, the greatest level of 8 bits"),
+        ("sensor.bits = 8\nsensor.black_level = 300.5", "expected less than 255, the greatest level of 8 bits"),
+    ];
+    for (index, (keys, part)) in cases.into_iter().enumerate() {
+        let parts = ["`robot.floor_camera.sensor.black_level = ", part];
+        assert_refused(&format!("black_level_{index}"), with(keys), &parts);
+    }
+    for keys in ["sensor.black_level = 254.5", "sensor.bits = 10\nsensor.black_level = 1000"] {
+        Scene::parse(&with(keys), "black.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    }
+}
+
+#[test]
+fn exposures_and_rows_that_take_longer_than_a_period_are_refused() {
+    let with = |keys: &str| edited("floor_camera = false\n", &format!("floor_camera = false\n{keys}\n"));
+    let cases = [
+        (
+            "[robot.floor_camera]\nperiod_s = 0.05\nsensor.exposure_s = 0.06",
+            ["`robot.floor_camera.sensor.exposure_s = 0.06`", "`period_s`, expected at most 0.05"],
+        ),
+        (
+            "[robot.forward_camera]\nperiod_s = 0.05\nsensor.longest_exposure_s = 0.06",
+            ["`robot.forward_camera.sensor.longest_exposure_s = 0.06`", "`period_s`, expected at most 0.05"],
+        ),
+        // The preset's exposure.
+        (
+            "[robot.forward_camera]\nperiod_s = 0.02",
+            ["`robot.forward_camera.sensor.longest_exposure_s", "0.033 s is longer"],
+        ),
+        // 0.02 s and 479 rows of 0.2 ms.
+        (
+            "[robot.ceiling_camera]\nlens.row_time_s = 0.0002",
+            ["`robot.ceiling_camera.lens.row_time_s = 0.0002`", "480 rows after an exposure of up to 0.02 s"],
+        ),
+    ];
+    for (index, (keys, parts)) in cases.into_iter().enumerate() {
+        let scene = with(keys).replacen("floor_camera = false\n[robot.floor", "[robot.floor", 1);
+        assert_refused(&format!("period_{index}"), scene, &parts);
+    }
+    // As long as the period, and not longer.
+    let fits = with("[robot.forward_camera]\nsensor.exposure_s = 0.0521\nlens.row_time_s = 0.0001");
+    Scene::parse(&fits, "fits.toml").unwrap_or_else(|error| panic!("failed to {error}"));
 }

@@ -7,10 +7,11 @@ use crate::scene::{Covering, Scene};
 
 /// The floors of all rooms and the coverings of regions upon them.
 pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
-    let base = match &scene.floor.tiles {
+    let usual = match &scene.floor.tiles {
         Some(tiles) => Material::matt(tiles.tile_albedo).with(Texture::Tiles).glossy(0.03, 0.035),
         None => material(scene.floor.covering, 0),
     };
+    let base = usual.glossy(scene.floor.gloss.unwrap_or(usual.mirrored), usual.roughness_rad);
     let mut panels: Vec<Panel> = building
         .rooms
         .iter()

@@ -30,7 +30,7 @@ impl From<&Furniture> for UprightBox {
             heading_rad: piece.rotation_deg.to_radians(),
             size_m: piece.size_m,
             between_m: [0.0, piece.height_m],
-            material: Material::matt(piece.albedo),
+            material: Material::matt(piece.albedo).glossy(piece.gloss, piece.roughness_deg.to_radians()),
         }
     }
 }

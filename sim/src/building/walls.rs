@@ -98,8 +98,7 @@ pub(crate) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     let mut panels = Vec::new();
     for (index, room) in rooms.iter().enumerate() {
         for side in room.sides() {
-            let mut gaps: Vec<[f64; 2]> =
-                others(rooms, index).filter_map(|(other, room)| room.covers(&side, other < index)).collect();
+            let mut gaps = covered(rooms, index, &side);
             let doors: Vec<(&Door, [f64; 2])> = scene
                 .building
                 .doors
@@ -117,6 +116,24 @@ pub(crate) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
         }
     }
     panels
+}
+
+/// What there is of the rooms' walls, doors or not: nothing where another room is.
+pub(crate) fn standing_walls(rooms: &[Enclosure]) -> Vec<Side> {
+    let of_room = |(index, room): (usize, &Enclosure)| -> Vec<Side> {
+        let of_side = |side: Side| -> Vec<Side> {
+            let at = |share: f64| side.from + (side.to - side.from) * share;
+            let stands = remaining(covered(rooms, index, &side)).into_iter();
+            stands.map(|[from, to]| Side { from: at(from), to: at(to), inward: side.inward }).collect()
+        };
+        room.sides().flat_map(of_side).collect()
+    };
+    rooms.iter().enumerate().flat_map(of_room).collect()
+}
+
+/// Shares of a room's side where another room leaves it out.
+fn covered(rooms: &[Enclosure], index: usize, side: &Side) -> Vec<[f64; 2]> {
+    others(rooms, index).filter_map(|(other, room)| room.covers(side, other < index)).collect()
 }
 
 /// Ceilings.

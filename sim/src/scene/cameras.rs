@@ -48,6 +48,10 @@ pub struct ForwardCamera {
     pub stamp_tolerance_s: f64,
     /// What it sees.
     pub band: Band,
+    /// Radiant intensity of a ring of diodes around the lens along the optical axis, at 850 nm; 0 for none. It falls with the cosine of
+    /// the angle off the axis. Only with `band = "infrared"` is it seen.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub ring_intensity_w_per_sr: f64,
     /// What the lens does besides projecting.
     pub lens: LensKeys,
     /// What turns light into grey levels.
@@ -261,6 +265,7 @@ impl Default for ForwardCamera {
             latency_tolerance_s: 0.002,
             stamp_tolerance_s: 0.0001,
             band: Band::Visible,
+            ring_intensity_w_per_sr: 0.0,
             lens: LensKeys::default(),
             sensor: Sensor::default(),
             turning_exposure_s: None,

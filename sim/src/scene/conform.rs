@@ -10,7 +10,7 @@ use toml::{
 
 use super::{
     error::Problem,
-    schema::{alternatives, choices, resolve, schema, type_name},
+    schema::{alternatives, choices, numbers, resolve, schema, type_name},
 };
 
 /// Everything in which `document`, whose text is `text`, departs from the schema.
@@ -241,11 +241,6 @@ fn expectation(node: &'static Value) -> String {
         _ if !choices(node).is_empty() => format!("one of {}", choices(node).join(", ")),
         _ => "a table".to_owned(),
     }
-}
-
-/// The numbers among which `node` lets choose, if it lists them.
-fn numbers(node: &'static Value) -> Option<Vec<f64>> {
-    Some(node.get("enum")?.as_array()?.iter().filter_map(Value::as_f64).collect())
 }
 
 /// What a key means and what it is when absent, from the schema.

@@ -4,7 +4,7 @@ use std::{collections::VecDeque, fmt::Write};
 
 use serde_json::Value;
 
-use super::schema::{alternatives, choices, resolve, schema, type_name};
+use super::schema::{alternatives, choices, numbers, resolve, schema, type_name};
 
 const HEAD: &str = "\
 # Keys of a scene
@@ -116,6 +116,10 @@ fn range(node: &'static Value) -> String {
         return several.into_iter().map(|one| range(resolve(one))).collect::<Vec<_>>().join(", or ");
     }
     match type_name(node) {
+        "number" | "integer" if numbers(node).is_some() => {
+            let listed = numbers(node).into_iter().flatten().map(|number| format!("`{number}`"));
+            listed.collect::<Vec<_>>().join(", ")
+        }
         "number" => format!("number{}", bounds(node)),
         "integer" => format!("whole number{}", bounds(node)),
         "boolean" => "`true`, `false`".to_owned(),

@@ -27,7 +27,8 @@ pub struct Lamp {
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub heading_deg: f64,
-    /// Sides: 0.6 m by 0.6 m for a panel, 1.2 m by 0.08 m for a tube; width and height of a window, 1.4 m by 1.2 m.
+    /// Sides: 0.6 m by 0.6 m for a panel, 1.2 m by 0.08 m for a tube; width and height of a window, 1.4 m by 1.2 m. Of a
+    /// point the first number is the diameter, 0.1 m, and the second says nothing.
     #[serde(default)]
     #[schemars(inner(range(min = 0.005, max = 50.0)))]
     pub size_m: Option<[f64; 2]>,

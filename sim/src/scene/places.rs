@@ -1,6 +1,7 @@
 //! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
 
 mod building;
+mod cameras;
 mod errands;
 mod markers;
 mod sensors;
@@ -21,6 +22,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     methods(scene, &mut found);
     events(scene, &mut found);
     building::contradictions(scene, &mut found);
+    cameras::contradictions(scene, &mut found);
     errands::contradictions(scene, &mut found);
     markers::contradictions(scene, &mut found);
     sensors::contradictions(scene, &mut found);

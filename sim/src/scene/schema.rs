@@ -48,6 +48,11 @@ pub(super) fn type_name(node: &Value) -> &str {
     }
 }
 
+/// The numbers among which a schema lets choose; `None` when it lists none.
+pub(super) fn numbers(node: &Value) -> Option<Vec<f64>> {
+    Some(node.get("enum")?.as_array()?.iter().filter_map(Value::as_f64).collect())
+}
+
 /// The texts that a string may be; empty when any will do.
 pub(super) fn choices(node: &'static Value) -> Vec<&'static str> {
     let listed = node.get("enum").and_then(Value::as_array).into_iter().flatten();

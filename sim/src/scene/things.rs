@@ -31,6 +31,15 @@ pub struct Furniture {
     #[serde(default = "default_furniture_albedo")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub albedo: f64,
+    /// Share of the light that its faces mirror at right incidence, as a varnish does: lamps glint in them. 0.04 for most varnishes; 0 for
+    /// matt faces.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 0.2))]
+    pub gloss: f64,
+    /// By how much its faces blur what they mirror: standard deviation of the mirrored direction, about each axis.
+    #[serde(default = "default_furniture_roughness_deg")]
+    #[schemars(range(min = 0.1, max = 20.0))]
+    pub roughness_deg: f64,
 }
 
 /// Somebody who walks to and fro along a polyline and stands still while the robot is in the way.
@@ -89,6 +98,10 @@ fn default_furniture_height_m() -> f64 {
 
 fn default_furniture_albedo() -> f64 {
     0.4
+}
+
+fn default_furniture_roughness_deg() -> f64 {
+    5.0
 }
 
 fn default_walking_speed() -> f64 {

@@ -58,18 +58,22 @@ impl Lens {
     /// The forward camera's, as drawn.
     pub fn forward(camera: &ForwardCamera, drawn: &DrawnCamera) -> Lens {
         let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
-        Lens { band: camera.band, ..ideal.mounted(&camera.lens, drawn) }
+        ideal.mounted(&camera.lens, drawn).seeing(camera.band, camera.ring_intensity_w_per_sr)
     }
 
     /// The ceiling camera's, as drawn.
     pub fn ceiling(camera: &CeilingCamera, drawn: &DrawnCamera) -> Lens {
         let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
-        let ring_candela = if camera.band == Band::Infrared {
-            camera.ring_intensity_w_per_sr * EQUIVALENT_LUMENS_PER_WATT_850_NM
-        } else {
-            0.0
+        ideal.mounted(&camera.lens, drawn).seeing(camera.band, camera.ring_intensity_w_per_sr)
+    }
+
+    /// Behind a filter, with a ring of infrared diodes around it, which only an infrared camera sees.
+    fn seeing(self, band: Band, ring_intensity_w_per_sr: f64) -> Lens {
+        let ring_candela = match band {
+            Band::Infrared => ring_intensity_w_per_sr * EQUIVALENT_LUMENS_PER_WATT_850_NM,
+            Band::Visible => 0.0,
         };
-        Lens { band: camera.band, ring_candela, ..ideal.mounted(&camera.lens, drawn) }
+        Lens { band, ring_candela, ..self }
     }
 
     fn mounted(self, keys: &LensKeys, drawn: &DrawnCamera) -> Lens {

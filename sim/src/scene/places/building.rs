@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use crate::{
-    building::{Enclosure, Side, enclosures, leads_into_a_room, level},
+    building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
     scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene, parse::Contradiction},
     sensors::lens::Lens,
 };
@@ -18,10 +18,11 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         found.push(Contradiction { key: "lamp".to_owned(), expected });
     }
     let rooms = enclosures(scene);
+    let walls = standing_walls(&rooms);
     let ceiling_m = scene.building.ceiling_height_m;
     for (index, lamp) in scene.lamps.iter().enumerate() {
         found.extend(
-            lamp_problem(scene, &rooms, lamp)
+            lamp_problem(scene, &rooms, &walls, lamp)
                 .map(|(key, expected)| Contradiction { key: format!("lamp[{index}].{key}"), expected }),
         );
     }
@@ -31,13 +32,12 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             found.push(Contradiction { key: format!("building.door[{index}].to_m"), expected });
         }
         for (key, jamb_m) in [("from_m", door.from_m), ("to_m", door.to_m)] {
-            if is_off_walls(&rooms, jamb_m) {
-                let expected = format!("stands on no wall, expected a place within {ON_WALL_M} m of one");
+            if is_off(&walls, jamb_m) {
+                let expected = off_walls("stands", &rooms, jamb_m);
                 found.push(Contradiction { key: format!("building.door[{index}].{key}"), expected });
             }
         }
-        let is_placed =
-            door.from_m != door.to_m && ![door.from_m, door.to_m].iter().any(|jamb| is_off_walls(&rooms, *jamb));
+        let is_placed = door.from_m != door.to_m && ![door.from_m, door.to_m].iter().any(|jamb| is_off(&walls, *jamb));
         if door.open && is_placed && !leads_into_a_room(door, &rooms) {
             let expected =
                 "leads into no room, expected a `[[building.room]]` behind the wall at its feet, or false".to_owned();
@@ -54,8 +54,8 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             found.push(Contradiction { key: format!("building.picture[{index}].to_m"), expected });
         }
         for (key, foot_m) in [("from_m", picture.from_m), ("to_m", picture.to_m)] {
-            if is_off_walls(&rooms, foot_m) {
-                let expected = format!("hangs on no wall, expected a place within {ON_WALL_M} m of one");
+            if is_off(&walls, foot_m) {
+                let expected = off_walls("hangs", &rooms, foot_m);
                 found.push(Contradiction { key: format!("building.picture[{index}].{key}"), expected });
             }
         }
@@ -110,9 +110,9 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
 const ON_WALL_M: f64 = 0.3;
 
 /// Distance on the floor to the nearest of some walls.
-fn off_m(walls: impl Iterator<Item = Side>, [x_m, y_m]: [f64; 2]) -> f64 {
+fn off_m<'a>(walls: impl Iterator<Item = &'a Side>, [x_m, y_m]: [f64; 2]) -> f64 {
     let at = Point3::new(x_m, y_m, 0.0);
-    let to_wall = |wall: Side| {
+    let to_wall = |wall: &Side| {
         let way = wall.to - wall.from;
         let share = ((at - wall.from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
         (at - (wall.from + way * share)).norm()
@@ -120,8 +120,15 @@ fn off_m(walls: impl Iterator<Item = Side>, [x_m, y_m]: [f64; 2]) -> f64 {
     walls.map(to_wall).fold(f64::INFINITY, f64::min)
 }
 
-fn is_off_walls(rooms: &[Enclosure], at_m: [f64; 2]) -> bool {
-    off_m(rooms.iter().flat_map(Enclosure::sides), at_m) > ON_WALL_M
+fn is_off(walls: &[Side], at_m: [f64; 2]) -> bool {
+    off_m(walls.iter(), at_m) > ON_WALL_M
+}
+
+/// What is wrong with a place off the walls; whoever put it on the side of a room is told why there is no wall.
+fn off_walls(does: &str, rooms: &[Enclosure], at_m: [f64; 2]) -> String {
+    let sides: Vec<Side> = rooms.iter().flat_map(Enclosure::sides).collect();
+    let within = if is_off(&sides, at_m) { "" } else { ": within another room a room has none" };
+    format!("{does} on no wall{within}, expected a place within {ON_WALL_M} m of one")
 }
 
 fn is_in_a_room(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
@@ -129,13 +136,12 @@ fn is_in_a_room(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
 }
 
 /// Whether a wall that faces so is near.
-fn is_on_a_wall_facing(rooms: &[Enclosure], at_m: [f64; 2], heading_rad: f64) -> bool {
+fn is_on_a_wall_facing(walls: &[Side], at_m: [f64; 2], heading_rad: f64) -> bool {
     let facing = level(heading_rad);
-    let walls = rooms.iter().flat_map(Enclosure::sides).filter(|wall| wall.inward.dot(&facing) > 0.9);
-    off_m(walls, at_m) <= ON_WALL_M
+    off_m(walls.iter().filter(|wall| wall.inward.dot(&facing) > 0.9), at_m) <= ON_WALL_M
 }
 
-fn lamp_problem(scene: &Scene, rooms: &[Enclosure], lamp: &Lamp) -> Option<(&'static str, String)> {
+fn lamp_problem(scene: &Scene, rooms: &[Enclosure], walls: &[Side], lamp: &Lamp) -> Option<(&'static str, String)> {
     let ceiling_m = scene.building.ceiling_height_m;
     if lamp.lumens.is_some() && lamp.illuminance_at_floor_lux.is_some() {
         return Some(("illuminance_at_floor_lux", "stands beside `lumens`, expected one of the two".to_owned()));
@@ -148,7 +154,7 @@ fn lamp_problem(scene: &Scene, rooms: &[Enclosure], lamp: &Lamp) -> Option<(&'st
         return Some(("size_m", format!("the window reaches beyond its wall, which ends at 0 and {ceiling_m} m")));
     }
     let at_m = [lamp.x_m, lamp.y_m];
-    if lamp.kind == LampKind::Window && !is_on_a_wall_facing(rooms, at_m, lamp.heading_deg.to_radians()) {
+    if lamp.kind == LampKind::Window && !is_on_a_wall_facing(walls, at_m, lamp.heading_deg.to_radians()) {
         let expected = format!(
             "no wall within {ON_WALL_M} m faces that way, expected the direction in which a window's wall faces"
         );

@@ -1,4 +1,4 @@
-//! Sensors that cannot be read when they are, whose bounds bound nothing, or that nobody asks.
+//! Sensors besides cameras that cannot be read when they are, whose bounds bound nothing, or that nobody asks.
 
 use crate::scene::{Gyro, Scene, parse::Contradiction};
 
@@ -20,29 +20,6 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
             found_at("localizer.learns_gyro", "the robot has none, expected a `[robot.gyro]`".to_owned());
         }
         None => {}
-    }
-    let sensors = [
-        ("floor", robot.floor_camera.as_ref().map(|camera| &camera.sensor)),
-        ("forward", robot.forward_camera.as_ref().map(|camera| &camera.sensor)),
-        ("ceiling", robot.ceiling_camera.as_ref().map(|camera| &camera.sensor)),
-    ];
-    for (name, sensor) in sensors {
-        let Some((fixed_s, longest_s)) = sensor.and_then(|sensor| sensor.exposure_s.zip(sensor.longest_exposure_s))
-        else {
-            continue;
-        };
-        if fixed_s > longest_s {
-            let expected = format!("expected at most `longest_exposure_s`, which is {longest_s}");
-            found_at(&format!("robot.{name}_camera.sensor.exposure_s"), expected);
-        }
-    }
-    if let Some(camera) = &robot.forward_camera
-        && let Some(turning_s) = camera.turning_exposure_s
-        && turning_s > camera.sensor_model().longest_exposure_s
-    {
-        let expected =
-            format!("expected at most the longest exposure, which is {}", camera.sensor_model().longest_exposure_s);
-        found_at("robot.forward_camera.turning_exposure_s", expected);
     }
     if let Some(walls) = &localizer.wall_directions
         && !walls.learns

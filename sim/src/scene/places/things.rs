@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector2};
 
+use super::short;
 use crate::{
     building::{Enclosure, Panel, enclosures, wall_panels},
     scene::{Person, Scene, parse::Contradiction},
@@ -22,7 +23,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     }
     let walls = wall_panels(scene, &rooms);
     for (index, person) in scene.people.iter().enumerate() {
-        let expected = person_problem(&rooms, &walls, person);
+        let expected = person_problem(&rooms, &walls, person).or_else(|| meets_start(scene, person));
         found.extend(expected.map(|expected| Contradiction { key: format!("person[{index}].waypoints_m"), expected }));
     }
 }
@@ -63,6 +64,25 @@ fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Opti
     let leg = ways_m.windows(2).find(|leg| is_near([leg[0], leg[1]]))?;
     let [[x0_m, y0_m], [x1_m, y1_m]] = [leg[0], leg[1]];
     Some(format!("the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] comes too near to a wall, {margin}"))
+}
+
+/// Somebody who stands where the robot is put down would be pushed through by both from the first step on.
+fn meets_start(scene: &Scene, person: &Person) -> Option<String> {
+    // At stations the robot is put elsewhere.
+    let at_m = person.waypoints_m.first().filter(|_| scene.stations.is_empty())?;
+    let (start, body_m) = (&scene.start, scene.robot.body_radius_m);
+    let away_m = (at_m[0] - start.x_m).hypot(at_m[1] - start.y_m);
+    let expected = || {
+        format!(
+            "[{}, {}] is in the robot's start, expected {} m of distance from [{}, {}], the radii of person and robot",
+            at_m[0],
+            at_m[1],
+            short(person.radius_m + body_m),
+            start.x_m,
+            start.y_m
+        )
+    };
+    (away_m < person.radius_m + body_m - ROUNDING_M).then(expected)
 }
 
 /// The line on the floor above which a wall stands.
