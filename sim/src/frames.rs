@@ -19,8 +19,10 @@ mod figure;
 mod map_view;
 mod palette;
 mod range_view;
+mod tones;
 
-pub use contact_sheet::{Column, contact_sheet, tone_mapped};
+pub use contact_sheet::{Column, contact_sheet};
+pub use tones::tone_mapped;
 
 /// Of which images a run leaves debug frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -103,7 +103,7 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
             BitDepth::Eight => save(&raw, |path| image.save(path))?,
             BitDepth::Ten | BitDepth::Twelve => save(&raw, |path| levels.save(path))?,
         }
-        let toned = tone_mapped(&image);
+        let toned = tone_mapped(&levels);
         save(&folder.join(format!("{}_tone_mapped.png", camera.as_str())), |path| toned.save(path))?;
     }
     Ok(())

@@ -15,44 +15,8 @@ use crate::{
 use super::{
     canvas::{Canvas, Panel},
     palette,
+    tones::Tones,
 };
-
-/// Grey levels that are shown as black and as white.
-pub(super) struct Tones {
-    /// Shown as black.
-    pub(super) black: u8,
-    /// Shown as white.
-    pub(super) white: u8,
-}
-
-impl Tones {
-    /// Stretches an image between its darkest percent and its brightest five hundredth, which makes one of 3 lx as legible as one of
-    /// 300, and leaves a ceiling dark on which only a few dots shine.
-    pub(super) fn of(pixels: &GrayImage) -> Tones {
-        let mut counts = [0_usize; 256];
-        pixels.as_raw().iter().for_each(|level| counts[usize::from(*level)] += 1);
-        let total = pixels.as_raw().len();
-        let quantile = |share: f64| {
-            let wanted = (share * total as f64) as usize;
-            let mut below = 0;
-            let found = counts.iter().position(|count| {
-                below += count;
-                below > wanted
-            });
-            found.map_or(u8::MAX, |level| u8::try_from(level).unwrap_or(u8::MAX))
-        };
-        let (black, white) = (quantile(0.01), quantile(0.998));
-        // An image of a single level still needs two to be divided between.
-        Tones { black, white: white.max(black.saturating_add(1)) }
-    }
-
-    fn show(&self, level: u8) -> u8 {
-        let share =
-            (f64::from(level) - f64::from(self.black)) / (f64::from(self.white) - f64::from(self.black)).max(1.0);
-        // Headroom on both sides keeps drawn lines apart from black and white.
-        (20.0 + 200.0 * share.clamp(0.0, 1.0)).round() as u8
-    }
-}
 
 /// Draws image, claims and rejected segments into `panel`, which has the image's aspect.
 pub(super) fn draw(
@@ -68,6 +32,7 @@ pub(super) fn draw(
     // Pixel (0, 0) of the image has its centre half a pixel inside its corner, before and after scaling.
     let place =
         |u_px: f64, v_px: f64| [panel.left_px + (u_px + 0.5) * scale - 0.5, panel.top_px + (v_px + 0.5) * scale - 0.5];
+    let mut labels: Vec<[f64; 2]> = Vec::new();
     canvas.clipped(panel, |canvas| {
         for [u0, v0, u1, v1] in &image.rejected_px {
             canvas.line(place(*u0, *v0), place(*u1, *v1), 2.5, palette::REJECTED);
@@ -79,9 +44,16 @@ pub(super) fn draw(
                 Claim::FloorJoint { points_px, .. } => joint(canvas, points_px, place, colour),
                 Claim::WallLine { ends_px, bound_px } => {
                     let direction_deg = wall_line_deg(*ends_px, *bound_px, scene, &record.drawn, &image.truth);
-                    edge(canvas, *ends_px, direction_deg, place, colour);
+                    edge(canvas, *ends_px, place, colour);
+                    if let Some(deg) = direction_deg {
+                        let [[u0, v0], [u1, v1]] = *ends_px;
+                        let [left, top] = place(0.5 * (u0 + u1), 0.5 * (v0 + v1));
+                        let at = below_labels(&labels, [left, top + 4.0]);
+                        canvas.text(at, 15.0, colour, &format!("{deg:.0}°"));
+                        labels.push(at);
+                    }
                 }
-                Claim::UprightLine { ends_px, .. } => edge(canvas, *ends_px, None, place, colour),
+                Claim::UprightLine { ends_px, .. } => edge(canvas, *ends_px, place, colour),
                 Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, colour),
                 // Not of an image.
                 Claim::Landmark { .. } => {}
@@ -91,9 +63,11 @@ pub(super) fn draw(
 }
 
 fn paint(canvas: &mut Canvas, panel: Panel, pixels: &GrayImage) {
-    let tones = Tones::of(pixels);
+    let tones = Tones::of(pixels.as_raw().iter().map(|level| u16::from(*level)));
     let mut shown = pixels.clone();
-    shown.as_mut().iter_mut().for_each(|level| *level = tones.show(*level));
+    // Headroom on both sides keeps drawn lines apart from black and white.
+    let show = |level: u8| (20.0 + 200.0 * tones.share(u16::from(level))).round() as u8;
+    shown.as_mut().iter_mut().for_each(|level| *level = show(*level));
     let scaled = imageops::resize(&shown, panel.width_px as u32, panel.height_px as u32, FilterType::Triangle);
     for (u, v, Luma([level])) in scaled.enumerate_pixels() {
         let (left, top) = (panel.left_px as u32 + u, panel.top_px as u32 + v);
@@ -120,19 +94,28 @@ fn marked(
     }
 }
 
-/// A level edge with the direction of the wall that it runs along.
+/// A level or an upright edge.
 fn edge(
     canvas: &mut Canvas,
     [[u0, v0], [u1, v1]]: [[f64; 2]; 2],
-    direction_deg: Option<f64>,
     place: impl Fn(f64, f64) -> [f64; 2],
     colour: Rgb<u8>,
 ) {
     canvas.line(place(u0, v0), place(u1, v1), 2.5, colour);
-    if let Some(deg) = direction_deg {
-        let [left, top] = place(0.5 * (u0 + u1), 0.5 * (v0 + v1));
-        canvas.text([left, top + 4.0], 15.0, colour, &format!("{deg:.0}°"));
+}
+
+/// A place for a label of a direction, `at` or below it, that leaves those already written legible.
+fn below_labels(labels: &[[f64; 2]], at: [f64; 2]) -> [f64; 2] {
+    const SIZE_PX: [f64; 2] = [40.0, 16.0];
+    let hides = |[left, top]: [f64; 2]| {
+        move |other: &&[f64; 2]| (other[0] - left).abs() < SIZE_PX[0] && (other[1] - top).abs() < SIZE_PX[1]
+    };
+    let mut free = at;
+    // Each step goes below one label, so there are no more steps than labels.
+    while let Some(label) = labels.iter().find(hides(free)) {
+        free[1] = label[1] + SIZE_PX[1];
     }
+    free
 }
 
 /// The line through a claim's points, and the points that hold it up.
@@ -150,5 +133,17 @@ fn joint(canvas: &mut Canvas, points_px: &[[f64; 3]], place: impl Fn(f64, f64) -
     let every = points_px.len().div_ceil(40).max(1);
     for point in points_px.iter().step_by(every) {
         canvas.ring(place(point[0], point[1]), 3.0, 3.0, colour);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_label_goes_below_those_in_its_place() {
+        let labels = [[10.0, 16.0], [10.0, 0.0], [300.0, 4.0]];
+        assert_eq!(below_labels(&labels, [20.0, 5.0]), [20.0, 32.0]);
+        assert_eq!(below_labels(&labels, [120.0, 5.0]), [120.0, 5.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! Contact sheets: a still pose seen by each camera in different light, and single pictures made legible.
+//! Contact sheets: a still pose seen by each camera in different light.
 
 use image::{GrayImage, Luma, Rgb, RgbImage, imageops};
 use localizer::reading::Camera;
@@ -6,13 +6,15 @@ use localizer::reading::Camera;
 use super::{
     canvas::{Canvas, Panel},
     palette,
+    tones::tone_mapped,
 };
-use crate::still::Still;
+use crate::{render::DeepImage, scene::SensorModel, still::Still};
 
 const MARGIN_PX: f64 = 20.0;
 const GAP_PX: f64 = 12.0;
 const HEADER_PX: f64 = 62.0;
-const CAPTION_PX: f64 = 46.0;
+const CAPTION_PX: f64 = 62.0;
+const LINE_PX: f64 = 20.0;
 const NAMES_PX: f64 = 92.0;
 const CELL_WIDTH_PX: f64 = 400.0;
 const TITLE_PX: f32 = 24.0;
@@ -26,44 +28,22 @@ pub struct Column {
     pub stills: Vec<Still>,
 }
 
-/// A picture as a screen shows it: between its darkest and brightest half percent, with a screen's gamma.
-pub fn tone_mapped(image: &GrayImage) -> GrayImage {
-    let mut counts = [0_usize; 256];
-    image.as_raw().iter().for_each(|level| counts[usize::from(*level)] += 1);
-    let total = image.as_raw().len();
-    let quantile = |share: f64| {
-        let mut below = 0;
-        let found = counts.iter().position(|count| {
-            below += count;
-            below as f64 > share * total as f64
-        });
-        found.unwrap_or(255) as f64
-    };
-    let (black, white) = (quantile(0.005), quantile(0.995));
-    let shown = |level: u8| {
-        let share = ((f64::from(level) - black) / (white - black).max(1.0)).clamp(0.0, 1.0);
-        (255.0 * share.powf(1.0 / 2.2)).round() as u8
-    };
-    let mut toned = image.clone();
-    toned.pixels_mut().for_each(|Luma([level])| *level = shown(*level));
-    toned
-}
-
 /// A picture with its histogram made even: each level goes to the share of pixels below it and half of those at it, so that an image of a
 /// few photons a pixel uses all greys that there are.
-fn equalised(image: &GrayImage) -> GrayImage {
-    let mut counts = [0_usize; 256];
-    image.as_raw().iter().for_each(|level| counts[usize::from(*level)] += 1);
-    let total = image.as_raw().len().max(1) as f64;
+fn equalised(levels: &DeepImage) -> GrayImage {
+    let mut counts = vec![0_usize; 1 << 16];
+    levels.as_raw().iter().for_each(|level| counts[usize::from(*level)] += 1);
+    let total = levels.as_raw().len().max(1) as f64;
     let mut below = 0.0;
-    let shown = counts.map(|count| {
-        let middle = below + count as f64 / 2.0;
-        below += count as f64;
-        (255.0 * middle / total).round() as u8
-    });
-    let mut even = image.clone();
-    even.pixels_mut().for_each(|Luma([level])| *level = shown[usize::from(*level)]);
-    even
+    let shown: Vec<u8> = counts
+        .iter()
+        .map(|count| {
+            let middle = below + *count as f64 / 2.0;
+            below += *count as f64;
+            (255.0 * middle / total).round() as u8
+        })
+        .collect();
+    GrayImage::from_fn(levels.width(), levels.height(), |u, v| Luma([shown[usize::from(levels.get_pixel(u, v).0[0])]]))
 }
 
 /// A row of a sheet.
@@ -98,7 +78,7 @@ pub fn contact_sheet(title: &str, columns: &[Column]) -> RgbImage {
         for Row { still, equalised: even, height_px } in &rows {
             let still = &column.stills[*still];
             let panel = Panel { left_px, top_px, width_px: CELL_WIDTH_PX, height_px: *height_px };
-            paint(&mut canvas, panel, &if *even { equalised(&still.image) } else { tone_mapped(&still.image) });
+            paint(&mut canvas, panel, &if *even { equalised(&still.levels) } else { tone_mapped(&still.levels) });
             if index == 0 {
                 let place = [MARGIN_PX, top_px + 4.0];
                 canvas.text(place, 1.25 * TEXT_PX, palette::INK, still.camera.as_str());
@@ -114,18 +94,30 @@ pub fn contact_sheet(title: &str, columns: &[Column]) -> RgbImage {
 }
 
 fn caption(canvas: &mut Canvas, [left_px, top_px]: [f64; 2], column: &Column, still: &Still) {
-    let levels: f64 = still.levels.as_raw().iter().map(|level| f64::from(*level)).sum();
-    let mean = levels / still.levels.as_raw().len() as f64 - still.sensor.black_level;
-    let electrons = mean / still.exposure.gain_levels_per_electron;
     let lux = format!("{} lx", column.illuminance_at_floor_lux);
     canvas.text([left_px, top_px], TEXT_PX, palette::INK, &lux);
-    let how = format!(
-        "{:.2} ms, gain {:.3}, mean {electrons:.1} e",
-        still.exposure.exposure_s * 1e3,
-        still.exposure.gain_levels_per_electron
-    );
-    let right_px = left_px + CELL_WIDTH_PX - Canvas::text_width_px(TEXT_PX, &how);
-    canvas.text([right_px, top_px], TEXT_PX, palette::FAINT_INK, &how);
+    let gain = still.exposure.gain_levels_per_electron;
+    let how = format!("{:.2} ms, gain {gain:.3}", still.exposure.exposure_s * 1e3);
+    let right_px = |text: &str| left_px + CELL_WIDTH_PX - Canvas::text_width_px(TEXT_PX, text);
+    canvas.text([right_px(&how), top_px], TEXT_PX, palette::FAINT_INK, &how);
+    let mean = mean(&still.levels, &still.sensor, gain);
+    canvas.text([right_px(&mean), top_px + LINE_PX], TEXT_PX, palette::FAINT_INK, &mean);
+}
+
+/// The mean in electrons, with the share of the pixels that are cut off at either end where these bias it: dark noise below level 0 is
+/// lost, and the mean too great; light beyond the greatest level is lost, and the mean too small.
+fn mean(levels: &DeepImage, sensor: &SensorModel, gain_levels_per_electron: f64) -> String {
+    const BIASING_SHARE: f64 = 0.005;
+    let count = levels.as_raw().len().max(1) as f64;
+    let sum: f64 = levels.as_raw().iter().map(|level| f64::from(*level)).sum();
+    let mut text = format!("mean {:.1} e", (sum / count - sensor.black_level) / gain_levels_per_electron);
+    for end in [0, sensor.bits.greatest_level()] {
+        let share = levels.as_raw().iter().filter(|level| u32::from(**level) == end).count() as f64 / count;
+        if share > BIASING_SHARE {
+            text += &format!(", {:.0} % at {end}", (100.0 * share).max(1.0));
+        }
+    }
+    text
 }
 
 fn paint(canvas: &mut Canvas, panel: Panel, pixels: &GrayImage) {
@@ -139,11 +131,22 @@ fn paint(canvas: &mut Canvas, panel: Panel, pixels: &GrayImage) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::SensorPreset;
 
     #[test]
     fn an_even_histogram_gives_each_level_the_share_of_pixels_below_it() {
         // Half of the pixels at 3, a quarter each at 4 and 200: middles of their shares are 1/4, 5/8 and 7/8.
-        let image = GrayImage::from_fn(4, 1, |u, _| Luma([[3, 4, 3, 200][u as usize]]));
+        let image = DeepImage::from_fn(4, 1, |u, _| Luma([[3, 4, 3, 200][u as usize]]));
         assert_eq!(equalised(&image).as_raw(), &[64, 159, 64, 223]);
+    }
+
+    #[test]
+    fn a_mean_tells_what_is_cut_off() {
+        let sensor = SensorModel { black_level: 0.0, ..SensorPreset::GlobalShutter.model() };
+        let picture =
+            |at: u16, of_hundred: u32| DeepImage::from_fn(100, 1, |u, _| Luma([if u < of_hundred { at } else { 20 }]));
+        assert_eq!(mean(&picture(7, 0), &sensor, 2.0), "mean 10.0 e");
+        assert_eq!(mean(&picture(0, 11), &sensor, 2.0), "mean 8.9 e, 11 % at 0");
+        assert_eq!(mean(&picture(255, 2), &sensor, 2.0), "mean 12.3 e, 2 % at 255");
     }
 }

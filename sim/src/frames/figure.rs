@@ -8,16 +8,17 @@ use crate::{
 };
 
 use super::{
-    Seen,
-    camera_view::{self, Tones},
+    Seen, camera_view,
     canvas::{Canvas, Panel},
     map_view::MapView,
     palette, range_view,
+    tones::Tones,
 };
 
 const MARGIN_PX: f64 = 20.0;
 const HEADER_PX: f64 = 84.0;
-const FOOTER_PX: f64 = 44.0;
+const FOOTER_PX: f64 = 70.0;
+const LEGEND_LINE_PX: f64 = 26.0;
 const IMAGE_HEIGHT_PX: f64 = 720.0;
 const MAPS_WIDTH_PX: f64 = 560.0;
 const TITLE_PX: f32 = 24.0;
@@ -52,7 +53,7 @@ pub(super) fn draw(file: &SceneFile, record: &RunRecord, image: &ImageRecord, se
     for panel in [view, room, near] {
         frame(&mut canvas, panel);
     }
-    legend(&mut canvas, height_px - FOOTER_PX + 13.0, image);
+    legend(&mut canvas, height_px - FOOTER_PX + 13.0, &file.scene, image);
     canvas.image
 }
 
@@ -77,7 +78,7 @@ fn maps(canvas: &mut Canvas, room: &MapView, near: &MapView, scene: &Scene, reco
 fn header(canvas: &mut Canvas, file: &SceneFile, record: &RunRecord, image: &ImageRecord, seen: &Seen) {
     let (kind, circumstances) = match seen {
         Seen::Image { pixels, exposure_s } => {
-            let tones = Tones::of(pixels);
+            let tones = Tones::of(pixels.as_raw().iter().map(|level| u16::from(*level)));
             let light = format!(
                 "{}, exposed {:.1} ms, grey {} to {} shown black to white",
                 lux_at(&file.scene, image.measured_s),
@@ -153,8 +154,12 @@ fn frame(canvas: &mut Canvas, panel: Panel) {
     canvas.outline(&corners, 1.0, palette::JOINT);
 }
 
-fn legend(canvas: &mut Canvas, top_px: f64, image: &ImageRecord) {
+fn legend(canvas: &mut Canvas, mut top_px: f64, scene: &Scene, image: &ImageRecord) {
     let n_claims = image.claims.len();
+    let things = [
+        (!scene.furniture.is_empty(), palette::FURNITURE, "furniture"),
+        (!scene.people.is_empty(), palette::PEOPLE, "ways that people walk"),
+    ];
     let entries = [
         (palette::SEEN, format!("claimed ({n_claims})")),
         (palette::FALSE, "claimed, but false".to_owned()),
@@ -165,10 +170,16 @@ fn legend(canvas: &mut Canvas, top_px: f64, image: &ImageRecord) {
         (palette::TRAIL, "way come".to_owned()),
         (palette::ROUTE, "route".to_owned()),
     ];
+    let shown = things.into_iter().filter(|(is_there, ..)| *is_there);
+    let right_px = f64::from(canvas.image.width()) - MARGIN_PX;
     let mut left_px = MARGIN_PX;
-    for (colour, text) in entries {
+    for (colour, text) in entries.into_iter().chain(shown.map(|(_, colour, text)| (colour, text.to_owned()))) {
+        let width_px = 34.0 + Canvas::text_width_px(TEXT_PX, &text);
+        if left_px + width_px > right_px {
+            (left_px, top_px) = (MARGIN_PX, top_px + LEGEND_LINE_PX);
+        }
         canvas.line([left_px, top_px + 9.0], [left_px + 26.0, top_px + 9.0], 4.0, colour);
         canvas.text([left_px + 34.0, top_px], TEXT_PX, palette::INK, &text);
-        left_px += 34.0 + Canvas::text_width_px(TEXT_PX, &text) + 28.0;
+        left_px += width_px + 28.0;
     }
 }

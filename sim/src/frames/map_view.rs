@@ -91,9 +91,9 @@ impl MapView {
             }
             for person in &scene.people {
                 let walk: Vec<[f64; 2]> = person.waypoints_m.iter().map(|at| self.place(*at)).collect();
-                walk.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.5, palette::FAINT_INK));
+                walk.windows(2).for_each(|pair| canvas.line(pair[0], pair[1], 1.5, palette::PEOPLE));
                 let radius_px = person.radius_m * self.pixels_per_m;
-                walk.iter().for_each(|at| canvas.ring(*at, radius_px, 1.0, palette::FAINT_INK));
+                walk.iter().for_each(|at| canvas.ring(*at, radius_px, 1.0, palette::PEOPLE));
             }
         });
     }

@@ -10,6 +10,8 @@ pub(super) const ROOM: Rgb<u8> = Rgb([255, 255, 255]);
 pub(super) const JOINT: Rgb<u8> = Rgb([176, 172, 164]);
 pub(super) const REGION: Rgb<u8> = Rgb([222, 214, 190]);
 pub(super) const FURNITURE: Rgb<u8> = Rgb([206, 206, 202]);
+/// Where people walk; apart from the robot's own ring.
+pub(super) const PEOPLE: Rgb<u8> = Rgb([160, 110, 40]);
 pub(super) const ROUTE: Rgb<u8> = Rgb([150, 190, 225]);
 pub(super) const TRAIL: Rgb<u8> = Rgb([130, 130, 136]);
 
