@@ -161,6 +161,7 @@ fn without_a_ring_a_dot_is_a_matt_disc_in_the_rooms_light() {
     assert!((1.0..1.08).contains(&(seen / expected)), "{seen}, expected {expected} and some more");
 }
 
+#[test]
 fn an_infrared_forward_camera_sees_a_dark_room_by_its_ring() {
     let intensity_w_per_sr = 0.05;
     let scene = |band: &str| {
