@@ -137,8 +137,7 @@ impl Panel {
             return None;
         }
         let hit = from + ray * (height / fall) - self.corner;
-        let within = |side: Vector3<f64>| (0.0..=side.norm_squared()).contains(&hit.dot(&side));
-        (within(self.along) && within(self.up)).then_some(height / fall)
+        self.spans(hit).then_some(height / fall)
     }
 
     /// Whether the straight way between two places goes through it, from either side.
@@ -151,7 +150,11 @@ impl Panel {
             return false;
         }
         let hit = from + (to - from) * (before / (before - behind)) - self.corner;
-        let within = |side: Vector3<f64>| (0.0..=side.norm_squared()).contains(&hit.dot(&side));
-        within(self.along) && within(self.up)
+        self.spans(hit)
+    }
+
+    /// Whether a place of its plane, from its first corner, is on it.
+    fn spans(&self, from_corner: Vector3<f64>) -> bool {
+        [self.along, self.up].iter().all(|side| (0.0..=side.norm_squared()).contains(&from_corner.dot(side)))
     }
 }

@@ -131,7 +131,8 @@ fn off_walls(does: &str, rooms: &[Enclosure], at_m: [f64; 2]) -> String {
     format!("{does} on no wall{within}, expected a place within {ON_WALL_M} m of one")
 }
 
-fn is_in_a_room(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
+/// Whether a place lies within one of the rooms, or on its walls.
+pub(super) fn is_in_a_room(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
     rooms.iter().any(|room| room.contains(Point3::new(x_m, y_m, 0.0)))
 }
 

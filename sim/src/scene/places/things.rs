@@ -1,12 +1,14 @@
 //! Furniture, landmarks and people that stand nowhere or walk through walls.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::Vector2;
 
 use super::short;
 use crate::{
     building::{Enclosure, Panel, enclosures, wall_panels},
     scene::{Person, Scene, parse::Contradiction},
 };
+
+use super::building::is_in_a_room;
 
 /// Distances like 0.4 − 0.15 are not exact.
 const ROUNDING_M: f64 = 1e-9;
@@ -29,7 +31,7 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
 }
 
 fn place_problem(rooms: &[Enclosure], key: &str, at_m: [f64; 2]) -> Option<Contradiction> {
-    if is_in_one(rooms, at_m) {
+    if is_in_a_room(rooms, at_m) {
         return None;
     }
     let own = &rooms[0];
@@ -41,14 +43,10 @@ fn place_problem(rooms: &[Enclosure], key: &str, at_m: [f64; 2]) -> Option<Contr
     Some(Contradiction { key: format!("{key}.{}", ["x_m", "y_m"][axis]), expected })
 }
 
-fn is_in_one(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
-    rooms.iter().any(|room| room.contains(Point3::new(x_m, y_m, 0.0)))
-}
-
 /// What is wrong with where somebody walks: places in no room, or ways that come too near to a wall. Open doors leave holes in walls.
 fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Option<String> {
     let ways_m = &person.waypoints_m;
-    if let Some([x_m, y_m]) = ways_m.iter().find(|at_m| !is_in_one(rooms, **at_m)) {
+    if let Some([x_m, y_m]) = ways_m.iter().find(|at_m| !is_in_a_room(rooms, **at_m)) {
         return Some(format!("[{x_m}, {y_m}] is in no room, expected places within one"));
     }
     let stands = walls.iter().filter(|wall| wall.corner.z < person.height_m).map(foot);
