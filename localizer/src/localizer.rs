@@ -261,6 +261,9 @@ impl Localizer {
             }
             account.landmarks = self.methods[idx].landmarks();
             self.learn_heading(hung_s, fixed);
+            if self.methods[idx].take_contradiction() && self.doubt.is_none() {
+                self.begin_doubt();
+            }
             accounts.push(account);
         }
         accounts

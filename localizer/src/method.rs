@@ -41,6 +41,12 @@ pub trait Method: Send {
     /// Unlearns what was learnt from readings stamped later than `since_s`: an assumption failed, perhaps since then.
     fn forget_since(&mut self, _since_s: f64) {}
 
+    /// Whether what was read or learnt since this was last asked contradicts what was known before: an assumption failed, perhaps some
+    /// time ago. Asked after each reading; what contradicted has changed nothing that the method knows.
+    fn take_contradiction(&mut self) -> bool {
+        false
+    }
+
     /// The constraint of a recent reading made anew from what is known now; `None` where it stands on nothing that was learnt.
     fn renewed(&self, _stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
         None
