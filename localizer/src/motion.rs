@@ -26,6 +26,10 @@ pub use gyro_errors::GyroErrors;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
 
+/// Wheels tell the way so far ahead of their latest reading: later, a way that grows with the square of time is wider than one that grows
+/// with the greatest speed.
+const AHEAD_S: f64 = 0.25;
+
 /// Motion of the robot relative to its first pose, in that pose's robot frame: forward, left (metres), turn (radians).
 pub type Motion = IntervalBox<3>;
 
@@ -158,6 +162,32 @@ impl WheelHistory {
         Some(WheelSample { time_s, ticks, ticks_error: bend_m / least_m_per_tick })
     }
 
+    /// Counts at a time up to [`AHEAD_S`] after the latest reading, as far as the wheels can have changed their rate since; `None` later,
+    /// and before there are two readings.
+    ///
+    /// Over the last T before the latest reading the mean rate is known to a tick, and no rate in it departs from that of its end by more
+    /// than a·T, so that the mean departs by at most a·T/2. A time h later the count is off by h·(1/T + a·T/2) + a·h²/2, with T chosen
+    /// where that is least.
+    fn ahead(&self, time_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelSample> {
+        let latest = self.latest()?;
+        let ahead_s = time_s - latest.time_s;
+        if !(0.0..=AHEAD_S).contains(&ahead_s) {
+            return None;
+        }
+        let least_m_per_tick = wheels.metres_per_tick(0).lo().min(wheels.metres_per_tick(1).lo());
+        let change = reach.acceleration_m_per_s2 / least_m_per_tick;
+        let rate_error = |before: &WheelSample| {
+            let span_s = latest.time_s - before.time_s;
+            1.0 / span_s + 0.5 * change * span_s
+        };
+        let earlier = self.samples.iter().filter(|sample| sample.time_s < latest.time_s);
+        let before = earlier.min_by(|a, b| rate_error(a).total_cmp(&rate_error(b)))?;
+        let rate = [0, 1].map(|wheel| (latest.ticks[wheel] - before.ticks[wheel]) / (latest.time_s - before.time_s));
+        let ticks = [0, 1].map(|wheel| latest.ticks[wheel] + rate[wheel] * ahead_s);
+        let ticks_error = ahead_s * rate_error(before) + 0.5 * change * ahead_s * ahead_s;
+        Some(WheelSample { time_s, ticks, ticks_error: ticks_error * (1.0 + 1e-9) })
+    }
+
     /// The wheels' integral from `from_s` on, through every reading since; `None` if `from_s` lies outside of the history.
     pub fn integrate_from(&self, from_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelIntegral> {
         let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
@@ -166,14 +196,15 @@ impl WheelHistory {
         Some(integral)
     }
 
-    /// Motion from `from_s` to `to_s`; `None` if either lies outside of the history.
+    /// Motion from `from_s` to `to_s`; `None` if `from_s` lies outside of the history, or `to_s` before it or more than [`AHEAD_S`] after it.
     pub fn motion(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Motion> {
         let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
         let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
         for sample in self.samples.iter().skip(next).take_while(|sample| sample.time_s < to_s) {
             self.advance(&mut integral, sample, wheels, reach);
         }
-        self.advance(&mut integral, &self.at(to_s, wheels, reach)?, wheels, reach);
+        let end = self.at(to_s, wheels, reach).or_else(|| self.ahead(to_s, wheels, reach))?;
+        self.advance(&mut integral, &end, wheels, reach);
         Some(integral.motion(wheels))
     }
 

@@ -27,7 +27,19 @@ fn wheels() -> WheelModel {
 /// One random drive: true poses and readings every 10 ms.
 struct Drive {
     history: WheelHistory,
+    ticks: Vec<[i64; 2]>,
     poses: Vec<[f64; 3]>,
+}
+
+impl Drive {
+    /// What is known when the latest reading that has come is this one.
+    fn known_up_to(&self, reading: usize) -> WheelHistory {
+        let mut history = WheelHistory::new(10.0);
+        for (index, ticks) in self.ticks.iter().enumerate().take(reading + 1) {
+            history.push(index as f64 * 0.01, *ticks);
+        }
+        history
+    }
 }
 
 fn drive(rng: &mut ChaCha8Rng, n_readings: usize, slip_share: f64) -> Drive {
@@ -41,11 +53,12 @@ fn drive(rng: &mut ChaCha8Rng, n_readings: usize, slip_share: f64) -> Drive {
     let (mut pose, mut rolled_m) = ([0.3, -0.2, rng.random_range(-20.0..20.0)], [0.0; 2]);
     let mut speed: [f64; 2] = std::array::from_fn(|_| rng.random_range(-0.5..0.5));
     let mut acceleration = [0.0; 2];
-    let mut poses = Vec::new();
+    let (mut poses, mut all_ticks) = (Vec::new(), Vec::new());
     for reading in 0..n_readings {
         let ticks =
             [0, 1].map(|w| (rolled_m[w] / radius_m[w] / std::f64::consts::TAU * 19_150.0 + phase[w]).floor() as i64);
         history.push(reading as f64 * 0.01, ticks);
+        all_ticks.push(ticks);
         poses.push(pose);
         if reading % 7 == 0 {
             // A little below the declared acceleration, since slip adds to that of the wheel.
@@ -63,7 +76,7 @@ fn drive(rng: &mut ChaCha8Rng, n_readings: usize, slip_share: f64) -> Drive {
             (0..2).for_each(|w| rolled_m[w] += speed[w] * FINE_S);
         }
     }
-    Drive { history, poses }
+    Drive { history, ticks: all_ticks, poses }
 }
 
 fn corner(rng: &mut ChaCha8Rng) -> f64 {
@@ -78,7 +91,7 @@ fn start_box(pose: [f64; 3]) -> PoseBox {
 fn the_true_arc_is_enclosed_with_slip_and_dimensions_at_their_bounds() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     for _ in 0..300 {
-        let Drive { history, poses } = drive(&mut rng, 60, 1.0);
+        let Drive { history, poses, .. } = drive(&mut rng, 60, 1.0);
         let from = rng.random_range(0..20);
         for to in from + 1..60 {
             let motion =
@@ -93,7 +106,7 @@ fn the_true_arc_is_enclosed_with_slip_and_dimensions_at_their_bounds() {
 fn stamps_between_two_readings_are_enclosed() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     for _ in 0..200 {
-        let Drive { history, poses } = drive(&mut rng, 40, 0.9);
+        let Drive { history, poses, .. } = drive(&mut rng, 40, 0.9);
         // Between readings the true pose is known at the readings only: go there and back to a reading.
         let middle_s = rng.random_range(0.05..0.15);
         let first = history.motion(0.02, middle_s, &wheels(), &REACH).expect("inside the history");
@@ -104,11 +117,47 @@ fn stamps_between_two_readings_are_enclosed() {
 }
 
 #[test]
+fn ahead_of_the_latest_reading_the_wheels_are_enclosed_by_what_they_can_have_done() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let mut greatest_use: f64 = 0.0;
+    for _ in 0..300 {
+        let drive = drive(&mut rng, 60, 0.9);
+        let (from, latest) = (rng.random_range(0..25), rng.random_range(25..35));
+        let known = drive.known_up_to(latest);
+        // A quarter of a second ahead, and no further.
+        for to in latest + 1..=latest + 25 {
+            let motion =
+                known.motion(from as f64 * 0.01, to as f64 * 0.01 - 1e-9, &wheels(), &REACH).expect("near ahead");
+            let reached = moved(&start_box(drive.poses[from]), &motion);
+            assert!(reached.contains(&drive.poses[to]), "from {from} by {latest} to {to}: misses by the wheels");
+            let [x, _, _] = reached.components();
+            greatest_use = greatest_use.max((drive.poses[to][0] - x.mid()).abs() / (0.5 * x.width()));
+        }
+        assert!(known.motion(from as f64 * 0.01, latest as f64 * 0.01 + 0.26, &wheels(), &REACH).is_none());
+    }
+    assert!(greatest_use > 0.5, "a box that is never half used would hide a fault: {greatest_use}");
+}
+
+#[test]
+fn fifty_milliseconds_ahead_cost_millimetres() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    for _ in 0..100 {
+        let known = drive(&mut rng, 40, 1.0).known_up_to(30);
+        let at_reading = known.motion(0.2, 0.3, &wheels(), &REACH).expect("inside the history");
+        let ahead = known.motion(0.2, 0.35, &wheels(), &REACH).expect("near ahead");
+        // By hand: over the last 10 ms a tick of 0.032 mm and 2 m/s² leave the rate to 3.2 + 10 mm/s, which is ±0.7 mm in 50 ms, and ±2.5 mm by
+        // what it changes meanwhile; the turn, left to 2 · 3.2 mm/0.33 m, carries at most ±1.2 mm of a way of 60 mm onto the other axis.
+        // Reach would cost ±35 mm.
+        assert!(ahead[0].width() - at_reading[0].width() < 2.0 * 4.4e-3, "{ahead:?}");
+    }
+}
+
+#[test]
 fn slip_beyond_its_bound_escapes() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let escapes = (0..50)
         .filter(|_| {
-            let Drive { history, poses } = drive(&mut rng, 40, 12.0);
+            let Drive { history, poses, .. } = drive(&mut rng, 40, 12.0);
             let motion = history.motion(0.0, 0.3, &wheels(), &REACH).expect("inside the history");
             !moved(&start_box(poses[0]), &motion).contains(&poses[30])
         })
