@@ -2,23 +2,25 @@
 
 mod account;
 mod after_turn;
+mod carrying;
 mod doubt;
 mod heading_fixes;
+mod hypothesis;
 mod learning;
 mod moves;
 mod ring;
 mod slip;
 
 use crate::{
-    Constraint, Interval, IntervalBox, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
-    contractor::Contractor,
+    Constraint, Interval, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     method::Assumption,
-    motion::{Agreement, WheelHistory, WheelIntegral, agree, moved_union},
+    motion::{Agreement, Motion, WheelHistory, WheelIntegral, agree, moved_union},
 };
 
 pub use account::Account;
-use doubt::Doubt;
+use doubt::Doubts;
 use heading_fixes::HeadingFixes;
+use hypothesis::{Failed, Hypothesis};
 use moves::{REACH, assumptions, motion_between, motion_history};
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
@@ -60,11 +62,14 @@ pub struct Localizer {
     integral: Option<WheelIntegral>,
     current: PoseUnion,
     now_s: f64,
-    doubt: Option<Doubt>,
+    /// What may have failed: one hypothesis, that nothing has, unless an assumption is doubted. Slots hold a union for each.
+    hypotheses: Vec<Hypothesis>,
+    /// Doubts gone by.
+    doubts: Doubts,
     /// When wheels and flow sensor had nothing in common.
     slip: CertifiedSlip,
-    /// When methods unlearnt last, and how far back.
-    unlearnt: (f64, f64),
+    /// Since when slots were predicted without a reading of motion that has come since.
+    stale_s: f64,
     relies_on: Vec<Assumption>,
     /// Where the gyroscope's bias is learnt: what is known of it and of headings before.
     fixes: Option<HeadingFixes>,
@@ -85,9 +90,10 @@ impl Localizer {
             integral: None,
             current: PoseUnion::default(),
             now_s: 0.0,
-            doubt: None,
+            hypotheses: vec![Hypothesis::new(Failed::Nothing)],
+            doubts: Doubts::default(),
             slip: CertifiedSlip::default(),
-            unlearnt: (0.0, 0.0),
+            stale_s: f64::INFINITY,
             fixes: None,
             at_rest: None,
         };
@@ -102,9 +108,10 @@ impl Localizer {
         self.integral = None;
         self.at_rest = None;
         self.now_s = 0.0;
-        self.doubt = None;
+        self.hypotheses = vec![Hypothesis::new(Failed::Nothing)];
+        self.doubts = Doubts::default();
         self.slip = CertifiedSlip::default();
-        self.unlearnt = (0.0, 0.0);
+        self.stale_s = f64::INFINITY;
         self.relies_on = assumptions(&self.robot);
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
         self.begin_at(start);
@@ -113,7 +120,7 @@ impl Localizer {
 
     fn begin_at(&mut self, start: PoseBox) {
         self.current = self.inside_room(PoseUnion::single(start));
-        self.ring.push(Slot { stamp_s: 0.0, union: self.current.clone(), constraint: None });
+        self.ring.push(Slot { stamp_s: 0.0, unions: vec![self.current.clone()], constraint: None });
     }
 
     /// Takes in one reading; readings come in order of arrival. Answers with an account of each method that read an image.
@@ -125,6 +132,7 @@ impl Localizer {
             }
             Reading::Gyro { measured_s, rate_rad_per_s, .. } => {
                 self.wheels.push_rate(*measured_s, *rate_rad_per_s);
+                self.note_late(*measured_s);
                 if let Some(fixes) = &mut self.fixes {
                     fixes.read(*measured_s, *rate_rad_per_s);
                 }
@@ -132,6 +140,7 @@ impl Localizer {
             }
             Reading::Flow { measured_s, counts, blind_periods, .. } => {
                 self.wheels.push_flow(*measured_s, *counts, *blind_periods);
+                self.note_late(*measured_s);
                 Vec::new()
             }
             Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
@@ -140,11 +149,12 @@ impl Localizer {
 
     /// The answer as of the latest wheel reading.
     pub fn estimate(&self) -> Estimate {
-        let status = if self.doubt.is_some() { Status::Recovering } else { Status::Sound };
+        let status = if self.is_doubted() { Status::Recovering } else { Status::Sound };
         Estimate { time_s: self.now_s, pose: self.current.clone(), status, relies_on: self.relies_on.clone() }
     }
 
-    /// The answer at an instant: where the latest wheel reading is older, as when readings come late, reach bounds the rest.
+    /// The answer at an instant: where the latest wheel reading is older, as when readings come late, by what the wheels can have done since
+    /// or, much later and while they are doubted, by reach.
     pub fn estimate_at(&self, time_s: f64) -> Estimate {
         let mut estimate = self.estimate();
         if time_s <= self.now_s + SAME_S {
@@ -153,7 +163,12 @@ impl Localizer {
         // Whole microseconds: the same instant counted from another zero has other last digits.
         let span_s = ((time_s - self.now_s) * 1e6).ceil() * 1e-6;
         let motion = self.wheels.reach_motion(self.now_s, self.now_s + span_s, &self.robot.reach);
-        estimate.pose = self.inside_room(moved_union(&estimate.pose, &motion));
+        let within_reach = self.inside_room(moved_union(&estimate.pose, &motion));
+        let rolled = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s + span_s));
+        estimate.pose = match rolled {
+            Some(rolled) if !rolled.is_empty() => rolled.common(&within_reach),
+            _ => within_reach,
+        };
         estimate.time_s = time_s;
         let reach = REACH.into_iter().filter(|assumption| !self.relies_on.contains(assumption));
         estimate.relies_on.extend(reach);
@@ -162,6 +177,7 @@ impl Localizer {
 
     /// Predicts up to a wheel reading.
     fn roll(&mut self, time_s: f64, ticks: [i64; 2]) {
+        let before_s = self.wheels.latest().map_or(0.0, |before| before.time_s);
         if !self.wheels.push(time_s, ticks) {
             return;
         }
@@ -172,33 +188,60 @@ impl Localizer {
         } else {
             self.restart_integral();
         }
+        // What overtook the wheels was predicted by reach from where they were then: now they tell its way.
+        if self.ring.first_after(before_s).is_some_and(|overtook_s| overtook_s <= time_s) {
+            self.replay_all(before_s);
+        }
         self.predict();
         self.anchor_when_due();
         self.learn_at_rest(time_s, ticks);
     }
 
-    /// Sets the current union from the last slot.
+    /// Takes note of a reading of motion that came after slots which it tells the way of.
+    fn note_late(&mut self, measured_s: f64) {
+        if self.ring.last().is_some_and(|last| measured_s < last.stamp_s - SAME_S) {
+            self.stale_s = self.stale_s.min(measured_s);
+        }
+    }
+
+    /// Sets the current union from the last slot that is not ahead of the wheels.
     fn predict(&mut self) {
-        // A slot ahead of the wheels says nothing of now; the next reading will pass it.
-        let Some(last) = self.ring.last().filter(|last| last.stamp_s <= self.now_s) else { return };
-        let rolled = self.integral.as_ref().map(|integral| integral.motion(&self.robot.wheels));
-        let motion = match (rolled, self.doubt) {
-            (Some(rolled), None) => {
-                let flow = self.wheels.flow_motion(last.stamp_s, self.now_s, &self.robot.wheels, &self.robot.reach);
-                if let Agreement::SlipCertified(_) = agree(&rolled, flow.as_ref()) {
-                    self.slip.certify([last.stamp_s, self.now_s]);
-                }
-                self.slip.motion([last.stamp_s, self.now_s], Some(rolled), flow, &self.wheels, &self.robot)
+        let last_s = self.ring.last().map(|last| last.stamp_s).filter(|last_s| *last_s <= self.now_s);
+        let motion = last_s.filter(|_| !self.is_doubted()).map(|last_s| self.motion_since_last_slot(last_s));
+        let predicted = match (motion, self.ring.last()) {
+            (Some(motion), Some(last)) if !self.is_doubted() => {
+                Some(self.inside_room(moved_union(&last.unions[0], &motion)))
             }
-            _ => None,
+            _ => self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s)),
         };
-        // Without wheels to trust, or without their history since the slot, reach is all there is.
-        let motion = motion.unwrap_or_else(|| self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach));
-        let predicted = moved_union(&last.union, &motion);
-        self.current = self.inside_room(predicted);
+        let Some(predicted) = predicted else { return };
+        self.current = predicted;
         if self.current.is_empty() {
             // No place in the room fits what the wheels told: they are the first to be doubted.
-            self.begin_doubt();
+            self.begin_doubt(None);
+        }
+    }
+
+    /// Motion since the last slot, which is not ahead of the wheels, by the integral that goes on with each of their readings.
+    fn motion_since_last_slot(&mut self, stamp_s: f64) -> Motion {
+        let span_s = [stamp_s, self.now_s];
+        let rolled = self.integral.as_ref().map(|integral| integral.motion(&self.robot.wheels));
+        let motion = rolled.and_then(|rolled| {
+            let flow = self.wheels.flow_motion(stamp_s, self.now_s, &self.robot.wheels, &self.robot.reach);
+            if let Agreement::SlipCertified(_) = agree(&rolled, flow.as_ref()) {
+                self.certify_slip(span_s);
+            }
+            self.slip.motion(span_s, Some(rolled), flow, &self.wheels, &self.robot)
+        });
+        // Without wheels to trust, or without their history since the slot, reach is all there is.
+        motion.unwrap_or_else(|| self.wheels.reach_motion(stamp_s, self.now_s, &self.robot.reach))
+    }
+
+    /// Leaves the wheels out of a span in which they are seen to slip, and of a while before it, in which they may have slipped without
+    /// being seen: slots of that time are predicted anew.
+    fn certify_slip(&mut self, [from_s, now_s]: [f64; 2]) {
+        if self.slip.certify([from_s, now_s]) {
+            self.replay_all(from_s - slip::UNSEEN_S);
         }
     }
 
@@ -208,15 +251,23 @@ impl Localizer {
             .ring
             .last()
             .is_some_and(|last| self.now_s - last.stamp_s > 2.0 * self.robot.wheels.slip_window_s + 1e-6);
-        if due {
-            let union = self.as_fixed_before(self.current.clone(), self.now_s);
-            if union.is_empty() {
-                self.begin_doubt();
-                return;
-            }
-            self.ring.push(Slot { stamp_s: self.now_s, union, constraint: None });
-            self.restart_integral();
+        if !due {
+            return;
         }
+        let unions: Vec<PoseUnion> = if self.is_doubted() {
+            let Some(last) = self.ring.last() else { return };
+            (0..self.hypotheses.len())
+                .map(|hypothesis| self.carried_of(hypothesis, last, self.now_s).unwrap_or_default())
+                .collect()
+        } else {
+            vec![self.as_fixed_before(self.current.clone(), self.now_s)]
+        };
+        if unions.iter().all(PoseUnion::is_empty) {
+            self.begin_doubt(None);
+            return;
+        }
+        self.ring.push(Slot { stamp_s: self.now_s, unions, constraint: None });
+        self.restart_integral();
     }
 
     /// Lets every method read an image and hangs what they answer on the image's own stamp.
@@ -229,7 +280,7 @@ impl Localizer {
             if !self.methods[idx].reads(reading) {
                 continue;
             }
-            let (wheels, robot, doubted) = (&self.wheels, &self.robot, self.doubt.is_some());
+            let (wheels, robot, doubted) = (&self.wheels, &self.robot, self.is_doubted());
             let (slip, fixes) = (&self.slip, &self.fixes);
             self.methods[idx].carry_to(stamp_s, &|from_s, to_s| {
                 let motion = motion_between(wheels, robot, slip, doubted, [from_s, to_s]);
@@ -249,49 +300,24 @@ impl Localizer {
             let constraint = if heading_only { self.on_a_reading(constraint) } else { constraint };
             let hung_s = constraint.stamp_s;
             let mut account = self.hang(constraint, prior.clone());
-            let fixed = self.ring.at(hung_s).map_or(Interval::EMPTY, |slot| slot.union.hull()[2]);
+            let fixed = self.ring.at(hung_s).map_or(Interval::EMPTY, |slot| slot.merged().hull()[2]);
             if hung_s != stamp_s {
                 account.posterior = self.union_at(stamp_s).unwrap_or_default();
             }
-            if self.doubt.is_none() {
+            if !self.is_doubted() {
                 let (wheels, robot, slip) = (&self.wheels, &self.robot, &self.slip);
                 self.methods[idx].learn(&account.posterior, &|from_s, to_s| {
                     motion_between(wheels, robot, slip, false, [from_s, to_s])
                 });
             }
             account.landmarks = self.methods[idx].landmarks();
-            self.learn_heading(hung_s, fixed);
-            if self.methods[idx].take_contradiction() && self.doubt.is_none() {
-                self.begin_doubt();
+            let is_sound = self.learn_heading(hung_s, fixed) && !self.methods[idx].take_contradiction();
+            if !is_sound && !self.is_doubted() {
+                self.begin_doubt(None);
             }
             accounts.push(account);
         }
         accounts
-    }
-
-    /// What is known of the pose at a past stamp; `None` when it lies outside of the memory or after the last wheel reading.
-    fn union_at(&self, stamp_s: f64) -> Option<PoseUnion> {
-        let slot = self.ring.before(stamp_s)?;
-        self.carried(&slot.union, slot.stamp_s, stamp_s, self.doubt.is_some())
-    }
-
-    /// A union carried from one stamp to a later one, by reach when the wheels are doubted.
-    fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
-        let latest_s = self.wheels.latest()?.time_s;
-        if !doubted && to_s > latest_s.max(from_s) {
-            // An image that overtook the wheels: they tell the way so far, reach bounds the rest.
-            let known = self.carried(union, from_s, latest_s.max(from_s), false)?;
-            return self.carried(&known, latest_s.max(from_s), to_s, true);
-        }
-        let motion = if doubted {
-            self.wheels.reach_motion(from_s, to_s, &self.robot.reach)
-        } else if to_s == from_s {
-            return Some(union.clone());
-        } else {
-            motion_between(&self.wheels, &self.robot, &self.slip, false, [from_s, to_s])?
-        };
-        let moved = self.inside_room(moved_union(union, &motion));
-        Some(if doubted { moved } else { self.as_fixed_before(moved, to_s) })
     }
 
     /// Hangs a constraint on its stamp, where `prior` was known, and brings every later slot up to date.
@@ -303,45 +329,19 @@ impl Localizer {
                 self.relies_on.push(assumption);
             }
         }
-        // What says nothing neither ends a doubt nor prolongs it.
-        let agrees = constraint.decides.then(|| self.agrees_with_wheels(&constraint));
-        self.ring.insert(Slot { stamp_s, union: PoseUnion::default(), constraint: Some(constraint) });
-        if let Some((doubt, agrees)) = self.doubt.as_mut().zip(agrees) {
-            doubt.agreeing = if agrees { doubt.agreeing + 1 } else { 0 };
-        }
-        account.emptied = !self.replay(stamp_s);
-        if account.emptied {
-            self.begin_doubt();
-        } else {
-            self.end_doubt_when_supported();
-        }
-        account.posterior = self.ring.at(stamp_s).map(|slot| slot.union.clone()).unwrap_or_default();
+        let evidence = self.evidence(&constraint);
+        let unions = vec![PoseUnion::default(); self.hypotheses.len()];
+        self.ring.insert(Slot { stamp_s, unions, constraint: Some(constraint) });
+        let from_s = stamp_s.min(self.stale_s);
+        self.stale_s = f64::INFINITY;
+        account.emptied = match evidence {
+            None => self.replay_all(from_s),
+            Some(evidence) => self.weigh(evidence, from_s),
+        };
+        account.posterior = self.ring.at(stamp_s).map(Slot::merged).unwrap_or_default();
         self.restart_integral();
         self.predict();
         account
-    }
-
-    /// Recomputes every slot from `from_s` on. Answers whether each constraint left something; stops at the first that does not,
-    /// unless the wheels are doubted already: then a constraint that contradicts even reach is left out.
-    fn replay(&mut self, from_s: f64) -> bool {
-        let doubted = self.doubt.is_some();
-        let Some(first) = self.ring.index_at(from_s) else { return true };
-        for index in first.max(1)..self.ring.len() {
-            let (before, slot) = (&self.ring[index - 1], &self.ring[index]);
-            let Some(predicted) = self.carried(&before.union, before.stamp_s, slot.stamp_s, doubted) else { continue };
-            let contracted = match &slot.constraint {
-                Some(constraint) => contract_union(&predicted, constraint.on_pose.as_ref()),
-                None => predicted.clone(),
-            };
-            if !contracted.is_empty() {
-                self.ring[index].union = contracted;
-            } else if doubted {
-                self.ring[index].union = predicted;
-            } else {
-                return false;
-            }
-        }
-        true
     }
 
     fn restart_integral(&mut self) {
@@ -351,23 +351,8 @@ impl Localizer {
             .and_then(|last| self.wheels.integrate_from(last.stamp_s, &self.robot.wheels, &self.robot.reach));
     }
 
-    /// The part of a union in which the body does not stand in a wall.
-    fn inside_room(&self, union: PoseUnion) -> PoseUnion {
-        let room = self.whole_room();
-        let mut branches: Vec<PoseBox> = union.branches.iter().map(|branch| branch.intersect(&room)).collect();
-        branches.retain(|branch| !branch.is_empty());
-        PoseUnion { branches }.without_repeats()
+    /// Whether an assumption is doubted.
+    fn is_doubted(&self) -> bool {
+        self.hypotheses[0].failed != Failed::Nothing
     }
-
-    fn whole_room(&self) -> PoseBox {
-        let keep_m = self.robot.body.clearance_m;
-        let [x, y] = self.map.room_m.map(|range| Interval::new(range.lo() + keep_m, range.hi() - keep_m));
-        IntervalBox::from([x, y, Interval::ENTIRE])
-    }
-}
-
-/// Every branch, contracted and cut.
-fn contract_union(union: &PoseUnion, contractor: &(dyn Contractor<3> + Send + Sync)) -> PoseUnion {
-    PoseUnion { branches: union.branches.iter().flat_map(|branch| contractor.branches(branch)).collect() }
-        .without_repeats()
 }

@@ -59,6 +59,13 @@ impl PoseUnion {
         PoseUnion { branches: kept }
     }
 
+    /// The poses that are in both unions: every branch of one with every branch of the other.
+    pub fn common(&self, other: &PoseUnion) -> Self {
+        let branches =
+            self.branches.iter().flat_map(|one| other.branches.iter().map(move |other| one.intersect(other)));
+        PoseUnion { branches: branches.filter(|branch| !branch.is_empty()).collect() }.without_repeats()
+    }
+
     /// Whether some branch contains the pose.
     pub fn contains(&self, pose: Pose) -> bool {
         self.branches.iter().any(|branch| branch.contains(&pose.to_array()))

@@ -127,6 +127,8 @@ mod cli_render;
 mod render_studio;
 /// Who is at fault when the truth is outside, on records made by hand.
 mod blame;
+/// What is doubted, how soon, and when the truth is in the box again.
+mod doubts;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
 /// Recordings as the `mcap` crate reads them, and the localizer on them.

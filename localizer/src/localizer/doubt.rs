@@ -1,11 +1,24 @@
-//! An assumption failed: how far to go back, what to unlearn, and when to trust the wheels again.
+//! An assumption failed: what may have failed, how each hypothesis explains the readings, and when one of them is believed.
+//!
+//! An empty intersection proves that something assumed is false, but not what. While that is open, three hypotheses are followed side by
+//! side, and the answer is the union of what they leave: if one of them is right, the true pose is in it.
+//!
+//! - *Reading*: the reading that contradicted is false, a wrong claim or a thing that is not where the map has it. All else stands.
+//! - *Motion*: wheels or flow sensor broke their bounds in the last second or seconds. Since then reach alone tells the way.
+//! - *Memory*: what was known is false from its beginning. Only what names its place on the map tells anything, as a marker's code does,
+//!   and the latest such reading is believed.
+//!
+//! Each reading agrees with a hypothesis or contradicts it. Two witnesses that have nothing in common end one; with two that agree, and no
+//! other hypothesis elsewhere, one is believed.
 
-use crate::{Constraint, PoseUnion, motion::moved_union};
+use crate::{Constraint, Interval, IntervalBox, PoseUnion};
 
 use super::{
-    Localizer, REMEMBER_S, contract_union,
+    Localizer, REMEMBER_S,
+    carrying::contract_union,
+    hypothesis::{Failed, Hypothesis, Witness, witnesses},
     moves::{REACH, WHEELS},
-    ring::Slot,
+    ring::{Slot, merged},
 };
 
 /// What was unlearnt gets so long to show whether it was enough.
@@ -14,47 +27,235 @@ const UNLEARN_PAUSE_S: f64 = 2.0;
 const UNLEARN_CALM_S: f64 = 15.0;
 /// A doubt goes back at least so far: what was hung since may already have been cut by the assumption that failed.
 const DOUBT_S: f64 = 1.0;
+/// A contradiction so soon after the last doubt has its cause, which was farther back than was thought: it goes back twice as far.
+const DOUBT_AGAIN_S: f64 = 5.0;
+/// Whoever has lost its place looks at so many headings apart: a contractor of poses needs headings within an eighth of a turn.
+const HEADINGS: usize = 8;
 
-/// A doubt of the wheels: how many images in a row agree with them again.
+/// What a reading that is about to be hung tells of each hypothesis.
+pub(super) struct Evidence {
+    stamp_s: f64,
+    witnesses: Vec<Witness>,
+    /// Whether it tells enough to make a hypothesis believed.
+    decides: bool,
+    /// For each hypothesis, whether the wheels lead from the image before to what the reading allows.
+    agrees: Vec<bool>,
+}
+
+/// Doubts gone by.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Doubt {
-    pub(super) agreeing: usize,
+pub(super) struct Doubts {
+    /// When the last one ended: what was settled then is not gone over again.
+    pub(super) ended_s: f64,
+    /// How far back it went.
+    depth_s: f64,
+    /// When methods unlearnt last, and how far back.
+    unlearnt: (f64, f64),
+}
+
+impl Default for Doubts {
+    fn default() -> Self {
+        Doubts { ended_s: f64::NEG_INFINITY, depth_s: 0.0, unlearnt: (0.0, 0.0) }
+    }
 }
 
 impl Localizer {
-    /// An assumption failed, perhaps some time ago: goes back and carries on by reach alone, with every image since.
-    pub(super) fn begin_doubt(&mut self) {
-        self.doubt = Some(Doubt { agreeing: 0 });
+    /// An assumption failed, perhaps some time ago: every hypothesis is followed from where it parts from what was believed.
+    ///
+    /// `contradicting_s` is the stamp of the constraint that left nothing, if it was one.
+    pub(super) fn begin_doubt(&mut self, contradicting_s: Option<f64>) {
+        if self.is_doubted() {
+            self.begin_anywhere();
+            return;
+        }
+        let is_again = self.now_s - self.doubts.ended_s < DOUBT_AGAIN_S;
+        let depth_s = if is_again { (2.0 * self.doubts.depth_s).min(REMEMBER_S) } else { 0.0 }.max(DOUBT_S);
+        self.doubts = Doubts { depth_s, ended_s: f64::NEG_INFINITY, ..self.doubts };
         self.relies_on.retain(|assumption| !WHEELS.contains(assumption));
         self.relies_on.extend(
             REACH.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
         );
-        let doubtful_s = self.now_s - DOUBT_S;
         self.unlearn_deeper();
+        let doubtful_s = self.now_s - depth_s;
         self.ring.drop_anchors_after(doubtful_s);
-        self.replay(doubtful_s);
-        let growing = self.ring.last().map(|last| {
-            moved_union(&last.union, &self.wheels.reach_motion(last.stamp_s, self.now_s, &self.robot.reach))
-        });
-        self.current = self.inside_room(growing.unwrap_or_default());
-        if self.current.is_empty() {
-            // Even reach contradicts the walls: the memory is wrong from its beginning, and the room is all that is left.
-            self.current = PoseUnion::single(self.whole_room());
-            let union = self.current.clone();
-            self.ring.restart(Slot { stamp_s: self.now_s, union, constraint: None });
+
+        let reading = contradicting_s.map(|stamp_s| (Failed::Reading, stamp_s));
+        let since: Vec<(Failed, f64)> =
+            reading.into_iter().chain([(Failed::Motion, doubtful_s), (Failed::Memory, doubtful_s)]).collect();
+        self.hypotheses = since.iter().map(|(failed, _)| Hypothesis::new(*failed)).collect();
+        for slot in self.ring.iter_mut() {
+            let believed = std::mem::take(&mut slot.unions[0]);
+            slot.unions = since
+                .iter()
+                .map(|(failed, _)| if *failed == Failed::Memory { PoseUnion::default() } else { believed.clone() })
+                .collect();
         }
+        let doubted = contradicting_s.and_then(|stamp_s| self.ring.at(stamp_s)?.constraint.as_ref());
+        if let Some(false_ones) = doubted.map(witnesses) {
+            self.hypotheses[0].contradict(&false_ones);
+        }
+        for (hypothesis, (_, from_s)) in since.into_iter().enumerate() {
+            for stamp_s in self.replay(hypothesis, from_s) {
+                let at = self.ring.at(stamp_s).and_then(|slot| slot.constraint.as_ref());
+                let Some(against) = at.map(witnesses) else { continue };
+                self.hypotheses[hypothesis].contradict(&against);
+            }
+        }
+        self.drop_refuted();
+        self.restart_integral();
+        let explained = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s));
+        self.current = explained.unwrap_or_default();
+        if self.current.is_empty() {
+            self.begin_anywhere();
+        }
+    }
+
+    /// No hypothesis leaves anything: the robot may be anywhere in the room.
+    fn begin_anywhere(&mut self) {
+        let mut failed = vec![Failed::Motion, Failed::Memory];
+        let mut unions = vec![self.anywhere(), PoseUnion::default()];
+        if self.anywhere().is_empty() {
+            // A room that has no place for the robot: nothing can be said.
+            failed.truncate(1);
+            unions.truncate(1);
+        }
+        self.hypotheses = failed.into_iter().map(Hypothesis::new).collect();
+        self.current = merged(&unions);
+        self.ring.restart(Slot { stamp_s: self.now_s, unions, constraint: None });
+        self.restart_integral();
+    }
+
+    /// Any place in the room, in sectors of the headings about the one last known.
+    fn anywhere(&self) -> PoseUnion {
+        let room = self.whole_room();
+        let known = self.ring.iter().map(|slot| slot.merged().hull()[2]).chain([self.current.hull()[2]]);
+        let middle_rad = known.map(Interval::mid).filter(|middle_rad| middle_rad.is_finite()).last().unwrap_or(0.0);
+        let sector_rad = std::f64::consts::TAU / HEADINGS as f64;
+        let headings = (0..HEADINGS).map(|sector| {
+            let centre_rad = middle_rad + (sector as f64 - (HEADINGS / 2) as f64) * sector_rad;
+            // A hair wider, so that no heading falls between two sectors by rounding.
+            Interval::centred(centre_rad, 0.5 * sector_rad + 1e-9)
+        });
+        let boxes = headings.map(|heading| IntervalBox::from([room[0], room[1], heading]));
+        PoseUnion { branches: boxes.filter(|sector| !sector.is_empty()).collect() }
+    }
+
+    /// Where a constraint that names its place on the map says that the robot is, whatever was known; nothing for any other.
+    pub(super) fn located(&self, constraint: &Constraint) -> PoseUnion {
+        if !witnesses(constraint).iter().any(|witness| matches!(witness, Witness::Marker(_))) {
+            return PoseUnion::default();
+        }
+        contract_union(&self.anywhere(), constraint.on_pose.as_ref())
+    }
+
+    /// What a constraint that is about to be hung tells of each hypothesis; `None` without a doubt.
+    pub(super) fn evidence(&self, constraint: &Constraint) -> Option<Evidence> {
+        self.is_doubted().then(|| Evidence {
+            stamp_s: constraint.stamp_s,
+            witnesses: witnesses(constraint),
+            decides: constraint.decides,
+            agrees: (0..self.hypotheses.len())
+                .map(|hypothesis| self.agrees_with_wheels(hypothesis, constraint))
+                .collect(),
+        })
+    }
+
+    /// Follows each hypothesis from `from_s` on with a reading hung, and weighs what it tells. Answers whether it contradicts them all.
+    pub(super) fn weigh(&mut self, evidence: Evidence, from_s: f64) -> bool {
+        let mut n_against = 0;
+        let n_hypotheses = self.hypotheses.len();
+        for hypothesis in 0..n_hypotheses {
+            if self.hypotheses[hypothesis].disbelieves_any(&evidence.witnesses) {
+                self.replay(hypothesis, from_s);
+                continue;
+            }
+            let agrees = evidence.decides && evidence.agrees[hypothesis];
+            if evidence.decides && !agrees {
+                // Before it is followed: what the wheels do not lead to may still be within reach.
+                self.hypotheses[hypothesis].disagree();
+            }
+            let contradicting = self.replay(hypothesis, from_s);
+            let is_lost = self.ring.at(evidence.stamp_s).is_none_or(|slot| slot.unions[hypothesis].is_empty());
+            let weighed = &mut self.hypotheses[hypothesis];
+            let is_against = contradicting.contains(&evidence.stamp_s);
+            n_against += usize::from(is_against);
+            if is_against && weighed.failed != Failed::Memory {
+                weighed.contradict(&evidence.witnesses);
+            } else if agrees {
+                weighed.agree(&evidence.witnesses, evidence.stamp_s);
+            } else if evidence.decides && weighed.failed == Failed::Memory && !is_lost {
+                // What found its place anew has its first witness in that.
+                weighed.note(&evidence.witnesses);
+            }
+        }
+        self.drop_refuted();
+        self.end_doubt_when_decided();
+        n_against == n_hypotheses
+    }
+
+    /// Drops what two witnesses contradict, and what no pose is left of; the last one stays, whatever speaks against it.
+    fn drop_refuted(&mut self) {
+        let is_empty = |hypothesis: usize| self.ring.last().is_some_and(|last| last.unions[hypothesis].is_empty());
+        let mut dropped: Vec<usize> = Vec::new();
+        for (index, hypothesis) in self.hypotheses.iter().enumerate() {
+            // Memory is empty until something names its place, and begins anew at whatever contradicts it.
+            let is_dead = hypothesis.failed != Failed::Memory && (hypothesis.is_refuted() || is_empty(index));
+            let others_left = (0..self.hypotheses.len()).any(|other| {
+                other != index && !dropped.contains(&other) && !is_empty(other) && !self.hypotheses[other].is_refuted()
+            });
+            if is_dead && others_left {
+                dropped.push(index);
+            }
+        }
+        for index in dropped.into_iter().rev() {
+            self.hypotheses.remove(index);
+            for slot in self.ring.iter_mut() {
+                slot.unions.remove(index);
+            }
+        }
+    }
+
+    /// Believes what is left once one hypothesis has witnesses enough and no other is elsewhere.
+    fn end_doubt_when_decided(&mut self) {
+        let Some(last) = self.ring.last() else { return };
+        let supported = self.hypotheses.iter().position(Hypothesis::is_supported);
+        let Some(believed) = supported.map(|index| &last.unions[index]).filter(|union| !union.is_empty()) else {
+            return;
+        };
+        let is_elsewhere = |union: &PoseUnion| {
+            !union.is_empty()
+                && !union.branches.iter().any(|one| believed.branches.iter().any(|other| one.overlaps(other)))
+        };
+        if last.unions.iter().any(is_elsewhere) {
+            return;
+        }
+        self.doubts.ended_s = last.stamp_s;
+        self.hypotheses = vec![Hypothesis::new(Failed::Nothing)];
+        for slot in self.ring.iter_mut() {
+            slot.unions = vec![joined(&slot.unions)];
+        }
+        self.relies_on.extend(
+            WHEELS.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
+        );
+    }
+
+    /// Whether the wheels lead from the last image's union to one that this constraint allows.
+    fn agrees_with_wheels(&self, hypothesis: usize, constraint: &Constraint) -> bool {
+        let Some(before) = self.ring.image_before(constraint.stamp_s) else { return false };
+        self.carried(&before.unions[hypothesis], before.stamp_s, constraint.stamp_s, false)
+            .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
     }
 
     /// Lets the methods unlearn what they learnt in the last seconds. A push that hid in the width of a box may have been learnt from
     /// long before it showed: when that was not enough, twice as much is taken back.
     fn unlearn_deeper(&mut self) {
-        let (latest_s, depth_s) = self.unlearnt;
+        let (latest_s, depth_s) = self.doubts.unlearnt;
         let since_s = self.now_s - latest_s;
         if since_s < UNLEARN_PAUSE_S && depth_s > 0.0 {
             return;
         }
         let depth_s = if since_s < UNLEARN_CALM_S { 2.0 * depth_s } else { 0.0 }.max(REMEMBER_S);
-        self.unlearnt = (self.now_s, depth_s);
+        self.doubts.unlearnt = (self.now_s, depth_s);
         self.unlearn_since(self.now_s - depth_s);
     }
 
@@ -66,8 +267,7 @@ impl Localizer {
         self.tell_wheels_of_gyro();
         for method in &mut self.methods {
             method.forget_since(since_s);
-            for idx in 0..self.ring.len() {
-                let slot = &mut self.ring[idx];
+            for slot in self.ring.iter_mut() {
                 let hung = slot.constraint.as_mut().filter(|hung| hung.method == method.name());
                 if let (Some(constraint), Some(on_pose)) = (hung, method.renewed(slot.stamp_s)) {
                     constraint.on_pose = on_pose;
@@ -75,22 +275,23 @@ impl Localizer {
             }
         }
     }
+}
 
-    /// Trusts the wheels again once q + 2 images in a row agree with them: the last slot then stands on reach and images alone.
-    pub(super) fn end_doubt_when_supported(&mut self) {
-        let groups_needed = 2;
-        if self.doubt.is_some_and(|doubt| doubt.agreeing >= groups_needed) {
-            self.doubt = None;
-            self.relies_on.extend(
-                WHEELS.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
-            );
+/// The branches of several unions, those that overlap made one.
+fn joined(unions: &[PoseUnion]) -> PoseUnion {
+    let mut branches = merged(unions).branches;
+    if unions.len() == 1 {
+        return PoseUnion { branches };
+    }
+    let mut index = 0;
+    while index < branches.len() {
+        match (index + 1..branches.len()).find(|&other| branches[index].overlaps(&branches[other])) {
+            Some(other) => {
+                branches[index] = branches[index].hull(&branches[other]);
+                branches.remove(other);
+            }
+            None => index += 1,
         }
     }
-
-    /// Whether the wheels lead from the last image's union to one that this constraint allows.
-    pub(super) fn agrees_with_wheels(&self, constraint: &Constraint) -> bool {
-        let Some(before) = self.ring.image_before(constraint.stamp_s) else { return false };
-        self.carried(&before.union, before.stamp_s, constraint.stamp_s, false)
-            .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
-    }
+    PoseUnion { branches }
 }

@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use crate::{
-    Interval,
+    Interval, Outcome,
     method::Assumption,
     motion::{GyroErrors, GyroHistory, sudden_change_rad_per_s2},
     robot::{GyroModel, Reach},
@@ -67,15 +67,16 @@ impl HeadingFixes {
     }
 
     /// Learns from encoders that have counted nothing for a span.
-    pub(super) fn rest(&mut self, [since_s, now_s]: [f64; 2]) {
+    pub(super) fn rest(&mut self, [since_s, now_s]: [f64; 2]) -> Outcome {
         let from_s = since_s + SETTLED_S;
         let Some(turn_rad) = self.rest_turn_rad.filter(|_| now_s >= self.rested_s.max(from_s) + REST_AGAIN_S) else {
-            return;
+            return Outcome::Feasible;
         };
         self.rested_s = now_s;
         let turn = Interval::centred(0.0, turn_rad);
-        if let Some(read) = self.readings.sum(from_s, now_s, self.change_rad_per_s2) {
-            let _contradiction = self.errors.learn([from_s, now_s], read, turn);
+        match self.readings.sum(from_s, now_s, self.change_rad_per_s2) {
+            Some(read) => self.errors.learn([from_s, now_s], read, turn),
+            None => Outcome::Feasible,
         }
     }
 
@@ -83,16 +84,18 @@ impl HeadingFixes {
         self.readings.push(time_s, rate_rad_per_s);
     }
 
-    /// Learns from a heading fixed at a stamp.
-    pub(super) fn learn(&mut self, stamp_s: f64, heading: Interval) {
+    /// Learns from a heading fixed at a stamp; what contradicts the headings before is not kept.
+    pub(super) fn learn(&mut self, stamp_s: f64, heading: Interval) -> Outcome {
         for &(fixed_s, before) in &self.fixes {
-            // What contradicts what was known is learnt by no one: the doubt that is to come unlearns.
-            if let Some(read) = self.readings.sum(fixed_s, stamp_s, self.change_rad_per_s2) {
-                let _contradiction = self.errors.learn([fixed_s, stamp_s], read, heading - before);
+            if let Some(read) = self.readings.sum(fixed_s, stamp_s, self.change_rad_per_s2)
+                && let contradiction @ Outcome::Empty(_) = self.errors.learn([fixed_s, stamp_s], read, heading - before)
+            {
+                return contradiction;
             }
         }
         self.fixes.push_back((stamp_s, heading));
         self.thin_out(stamp_s);
+        Outcome::Feasible
     }
 
     /// Keeps the narrowest fix of each while.

@@ -1,6 +1,6 @@
 //! What the localizer learns of the gyroscope, at rest and from headings fixed, and what that tells of the heading now.
 
-use crate::{Constraint, Interval, Localizer, PoseUnion, motion::greatest_change_rad_per_s2};
+use crate::{Constraint, Interval, Localizer, Outcome, PoseUnion, motion::greatest_change_rad_per_s2};
 
 use super::{REMEMBER_S, after_turn::AfterTurn, heading_fixes::HeadingFixes};
 
@@ -32,8 +32,11 @@ impl Localizer {
     pub(super) fn learn_at_rest(&mut self, time_s: f64, ticks: [i64; 2]) {
         let (since_s, _) = *self.at_rest.take_if(|(_, before)| *before == ticks).get_or_insert((time_s, ticks));
         self.at_rest = Some((since_s, ticks));
-        if let Some(fixes) = self.fixes.as_mut().filter(|_| self.doubt.is_none()) {
-            fixes.rest([since_s, time_s]);
+        let is_doubted = self.is_doubted();
+        if let Some(fixes) = self.fixes.as_mut().filter(|_| !is_doubted)
+            && let Outcome::Empty(_) = fixes.rest([since_s, time_s])
+        {
+            self.begin_doubt(None);
         }
         self.tell_wheels_of_gyro();
     }
@@ -52,13 +55,14 @@ impl Localizer {
         }
     }
 
-    /// Learns the gyroscope's bias from a heading just fixed, unless an assumption is doubted.
-    pub(super) fn learn_heading(&mut self, stamp_s: f64, heading: Interval) {
-        let Some(fixes) = &mut self.fixes else { return };
-        if self.doubt.is_none() && !heading.is_empty() {
-            fixes.learn(stamp_s, heading);
-        }
+    /// Learns the gyroscope's bias from a heading just fixed, unless an assumption is doubted. Answers whether that agrees with what was
+    /// known: if not, an assumption failed.
+    pub(super) fn learn_heading(&mut self, stamp_s: f64, heading: Interval) -> bool {
+        let is_doubted = self.is_doubted();
+        let Some(fixes) = &mut self.fixes else { return true };
+        let agrees = is_doubted || heading.is_empty() || fixes.learn(stamp_s, heading) == Outcome::Feasible;
         self.tell_wheels_of_gyro();
+        agrees
     }
 
     /// Tells what is known of bias and scale now: a bias that wanders is known the less the longer it has not been learnt.
@@ -71,7 +75,7 @@ impl Localizer {
 
     /// A union at a stamp without the headings that those fixed before rule out.
     pub(super) fn as_fixed_before(&self, mut union: PoseUnion, stamp_s: f64) -> PoseUnion {
-        let Some(fixes) = self.fixes.as_ref().filter(|_| self.doubt.is_none()) else { return union };
+        let Some(fixes) = self.fixes.as_ref().filter(|_| !self.is_doubted()) else { return union };
         let heading = fixes.heading(stamp_s);
         union.branches.iter_mut().for_each(|branch| branch[2] = branch[2].intersect(heading));
         union.branches.retain(|branch| !branch.is_empty());

@@ -10,10 +10,25 @@ use crate::{Constraint, PoseUnion};
 /// What is known of the pose at one stamp.
 pub(super) struct Slot {
     pub(super) stamp_s: f64,
-    /// Union at the stamp, with the slot's own constraint.
-    pub(super) union: PoseUnion,
+    /// Union at the stamp with the slot's own constraint, for each hypothesis of what failed.
+    pub(super) unions: Vec<PoseUnion>,
     /// What an image says of this stamp; none for an anchor.
     pub(super) constraint: Option<Constraint>,
+}
+
+impl Slot {
+    /// The pose is in this, if one of the hypotheses is right.
+    pub(super) fn merged(&self) -> PoseUnion {
+        merged(&self.unions)
+    }
+}
+
+/// All branches of several unions.
+pub(super) fn merged(unions: &[PoseUnion]) -> PoseUnion {
+    if let [union] = unions {
+        return union.clone();
+    }
+    PoseUnion { branches: unions.iter().flat_map(|union| union.branches.iter().copied()).collect() }.without_repeats()
 }
 
 /// The window.
@@ -48,6 +63,21 @@ impl Ring {
     /// Last slot at exactly this stamp.
     pub(super) fn at(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s == stamp_s)
+    }
+
+    /// Stamp of the first slot after a time.
+    pub(super) fn first_after(&self, time_s: f64) -> Option<f64> {
+        self.slots.iter().map(|slot| slot.stamp_s).find(|stamp_s| *stamp_s > time_s)
+    }
+
+    /// Every slot, the oldest first.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Slot> {
+        self.slots.iter()
+    }
+
+    /// The same, to be changed.
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Slot> {
+        self.slots.iter_mut()
     }
 
     /// Index of the first slot at a stamp or after it.

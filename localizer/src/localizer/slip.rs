@@ -9,6 +9,9 @@ use super::REMEMBER_S;
 
 /// Wheels are left out for so long after they were last seen to slip: slip that goes on needs some time to show anew.
 const LEFT_OUT_S: f64 = 0.5;
+/// Slip that is seen now may have begun so long before: until wheels and flow sensor are farther apart than both are wide, what they have
+/// in common may already be beside the truth.
+pub(super) const UNSEEN_S: f64 = 1.0;
 
 /// Spans in which the wheels are left out.
 #[derive(Clone, Debug, Default)]
@@ -17,12 +20,19 @@ pub(super) struct CertifiedSlip {
 }
 
 impl CertifiedSlip {
-    /// The wheels slipped somewhere in this span, the last of which is now.
-    pub(super) fn certify(&mut self, [from_s, now_s]: [f64; 2]) {
+    /// The wheels slipped somewhere in this span, the last of which is now, and perhaps [`UNSEEN_S`] before it. Answers whether that is
+    /// news: whether no span before reached as far.
+    pub(super) fn certify(&mut self, [from_s, now_s]: [f64; 2]) -> bool {
         self.spans_s.retain(|span_s| span_s[1] > now_s - REMEMBER_S);
         match self.spans_s.last_mut() {
-            Some(latest) if from_s <= latest[1] => latest[1] = now_s + LEFT_OUT_S,
-            _ => self.spans_s.push([from_s, now_s + LEFT_OUT_S]),
+            Some(latest) if from_s <= latest[1] => {
+                latest[1] = now_s + LEFT_OUT_S;
+                false
+            }
+            _ => {
+                self.spans_s.push([from_s - UNSEEN_S, now_s + LEFT_OUT_S]);
+                true
+            }
         }
     }
 

@@ -1,0 +1,120 @@
+//! Unions of poses carried from slot to slot, and slots recomputed when something is told of the past.
+
+use crate::{Contractor, Interval, IntervalBox, PoseBox, PoseUnion, motion::moved_union};
+
+use super::{
+    Localizer,
+    hypothesis::Failed,
+    moves::motion_between,
+    ring::{self, Slot},
+};
+
+impl Localizer {
+    /// What is known of the pose at a past stamp; `None` when it lies outside of the memory, or before the end of the last doubt.
+    pub(super) fn union_at(&self, stamp_s: f64) -> Option<PoseUnion> {
+        if stamp_s < self.doubts.ended_s {
+            return None;
+        }
+        self.explained_at(self.ring.before(stamp_s)?, stamp_s)
+    }
+
+    /// A slot carried to a later stamp by whatever explains the readings.
+    pub(super) fn explained_at(&self, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
+        let carried: Option<Vec<PoseUnion>> =
+            (0..self.hypotheses.len()).map(|hypothesis| self.carried_of(hypothesis, slot, stamp_s)).collect();
+        Some(ring::merged(&carried?))
+    }
+
+    /// One hypothesis's union of a slot, carried to a later stamp.
+    pub(super) fn carried_of(&self, hypothesis: usize, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
+        let doubted = !self.hypotheses[hypothesis].trusts_wheels(slot.stamp_s);
+        self.carried(&slot.unions[hypothesis], slot.stamp_s, stamp_s, doubted)
+    }
+
+    /// A union carried from one stamp to a later one, by reach when the wheels are doubted.
+    pub(super) fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
+        let latest_s = self.wheels.latest()?.time_s;
+        if doubted {
+            let motion = self.wheels.reach_motion(from_s, to_s, &self.robot.reach);
+            return Some(self.inside_room(moved_union(union, &motion)));
+        }
+        if to_s == from_s {
+            return Some(union.clone());
+        }
+        match motion_between(&self.wheels, &self.robot, &self.slip, false, [from_s, to_s]) {
+            Some(motion) => Some(self.as_fixed_before(self.inside_room(moved_union(union, &motion)), to_s)),
+            // Far ahead of the wheels: they tell the way so far, reach bounds the rest.
+            None if to_s > latest_s.max(from_s) => {
+                let known = self.carried(union, from_s, latest_s.max(from_s), false)?;
+                self.carried(&known, latest_s.max(from_s), to_s, true)
+            }
+            None => None,
+        }
+    }
+
+    /// Recomputes every slot from `from_s` on for every hypothesis. Answers whether that showed that an assumption failed.
+    pub(super) fn replay_all(&mut self, from_s: f64) -> bool {
+        if self.is_doubted() {
+            (0..self.hypotheses.len()).for_each(|hypothesis| {
+                self.replay(hypothesis, from_s);
+            });
+            return false;
+        }
+        let contradiction = self.replay(0, from_s).first().copied();
+        if contradiction.is_some() {
+            self.begin_doubt(contradiction);
+        }
+        contradiction.is_some()
+    }
+
+    /// Recomputes one hypothesis's union of every slot from `from_s` on. Answers the stamps of constraints that contradict it, which are
+    /// left out; if nothing is thought to have failed, it stops at the first.
+    pub(super) fn replay(&mut self, hypothesis: usize, from_s: f64) -> Vec<f64> {
+        let failed = self.hypotheses[hypothesis].failed;
+        let mut contradicting = Vec::new();
+        let Some(first) = self.ring.index_at(from_s.max(self.doubts.ended_s)) else { return contradicting };
+        for index in first.max(1)..self.ring.len() {
+            let (before, slot) = (&self.ring[index - 1], &self.ring[index]);
+            let Some(predicted) = self.carried_of(hypothesis, before, slot.stamp_s) else { continue };
+            let contracted = match &slot.constraint {
+                Some(constraint) if failed == Failed::Memory && predicted.is_empty() => self.located(constraint),
+                Some(constraint) if !self.hypotheses[hypothesis].disbelieves(constraint) => {
+                    contract_union(&predicted, constraint.on_pose.as_ref())
+                }
+                _ => predicted.clone(),
+            };
+            if contracted.is_empty() && !(predicted.is_empty() && failed != Failed::Nothing) {
+                contradicting.push(slot.stamp_s);
+                let anew = match (failed, &slot.constraint) {
+                    (Failed::Nothing, _) => return contradicting,
+                    (Failed::Memory, Some(constraint)) => self.located(constraint),
+                    _ => PoseUnion::default(),
+                };
+                self.ring[index].unions[hypothesis] = if anew.is_empty() { predicted } else { anew };
+            } else {
+                self.ring[index].unions[hypothesis] = contracted;
+            }
+        }
+        contradicting
+    }
+
+    /// The part of a union in which the body does not stand in a wall.
+    pub(super) fn inside_room(&self, union: PoseUnion) -> PoseUnion {
+        let room = self.whole_room();
+        let mut branches: Vec<PoseBox> = union.branches.iter().map(|branch| branch.intersect(&room)).collect();
+        branches.retain(|branch| !branch.is_empty());
+        PoseUnion { branches }.without_repeats()
+    }
+
+    pub(super) fn whole_room(&self) -> PoseBox {
+        let keep_m = self.robot.body.clearance_m;
+        let [x, y] = self.map.room_m.map(|range| Interval::new(range.lo() + keep_m, range.hi() - keep_m));
+        IntervalBox::from([x, y, Interval::ENTIRE])
+    }
+}
+
+/// Every branch, contracted and cut.
+pub(super) fn contract_union(union: &PoseUnion, contractor: &(dyn Contractor<3> + Send + Sync)) -> PoseUnion {
+    PoseUnion { branches: union.branches.iter().flat_map(|branch| contractor.branches(branch)).collect() }
+        .without_repeats()
+}

@@ -1,0 +1,90 @@
+use localizer::Status;
+use sim::{
+    check::{Verdict, check},
+    render::Renderer,
+    run::{RunOptions, RunRecord, run},
+    scene::{Event, Scene, SceneFile},
+};
+
+use crate::command::root;
+
+fn scene(path: &str) -> Scene {
+    SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene
+}
+
+fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
+    let mut renderer = Renderer::new().unwrap();
+    let record = run(scene, seed, Some(&mut renderer), &RunOptions::default(), &mut |_| {}).unwrap();
+    let verdict = check(scene, &record);
+    (record, verdict)
+}
+
+/// When the localizer first doubts anything.
+fn first_doubt_s(record: &RunRecord) -> f64 {
+    let doubting = record.estimates.iter().find(|estimate| estimate.status == Status::Recovering);
+    doubting.map_or(f64::INFINITY, |estimate| estimate.time_s)
+}
+
+/// Time after `from_s` in which the truth is outside.
+fn outside_s(record: &RunRecord, from_s: f64) -> f64 {
+    let steps = record.truths.iter().zip(&record.estimates);
+    let outside = steps.filter(|(truth, estimate)| truth.time_s >= from_s && !estimate.pose.contains(truth.pose));
+    outside.count() as f64 * 0.01
+}
+
+#[test]
+fn a_marker_off_its_place_is_doubted_and_the_truth_stays_among_what_is_possible() {
+    let scene = scene("broken/misplaced_marker.toml");
+    for seed in [0, 1] {
+        let (record, verdict) = judged(&scene, seed);
+        assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+        // The marker is 15 cm off: as soon as it is seen, it contradicts.
+        let seen = record.images.iter().find(|image| {
+            image.claims.iter().any(|claim| format!("{claim:?}").contains("MarkerId(183)")) && image.constrained
+        });
+        let seen_s = seen.unwrap().arrived_s;
+        assert!((seen_s - 0.01..seen_s + 1.0).contains(&first_doubt_s(&record)), "{seen_s}");
+    }
+}
+
+#[test]
+fn a_kick_beyond_reach_is_noticed_within_a_second_and_right_again_within_five() {
+    for seed in 0..3 {
+        let (record, verdict) = judged(&scene("found/kicked_among_tiles_and_markers.toml"), seed);
+        assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+        assert!((6.0..7.0).contains(&first_doubt_s(&record)), "seed {seed}: {}", first_doubt_s(&record));
+        assert_eq!(outside_s(&record, 11.0), 0.0, "seed {seed}");
+        assert_eq!(record.estimates.last().unwrap().status, Status::Sound, "seed {seed}");
+        assert!(record.estimates.last().unwrap().pose.hull()[0].width() < 0.03, "seed {seed}");
+    }
+}
+
+#[test]
+fn a_push_among_tiles_alone_is_followed_tile_by_tile() {
+    let mut scene = scene("broken/push_4cm.toml");
+    scene.duration_s = 12.0;
+    scene.events = vec![Event::Push { at_s: 8.0, displacement_m: [0.05, 0.12], lasts_s: 0.4 }];
+    let (record, verdict) = judged(&scene, 3);
+    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+    assert!((8.0..9.0).contains(&first_doubt_s(&record)), "{}", first_doubt_s(&record));
+    assert_eq!(outside_s(&record, 10.0), 0.0);
+    assert_eq!(record.estimates.last().unwrap().status, Status::Sound);
+}
+
+#[test]
+fn readings_of_wheels_that_come_late_leave_no_stale_box_and_cost_millimetres() {
+    // 5.5 mm with readings in time; the wheels can hardly change their speed in 50 ms. Readings that come 0.3 s late leave the first third
+    // of a second to reach, after which several tiles are possible.
+    for (late_s, latency_s, widest_m) in [(0.3, 0.03, 1.0), (0.05, 0.03, 0.009), (0.05, 0.005, 0.009)] {
+        let mut scene = scene("tiles.toml");
+        scene.duration_s = 10.0;
+        scene.robot.delivery.late_s = late_s;
+        scene.robot.floor_camera.as_mut().unwrap().latency_s = latency_s;
+        for seed in [0, 7] {
+            let (_, verdict) = judged(&scene, seed);
+            assert_eq!(verdict.containment.contained, verdict.containment.checks, "{late_s} {seed}");
+            assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+            assert!(verdict.width.x_m.mean < widest_m, "{late_s} {seed}: {:?}", verdict.width);
+        }
+    }
+}
