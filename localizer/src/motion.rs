@@ -28,7 +28,7 @@ pub use odometry::PointOdometry;
 
 /// Wheels tell the way so far ahead of their latest reading: later, a way that grows with the square of time is wider than one that grows
 /// with the greatest speed.
-const AHEAD_S: f64 = 0.25;
+pub const AHEAD_S: f64 = 0.25;
 
 /// Motion of the robot relative to its first pose, in that pose's robot frame: forward, left (metres), turn (radians).
 pub type Motion = IntervalBox<3>;
