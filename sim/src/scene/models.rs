@@ -206,10 +206,12 @@ fn flow_model(flow: &Flow) -> FlowModel {
     let place = |nominal_m: f64| Interval::centred(nominal_m, flow.position_tolerance_m);
     FlowModel {
         position_m: [place(flow.forward_m), place(flow.left_m)],
-        metres_per_count: Interval::point(1.0) / relative(flow.counts_per_m, flow.scale_tolerance),
+        metres_per_count: Interval::point(1.0) / relative(flow.counts_per_m, flow.calibration_share()),
+        // |s − s₀| ≤ v makes |s/s₀ − 1| ≤ v/s₀, at most where s₀ is least.
+        scale_change: flow.varying_share() / (1.0 - flow.calibration_share()),
         yaw_rad: Interval::centred(0.0, flow.yaw_tolerance_deg.to_radians()),
         quantisation_counts: 1.0,
-        back_and_forth_counts: flow.back_and_forth_m * flow.counts_per_m,
+        back_and_forth_m: flow.back_and_forth_m,
         period_s: flow.period_s,
     }
 }
