@@ -193,10 +193,14 @@ pub struct RangeCameraModel {
     pub height_span_m: f64,
     /// Greatest error of a stamp, `range_camera.stamp`.
     pub stamp_error_s: f64,
+    /// Time from measurement to delivery, `range_camera.latency`.
+    pub latency_s: Interval,
+    /// Least time between two readings.
+    pub period_s: f64,
     /// At most this many wrong correspondences in one reading, `range_landmarks.q_items`.
     pub q_items: usize,
-    /// With wrong correspondences: at least so many right ones lie between two wrong ones given to the same landmark,
-    /// `range_landmarks.wrong_spacing`.
+    /// With wrong correspondences: at least so many right ones lie between two wrong ones given to the same landmark, in the order in which
+    /// they were measured, `range_landmarks.wrong_spacing`.
     pub wrong_spacing: usize,
 }
 

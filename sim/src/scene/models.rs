@@ -10,7 +10,10 @@ use localizer::{
     },
 };
 
-use crate::sensors::{camera::AutoExposure, lens::forward_focal_px, range_camera::FIRST_S};
+use crate::{
+    sensors::{camera::AutoExposure, lens::forward_focal_px, range_camera::FIRST_S},
+    world::STEP_S,
+};
 
 use super::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
 
@@ -231,6 +234,10 @@ fn range_camera_model(camera: &RangeCamera) -> RangeCameraModel {
         tilt_rad: camera.tilt_tolerance_deg.to_radians(),
         height_span_m: camera.height_span_m,
         stamp_error_s: camera.stamp_tolerance_s,
+        latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s)
+            .intersect(Interval::new(0.0, f64::INFINITY)),
+        // It measures at the first physics step after each period.
+        period_s: camera.period_s - STEP_S,
         q_items: camera.q_items,
         wrong_spacing: camera.wrong_spacing,
     }
