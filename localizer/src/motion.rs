@@ -107,9 +107,12 @@ impl WheelHistory {
         self.gyro.as_ref()?.turn(from_s, to_s, greatest_change_rad_per_s2(wheels, reach))
     }
 
-    /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip.
+    /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip. To an earlier stamp reach tells as much as to a later one.
     pub fn reach_motion(&self, from_s: f64, to_s: f64, reach: &Reach) -> Motion {
-        let mut motion = reach_motion(to_s - from_s, reach);
+        let mut motion = reach_motion((to_s - from_s).abs(), reach);
+        if to_s < from_s {
+            return motion;
+        }
         let turn = self
             .gyro
             .as_ref()
@@ -196,8 +199,12 @@ impl WheelHistory {
         Some(integral)
     }
 
-    /// Motion from `from_s` to `to_s`; `None` if `from_s` lies outside of the history, or `to_s` before it or more than [`AHEAD_S`] after it.
+    /// Motion from `from_s` to `to_s`; `None` if `from_s` lies outside of the history, or `to_s` more than [`AHEAD_S`] after it, and to an
+    /// earlier stamp: a way back is not a stand.
     pub fn motion(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Motion> {
+        if to_s < from_s {
+            return None;
+        }
         let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
         let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
         for sample in self.samples.iter().skip(next).take_while(|sample| sample.time_s < to_s) {

@@ -193,10 +193,14 @@ pub struct RangeCameraModel {
     pub height_span_m: f64,
     /// Greatest error of a stamp, `range_camera.stamp`.
     pub stamp_error_s: f64,
+    /// Time from measurement to delivery, `range_camera.latency`.
+    pub latency_s: Interval,
+    /// Least time between two readings.
+    pub period_s: f64,
     /// At most this many wrong correspondences in one reading, `range_landmarks.q_items`.
     pub q_items: usize,
-    /// With wrong correspondences: at least so many right ones lie between two wrong ones given to the same landmark,
-    /// `range_landmarks.wrong_spacing`.
+    /// With wrong correspondences: at least so many right ones lie between two wrong ones given to the same landmark, in the order in which
+    /// they were measured, `range_landmarks.wrong_spacing`.
     pub wrong_spacing: usize,
 }
 
@@ -226,14 +230,16 @@ pub struct ForwardCameraModel {
 pub struct FlowModel {
     /// Where it looks, in the robot frame: forward and left, `flow.position`.
     pub position_m: [Interval; 2],
-    /// Travel of one count, over every height it is declared for, `flow.scale`.
+    /// Travel of one count at the mounted height, the same in all the run, `flow.calibration`.
     pub metres_per_count: Interval,
+    /// Greatest share by which counts per metre depart from those at the mounted height, now more, now less, `flow.scale`; below 1.
+    pub scale_change: f64,
     /// Turn of its forward axis from the robot's, counter-clockwise, `flow.yaw`.
     pub yaw_rad: Interval,
-    /// Greatest error, at any stamp, of an axis' counts since the start: 1 by the nature of counting.
+    /// Width of the interval in which, at all stamps, an axis' error of counting lies: 1 by the nature of counting.
     pub quantisation_counts: f64,
-    /// Greatest way, in counts, that it goes forth and back within one period beyond what it counts, `flow.back_and_forth`.
-    pub back_and_forth_counts: f64,
+    /// Greatest way that it goes back and forth within one period, beyond the distance between its ends, `flow.back_and_forth`.
+    pub back_and_forth_m: f64,
     /// Time between two readings.
     pub period_s: f64,
 }

@@ -13,10 +13,11 @@ const COUNTS_PER_M: f64 = 20_000.0;
 fn model() -> FlowModel {
     FlowModel {
         position_m: [Interval::centred(-0.06, 0.0005), Interval::centred(0.03, 0.0005)],
-        metres_per_count: Interval::centred(1.0 / COUNTS_PER_M, 0.003 / COUNTS_PER_M),
+        metres_per_count: Interval::centred(1.0 / COUNTS_PER_M, 0.001 / COUNTS_PER_M),
+        scale_change: 0.002,
         yaw_rad: Interval::centred(0.0, 0.003),
         quantisation_counts: 1.0,
-        back_and_forth_counts: 1.0,
+        back_and_forth_m: 0.000_05,
         period_s: 0.01,
     }
 }
@@ -26,7 +27,7 @@ fn drive(rng: &mut ChaCha8Rng, steps: usize) -> ([f64; 3], FlowIntegral) {
     let model = model();
     let mut side = || [-1.0, 1.0][rng.random_range(0..2)];
     let arm = model.position_m.map(|at| at.mid() + 0.99 * at.radius() * side());
-    let per_m = COUNTS_PER_M * (1.0 - 0.0029 * side());
+    let per_m = COUNTS_PER_M * (1.0 - 0.0009 * side()) * (1.0 - 0.0019 * side());
     let yaw = 0.0029 * side();
     let (mut forward, mut left, mut rate) = (0.25, 0.0, 0.0);
     let (mut x, mut y, mut heading) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -50,7 +51,7 @@ fn drive(rng: &mut ChaCha8Rng, steps: usize) -> ([f64; 3], FlowIntegral) {
         let counts = seen.map(|travel_m| (travel_m * per_m).floor() as i64);
         let new = [(counts[0] - counted[0]) as f64, (counts[1] - counted[1]) as f64];
         counted = counts;
-        integral.advance(new, Interval::centred(heading, 0.0005), rate.abs() * 0.01, 0.01, &model);
+        integral.advance(new, Interval::centred(heading, 0.0005), rate.abs() * 0.01, model.back_and_forth_m, &model);
     }
     ([x, y, heading], integral)
 }
@@ -76,11 +77,109 @@ fn the_lever_arm_is_no_travel_when_the_robot_spins_on_the_spot() {
     // A turn of 1 rad in 100 steps: the sensor 0.06 m behind and 0.03 m left of the axle travels −0.03 m and −0.06 m in its own frame.
     for step in 1..=100_i64 {
         let counts = [-600 * step / 100 + 600 * (step - 1) / 100, -1200 * step / 100 + 1200 * (step - 1) / 100];
-        integral.advance(counts.map(|count| count as f64), Interval::point(0.01 * step as f64), 0.01, 0.01, &flow);
+        integral.advance(counts.map(|count| count as f64), Interval::point(0.01 * step as f64), 0.01, 0.0, &flow);
     }
     let motion = integral.motion(0.0, &flow);
     assert!(motion.contains(&[0.0, 0.0, 1.0]), "{motion:?}");
     assert!(motion.width(0) < 0.005 && motion.width(1) < 0.005, "{motion:?}");
+}
+
+/// What a scale does at an instant at which the sensor travels by `travel_m` along both axes of the world.
+type Adversary<'a> = &'a dyn Fn([f64; 2]) -> f64;
+
+/// A body that drives `forward_m_per_s` and turns `rate_rad_per_s` for `steps` periods, seen by a sensor at `arm_m` whose scale is
+/// `calibration` times 1 and a share of `change` that `adversary` chooses anew every half millisecond: true motion, and the integral.
+fn flipped(
+    [forward_m_per_s, rate_rad_per_s]: [f64; 2],
+    steps: usize,
+    calibration: f64,
+    adversary: Adversary,
+    model: &FlowModel,
+) -> ([f64; 3], Motion) {
+    let arm_m = model.position_m.map(Interval::mid);
+    let (mut pose, mut seen, mut counted, dt) = ([0.0_f64; 3], [0.3_f64, 0.8], [0_i64; 2], 0.0005);
+    let mut integral = FlowIntegral::new();
+    for _ in 0..steps {
+        for _ in 0..20 {
+            let (sin, cos) = (pose[2] + 0.5 * rate_rad_per_s * dt).sin_cos();
+            let travel_m = [forward_m_per_s - rate_rad_per_s * arm_m[1], rate_rad_per_s * arm_m[0]].map(|v| v * dt);
+            let in_world_m = [cos * travel_m[0] - sin * travel_m[1], sin * travel_m[0] + cos * travel_m[1]];
+            let scale = calibration * (1.0 + model.scale_change * adversary(in_world_m));
+            (0..2).for_each(|axis| seen[axis] += travel_m[axis] * COUNTS_PER_M * scale);
+            pose[0] += forward_m_per_s * cos * dt;
+            pose[1] += forward_m_per_s * sin * dt;
+            pose[2] += rate_rad_per_s * dt;
+        }
+        let counts = seen.map(|counts| counts.floor() as i64);
+        let new = [0, 1].map(|axis| (counts[axis] - counted[axis]) as f64);
+        counted = counts;
+        integral.advance(new, Interval::point(pose[2]), rate_rad_per_s.abs() * 0.01, 0.0, model);
+    }
+    (pose, integral.motion(0.0, model))
+}
+
+#[test]
+fn a_scale_that_flips_at_its_bounds_keeps_the_truth_in_a_box_as_narrow_as_the_harm_it_does() {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    for scale_change in [0.002, 0.05, 0.2] {
+        for drive in 0..60_u32 {
+            // Turns on the spot, in which the sensor travels along one of its axes, and curves; each of up to two turns.
+            let (is_curve, arm_m) = (drive % 2 == 1, 0.18);
+            let position_m = [-arm_m, if is_curve { 0.09 } else { 0.0 }].map(Interval::point);
+            let model = FlowModel { position_m, yaw_rad: Interval::ZERO, scale_change, ..model() };
+            let rate_rad_per_s = rng.random_range(0.5..2.0);
+            let speeds = [if is_curve { rng.random_range(-0.3..0.3) } else { 0.0 }, rate_rad_per_s];
+            let steps = rng.random_range(50..600);
+            let calibration = 1.0 + 0.00099 * [-1.0, 1.0][rng.random_range(0..2)];
+            // One that always pushes to a side, one that does so after noon, one that knows no rule.
+            let coin = std::cell::RefCell::new(ChaCha8Rng::seed_from_u64(u64::from(drive)));
+            let adversaries: [Adversary; 5] = [
+                &|way: [f64; 2]| way[0].signum(),
+                &|way: [f64; 2]| -way[0].signum(),
+                &|way: [f64; 2]| way[1].signum(),
+                &|way: [f64; 2]| -way[1].signum(),
+                &|_| coin.borrow_mut().random_range(-1.0..1.0),
+            ];
+            let runs = adversaries.map(|adversary| flipped(speeds, steps, calibration, adversary, &model));
+            for (truth, motion) in &runs {
+                assert!(motion.contains(truth), "{truth:?} is not in {motion:?}: {speeds:?}, {steps} steps");
+            }
+            // What the two extremes read of one motion differs by what no enclosure can tell apart.
+            for axis in if is_curve { 0..0 } else { 0..2 } {
+                let harm_m = (runs[2 * axis].1[axis].mid() - runs[2 * axis + 1].1[axis].mid()).abs();
+                let widest_m = runs.iter().map(|(_, motion)| motion.width(axis)).fold(0.0, f64::max);
+                // The calibration, counts at the ends and in every step, and the middle of steps are paid besides.
+                let step_rad = 0.01 * rate_rad_per_s;
+                let per_step_m = 2.0e-4 * scale_change + 1.3 * step_rad * (step_rad * arm_m + 1.0e-4);
+                let besides_m = 0.004 + per_step_m * steps as f64;
+                assert!(widest_m < harm_m * (1.0 + scale_change) + besides_m, "{widest_m} m of {harm_m} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_robot_that_goes_there_and_back_while_readings_are_lost_has_gone_the_whole_way() {
+    let (mut model, reach) =
+        (model(), Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 0.1, acceleration_m_per_s2: 1.0 });
+    (model.scale_change, model.position_m) = (0.2, [Interval::ZERO; 2]);
+    // 0.2 s with 1 m/s² forward and as long backward, twice as much with more counts ahead than back: readings of the ends are left.
+    let ahead_m = 2.0 * 0.5 * 0.1 * 0.1;
+    let counts = (ahead_m * COUNTS_PER_M * 1.2) as i64 - (ahead_m * COUNTS_PER_M * 0.8) as i64;
+    let mut history = FlowHistory::new(model, 10.0);
+    [(0.0, 0), (0.4, counts)].map(|(time_s, ahead)| history.push(time_s, [ahead, 0], 0));
+    let turn = |_: f64, _: f64| Some(Interval::ZERO);
+    let motion = history.motion([0.0, 0.4], &turn, &wheels(), &reach).unwrap();
+    assert!(motion.contains(&[0.0; 3]), "{motion:?}");
+}
+
+#[test]
+fn no_motion_is_told_to_an_earlier_stamp() {
+    let reach = Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 1.0, acceleration_m_per_s2: 1.0 };
+    let mut history = FlowHistory::new(model(), 10.0);
+    (0..=20).for_each(|step| history.push(0.01 * f64::from(step), [0, 0], 0));
+    let turn = |_: f64, _: f64| Some(Interval::ZERO);
+    assert!(history.motion([0.1, 0.05], &turn, &wheels(), &reach).is_none());
 }
 
 #[test]
@@ -131,7 +230,7 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
             pose[1] += (forward * middle.sin() + left * middle.cos()) * 0.001;
             pose[2] += rate * 0.001;
             let per_step = [(forward - rate * 0.0304) * 0.001, (left - rate * 0.0604) * 0.001];
-            (0..2).for_each(|axis| seen[axis] += per_step[axis] * COUNTS_PER_M * 1.002);
+            (0..2).for_each(|axis| seen[axis] += per_step[axis] * COUNTS_PER_M * 1.0025);
             poses.push(pose);
             if (step + 1) % 10 == 0 {
                 readings.push((f64::from(step + 1) * 0.001, seen.map(|counts| counts.floor() as i64)));

@@ -10,6 +10,8 @@ mod contractor_by_hand;
 mod contractor_falsification;
 /// Laws that every contractor keeps.
 mod contractor_laws;
+/// Every contractor on boxes that are unbounded, huge, far away or empty.
+mod contractor_extremes;
 /// Interval arithmetic against the ITF1788 collection of cases from outside.
 mod interval_itf1788;
 /// Interval arithmetic against arithmetic with many more bits.
@@ -72,6 +74,8 @@ mod world_floor;
 mod carpet_physics;
 /// Whole runs by wheels, gyroscope and flow sensor, and what goes wrong on them.
 mod carpet_runs;
+/// Scenes that once broke motion, its sensors and landmarks.
+mod found_motion;
 /// Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
 mod motion_sensors;
 /// Routes driven by estimates, and the default bounds on such a drive.

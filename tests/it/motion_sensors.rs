@@ -310,6 +310,27 @@ fn readings_come_late_or_twice_or_never_as_often_as_stated() {
     assert!((lost - 0.1).abs() < 0.012 && (twice - 0.2).abs() < 0.017, "{lost} lost, {twice} twice");
 }
 
+#[test]
+fn a_bias_that_wanders_and_noise_together_keep_the_bound_of_the_angle() {
+    // So restless that the bias is at its bounds most of the time; 60 s of its tolerance would be 12 degrees.
+    let gyro = serde_json::json!({
+        "bias_tolerance_deg_per_s": 0.2, "bias_wander_deg_per_s2": 0.05, "rate_random_walk_deg_per_h_per_sqrt_h": 3000.0,
+        "angle_floor_deg": 0.02, "angle_deg_per_s": 0.01, "scale_tolerance": 0.0, "period_s": 0.01,
+    });
+    for seed in 0..5 {
+        // By hand, through the running extremes of W ∓ rate·t, of noise and of what the bias has departed from its first value together.
+        let (mut sum, mut least, mut greatest, mut beyond) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+        for (idx, rate) in rates_at_rest(gyro.clone(), seed, 20_000).iter().enumerate() {
+            let time_s = (idx + 1) as f64 * 0.01;
+            sum += rate.to_degrees() * 0.01;
+            let (low, high) = (sum - 0.01 * time_s, sum + 0.01 * time_s);
+            beyond = beyond.max(low - least).max(greatest - high);
+            (least, greatest) = (least.min(low), greatest.max(high));
+        }
+        assert!(beyond > 0.015 && beyond <= 0.02 + 1e-9, "seed {seed}: {beyond} of 0.02 degrees");
+    }
+}
+
 /// A blind vacuum robot that drives lanes for 40 s.
 fn lanes(delivery: serde_json::Value) -> Scene {
     let corner = |x_m: f64, y_m: f64| serde_json::json!({ "x_m": x_m, "y_m": y_m, "speed_m_per_s": 0.25 });

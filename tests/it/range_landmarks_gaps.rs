@@ -1,7 +1,7 @@
 //! What must not be taken for consecutive, and what must not outlive a doubt.
 
 use localizer::{
-    Constraint, Contractor, Interval, Localizer, Map, Method, PoseBox, PoseUnion, Reading,
+    Constraint, Contractor, Interval, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status,
     method::Twist,
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
     reading::Sighting,
@@ -20,6 +20,10 @@ struct Stand {
 
 impl Stand {
     fn new(wrong_spacing: usize) -> Stand {
+        Stand::with(&robot(1, wrong_spacing))
+    }
+
+    fn with(robot: &RobotModel) -> Stand {
         let mut rng = random(30);
         let camera = TrueCamera::drawn(&mut rng);
         let [own, other] = [[2.5, 1.2], [1.8, 0.2]]
@@ -29,16 +33,23 @@ impl Stand {
             right: sight(&own),
             wrong: sight(&other),
             truth: own.xy(),
-            method: RangeLandmarks::new(&robot(1, wrong_spacing), Freedom::Full, Solver::OneShot).expect("a camera"),
+            method: RangeLandmarks::new(robot, Freedom::Full, Solver::OneShot).expect("a camera"),
         }
     }
 
     fn read(&mut self, stamp_s: f64, sighting: Sighting, is_learnt: bool) {
+        self.receive(stamp_s, stamp_s, sighting, is_learnt);
+    }
+
+    fn receive(&mut self, stamp_s: f64, arrived_s: f64, sighting: Sighting, is_learnt: bool) {
         let pose = PoseUnion::single(PoseBox::point(&[0.0; 3]));
-        let reading = Reading::Range { measured_s: stamp_s, arrived_s: stamp_s, sightings: vec![sighting] };
+        let reading = Reading::Range { measured_s: stamp_s, arrived_s, sightings: vec![sighting] };
         self.method.constrain(&reading, &pose, &Twist::default());
         if is_learnt {
-            self.method.learn(&pose, &|_, _| Some(PoseBox::point(&[0.0; 3])));
+            self.method.learn(&pose, &|from_s, to_s| {
+                assert!(from_s <= to_s, "motion is asked from {from_s} s back to {to_s} s");
+                Some(PoseBox::point(&[0.0; 3]))
+            });
         }
         for (_, [x, y]) in self.method.landmarks() {
             assert!(x.contains(self.truth[0]) && y.contains(self.truth[1]), "{x:?}, {y:?} after {stamp_s} s");
@@ -79,6 +90,125 @@ fn a_robot_that_is_put_elsewhere_ends_a_window() {
     stand.method.clock_set_back();
     stand.read(0.0, wrong, true);
     stand.read(0.2, right, true);
+}
+
+#[test]
+fn where_any_use_may_be_wrong_no_landmark_is_learnt() {
+    let mut stand = Stand::new(0);
+    for stamp in 0..20 {
+        let sighting = [stand.right, stand.wrong][usize::from(stamp < 10)];
+        stand.read(0.2 * f64::from(stamp), sighting, true);
+    }
+    assert!(stand.method.landmarks().is_empty());
+}
+
+/// A robot whose range readings arrive up to half a second late.
+fn late(wrong_spacing: usize) -> RobotModel {
+    let mut robot = robot(1, wrong_spacing);
+    let camera = robot.range_camera.as_mut().expect("a camera");
+    camera.latency_s = Interval::new(0.0, 0.5);
+    robot
+}
+
+#[test]
+fn wrong_uses_that_arrive_one_after_the_other_lie_apart_as_they_were_measured() {
+    let mut stand = Stand::with(&late(1));
+    let (right, wrong) = (stand.right, stand.wrong);
+    // Measured: wrong, right, wrong, right, and so on. In pairs they arrive as wrong, wrong and right, right.
+    for round in 0..5 {
+        let first_s = 0.4 * f64::from(round);
+        for (after_s, late_s, sighting) in
+            [(0.0, 0.21, wrong), (0.2, 0.02, wrong), (0.1, 0.13, right), (0.3, 0.01, right)]
+        {
+            stand.receive(first_s + after_s, first_s + after_s + late_s, sighting, true);
+        }
+    }
+    assert_eq!(stand.method.landmarks().len(), 1, "nothing was learnt: the test says nothing");
+}
+
+#[test]
+fn a_reading_later_than_any_should_be_is_not_learnt_from() {
+    let mut stand = Stand::with(&late(1));
+    let (right, wrong) = (stand.right, stand.wrong);
+    stand.receive(0.0, 0.1, wrong, true);
+    stand.receive(0.2, 0.8, right, true);
+    // At 0.1 s it belongs between those that have been learnt from, at 0.3 s it ends what was consecutive since.
+    stand.receive(0.1, 0.9, wrong, true);
+    for (stamp_s, sighting) in [(1.0, wrong), (1.2, right), (1.4, right), (2.0, right)] {
+        stand.receive(stamp_s, stamp_s, sighting, true);
+    }
+}
+
+#[test]
+fn where_stamps_do_not_tell_the_order_no_two_uses_are_consecutive() {
+    let mut robot = late(1);
+    robot.range_camera.as_mut().expect("a camera").stamp_error_s = 0.06;
+    let mut stand = Stand::with(&robot);
+    for stamp in 0..20 {
+        let sighting = [stand.right, stand.wrong][usize::from(stamp < 10)];
+        stand.read(0.2 * f64::from(stamp), sighting, true);
+    }
+    assert!(stand.method.landmarks().is_empty());
+}
+
+#[test]
+fn a_landmark_found_elsewhere_is_a_contradiction_and_changes_nothing_known() {
+    let mut stand = Stand::new(1);
+    let (right, wrong) = (stand.right, stand.wrong);
+    (0..4).for_each(|stamp| stand.read(0.2 * f64::from(stamp), right, true));
+    let known = stand.method.landmarks();
+    assert_eq!(known.len(), 1);
+    // One wrong use in a window is declared.
+    stand.read(0.8, wrong, true);
+    stand.read(1.0, right, true);
+    assert!(!stand.method.take_contradiction() && stand.method.landmarks() == known);
+    // Two are not: the landmark has moved, or its code hangs elsewhere.
+    stand.read(1.2, wrong, true);
+    assert!(!stand.method.take_contradiction());
+    stand.read(1.4, wrong, true);
+    assert!(stand.method.take_contradiction() && stand.method.landmarks() == known);
+    assert!(!stand.method.take_contradiction(), "told twice");
+}
+
+#[test]
+fn a_landmark_that_was_moved_makes_the_localizer_doubt() {
+    let mut rng = random(31);
+    let camera = TrueCamera::drawn(&mut rng);
+    let places = [[2.5, 1.2], [1.8, 0.2], [2.2, 0.7], [1.5, 0.9], [2.9, 0.4], [2.6, 0.1]];
+    let mark = |code: usize, [x, y]: [f64; 2]| Landmark {
+        code: localizer::reading::LandmarkId(code as u32),
+        place: Point3::new(x, y, HEIGHT_M),
+    };
+    let map = Map {
+        room_m: [Interval::new(-4.0, 6.0), Interval::new(-4.0, 6.0)],
+        tiles: None,
+        markers: None,
+        wall_directions_rad: Vec::new(),
+    };
+    let method = RangeLandmarks::new(&robot(1, 2), Freedom::Full, Solver::OneShot).expect("a camera");
+    let mut localizer = Localizer::new(map, robot(1, 2), vec![Box::new(method)], PoseBox::point(&[0.0; 3]));
+    let mut doubted_s = None;
+    for step in 0..=800 {
+        let time_s = f64::from(step) * 0.01;
+        localizer.observe(&Reading::Wheels { measured_s: time_s, arrived_s: time_s, ticks: [0; 2] });
+        if step % 10 != 0 || step == 0 {
+            continue;
+        }
+        // At 4 s somebody carries landmark 0 half a metre to the side. One wrong landmark in a reading is declared, and left out.
+        let moved_m = if step > 400 { 0.5 } else { 0.0 };
+        let seen =
+            places.iter().enumerate().map(|(code, [x, y])| mark(code, [*x, y - if code == 0 { moved_m } else { 0.0 }]));
+        let sightings = seen.filter_map(|mark| camera.sight([0.0; 3], &mark, &mut rng)).collect();
+        localizer.observe(&Reading::Range { measured_s: time_s, arrived_s: time_s, sightings });
+        let estimate = localizer.estimate();
+        assert!(estimate.pose.contains(localizer::Pose::default()), "{:?} at {time_s} s", estimate.pose);
+        if estimate.status == Status::Recovering {
+            assert!(step > 400, "doubted at {time_s} s, when nothing had been moved");
+            doubted_s = doubted_s.or(Some(time_s));
+        }
+    }
+    // Three uses make a window.
+    assert!(doubted_s.is_some_and(|doubted_s| doubted_s < 4.7), "{doubted_s:?}");
 }
 
 /// Says x = 0 as long as it remembers what it learnt, and afterwards what its readings say: x = 0.5.

@@ -54,6 +54,8 @@ pub(crate) fn robot(q_items: usize, wrong_spacing: usize) -> RobotModel {
             tilt_rad: TILT_RAD,
             height_span_m: HEIGHT_SPAN_M,
             stamp_error_s: 0.001,
+            latency_s: Interval::ZERO,
+            period_s: 0.099,
             q_items,
             wrong_spacing,
         }),

@@ -9,7 +9,7 @@
 //! **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009), on the problem of Table IV of M. Mustafa et al.,
 //! CSCS 2015.
 
-use super::rigid_planar::CAUSE;
+use super::rigid_planar::{CAUSE, is_divisible};
 use super::{Contractor, Landmark, Outcome, q_intersection, settle};
 use crate::{Interval, IntervalBox};
 
@@ -30,8 +30,6 @@ const N_SLICES: usize = 16;
 const WORTHWHILE: f64 = 0.7;
 /// Rounds of slices at most.
 const MOST_ROUNDS: usize = 4;
-/// Headings beyond this are not halved any more: so many turns are one interval for all that matters.
-const WIDEST_RAD: f64 = 100.0;
 
 impl RelaxedPose {
     /// What all but q landmarks leave of a box whose heading is a thin slice.
@@ -81,7 +79,7 @@ impl RelaxedPose {
             if left.is_empty() {
                 continue;
             }
-            if left.width(2) > COARSE_RAD && left[2].is_bounded() && domain.width(2) < WIDEST_RAD {
+            if left.width(2) > COARSE_RAD && is_divisible(domain[2]) {
                 let (lower, upper) = left.bisect(2);
                 pending.extend([upper, lower]);
                 continue;
@@ -97,7 +95,7 @@ impl RelaxedPose {
     /// Slices of a part of the headings, until they narrow it no more.
     fn fine(&self, mut part: IntervalBox<3>) -> IntervalBox<3> {
         // All directions are in there, again and again: no slice of them is any narrower.
-        if !part[2].is_bounded() {
+        if !is_divisible(part[2]) {
             return part;
         }
         for _ in 0..MOST_ROUNDS {

@@ -112,17 +112,45 @@ impl RigidPlanar {
     }
 
     /// Passes over each part of the headings that is small enough for the linearisation to say something.
+    ///
+    /// Headings of many turns are not cut: every direction is among them again and again, so that one turn decides about the translation.
     pub(super) fn contract_turn(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
-        if domain[2].width() <= WIDEST_HEADING || !domain[2].is_bounded() {
-            return if domain[2].is_bounded() { self.pass(domain) } else { *domain };
+        if domain.is_empty() {
+            return IntervalBox::EMPTY;
+        }
+        if is_divisible(domain[2]) {
+            return self.contract_parts(domain);
+        }
+        if domain[2].width() <= WIDEST_HEADING {
+            return self.pass(domain);
+        }
+        let one_turn = IntervalBox::new([domain[0], domain[1], Interval::new(0.0, (2.0 * Interval::PI).hi())]);
+        let left = self.contract_parts(&one_turn);
+        if left.is_empty() { left } else { IntervalBox::new([left[0], left[1], domain[2]]) }
+    }
+
+    fn contract_parts(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
+        if domain[2].width() <= WIDEST_HEADING {
+            return self.pass(domain);
         }
         let (left, right) = domain.bisect(2);
-        self.contract_turn(&left).hull(&self.contract_turn(&right))
+        self.contract_parts(&left).hull(&self.contract_parts(&right))
     }
 }
 
 /// Width at which Lagrange's remainder h²/2 reaches an eighth: beyond it, half the headings say more.
 const WIDEST_HEADING: f64 = 1.0;
+
+/// Whether headings are worth halving until they are narrow: neither of more turns than matter, nor so far away that doubles there are too
+/// far apart to be halved.
+pub(super) fn is_divisible(heading: Interval) -> bool {
+    heading.width() < WIDEST_RAD && heading.magnitude() < FARTHEST_RAD
+}
+
+/// So many turns are one interval for all that matters.
+const WIDEST_RAD: f64 = 100.0;
+/// Doubles are 10⁻⁷ apart here, far less than any slice of headings.
+const FARTHEST_RAD: f64 = 1e9;
 
 const UNKNOWN: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 

@@ -16,8 +16,15 @@ pub(super) const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "ro
 /// What a gyroscope adds to both.
 const GYRO: [Assumption; 4] = ["gyro.bias", "gyro.scale", "gyro.noise", "gyro.angle"];
 /// What a flow sensor adds to the wheels.
-const FLOW: [Assumption; 6] =
-    ["flow.position", "flow.yaw", "flow.scale", "flow.back_and_forth", "reach.speed", "reach.turn_rate"];
+const FLOW: [Assumption; 7] = [
+    "flow.position",
+    "flow.yaw",
+    "flow.calibration",
+    "flow.scale",
+    "flow.back_and_forth",
+    "reach.speed",
+    "reach.turn_rate",
+];
 
 /// The memory of what moves this robot.
 pub(super) fn motion_history(robot: &RobotModel) -> WheelHistory {

@@ -8,12 +8,16 @@
 //! **Wrong correspondences.** At most `q_items` sightings of a reading are taken for the wrong landmark: the pose is what all but
 //! so many allow. A landmark learns by windows of `wrong_spacing + 1` consecutive uses of its code, of which at most one is wrong,
 //! hence from their 1-relaxed intersection. A use that says nothing, because the landmark may be at infinity, counts as one that allows
-//! every place; a reading that is not learnt from ends all windows.
+//! every place; a reading that is not learnt from ends all windows. Consecutive is what was taken one after the other, in whatever order it
+//! arrives (`in_order`). With a `wrong_spacing` of 0 every use may be wrong, and no landmark is ever learnt.
+//! **Contradiction.** What was learnt and what is learnt now have a place in common, whichever of the matches are wrong, as long as the
+//! declared bounds hold. Where they have none, nothing of the reading is learnt, and the localizer is told.
 //! **Loop closure.** Key frames keep raw sightings and the motion from one to the next. A sweep contracts the pose of each against
 //! all landmarks and against its neighbours, and the landmarks by the poses: what is known at the end of a loop reaches its middle.
 //! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame as its section II asks.
 
 mod atlas;
+mod in_order;
 mod keyframes;
 mod sight;
 mod solver;
@@ -21,18 +25,19 @@ mod solver;
 use std::collections::VecDeque;
 
 use crate::{
-    Contractor, Interval, PoseUnion, Reading, RobotModel,
+    Contractor, Interval, Outcome, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
     reading::LandmarkId,
 };
 
 use atlas::Atlas;
+use in_order::{InOrder, Learnt};
 use keyframes::KeyFrames;
 pub use sight::{Seen, Sensor};
 pub use solver::{Freedom, PoseFromLandmarks, Solver};
 
 /// The declared bounds that a reading of landmarks stands on.
-const RELIES_ON: [Assumption; 12] = [
+const RELIES_ON: [Assumption; 13] = [
     "range_camera.focal",
     "range_camera.baseline",
     "range_camera.position",
@@ -40,6 +45,7 @@ const RELIES_ON: [Assumption; 12] = [
     "range_camera.tilt",
     "range_camera.height_span",
     "range_camera.stamp",
+    "range_camera.latency",
     "body.tilt",
     "reach.speed",
     "reach.turn_rate",
@@ -55,11 +61,22 @@ pub struct RangeLandmarks {
     solver: Solver,
     atlas: Atlas,
     keyframes: KeyFrames,
-    /// The reading last constrained, as long as it is not learnt from: its stamp and what it saw.
-    latest: Option<(f64, Vec<Seen>)>,
+    /// The reading last constrained, as long as it is not learnt from.
+    latest: Option<Latest>,
+    /// Readings that wait for those taken before them.
+    in_order: InOrder,
+    /// Whether something contradicted what was known since this was last asked.
+    contradicts: bool,
     /// What was seen lately, to make constraints anew from.
     recent: VecDeque<(f64, Vec<Seen>)>,
     n_learnt: usize,
+}
+
+/// A reading just constrained.
+struct Latest {
+    stamp_s: f64,
+    arrived_s: f64,
+    seen: Vec<Seen>,
 }
 
 /// How long readings are kept for constraints to be made anew: longer than the localizer remembers stamps.
@@ -80,9 +97,41 @@ impl RangeLandmarks {
             solver,
             keyframes: KeyFrames::new(camera.q_items, camera.wrong_spacing),
             latest: None,
+            in_order: InOrder::new(camera),
+            contradicts: false,
             recent: VecDeque::new(),
             n_learnt: 0,
         })
+    }
+
+    /// A reading that is not learnt from leaves a gap in what was consecutive.
+    fn miss_latest(&mut self) {
+        if let Some(latest) = self.latest.take() {
+            self.in_order.push(latest.stamp_s, None);
+        }
+    }
+
+    /// A gap in what was consecutive.
+    fn interrupt(&mut self) {
+        self.atlas.interrupt();
+        self.keyframes.interrupt();
+    }
+
+    /// Learns from the next reading in the order in which they were taken.
+    fn take_in(&mut self, stamp_s: f64, learnt: Learnt, motion: MotionBetween) {
+        let place = |seen: &Seen| (seen.landmark, in_world(&learnt.posterior, seen));
+        let places: Vec<_> = learnt.seen.iter().map(place).collect();
+        if let Outcome::Empty(_) = self.atlas.learn(stamp_s, &places) {
+            self.contradicts = true;
+            self.interrupt();
+            return;
+        }
+        self.n_learnt += 1;
+        self.keyframes.keep(stamp_s, learnt.posterior.hull(), learnt.seen, motion);
+        if self.n_learnt.is_multiple_of(SWEEP_EVERY) {
+            let outcome = self.keyframes.sweep(stamp_s, &mut self.atlas, self.freedom);
+            self.contradicts |= outcome != Outcome::Feasible;
+        }
     }
 
     /// Landmark boxes in the world beside those in the robot frame, for each sighting of a known landmark.
@@ -102,17 +151,13 @@ impl Method for RangeLandmarks {
     }
 
     fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
-        let Reading::Range { measured_s, sightings, .. } = reading else { return None };
-        if self.latest.take().is_some() {
-            // A reading that is not learnt from leaves a gap in what was consecutive.
-            self.atlas.interrupt();
-            self.keyframes.interrupt();
-        }
+        let Reading::Range { measured_s, arrived_s, sightings } = reading else { return None };
+        self.miss_latest();
         if sightings.is_empty() {
             return None;
         }
         let seen: Vec<Seen> = sightings.iter().map(|one| self.sensor.seen(one)).collect();
-        self.latest = Some((*measured_s, seen.clone()));
+        self.latest = Some(Latest { stamp_s: *measured_s, arrived_s: *arrived_s, seen: seen.clone() });
         self.recent.push_back((*measured_s, seen.clone()));
         self.recent.retain(|(stamp_s, _)| *stamp_s > measured_s - RECENT_S);
         let pairs = self.pairs(&seen);
@@ -137,18 +182,19 @@ impl Method for RangeLandmarks {
     }
 
     fn learn(&mut self, posterior: &PoseUnion, motion: MotionBetween) {
-        let Some((stamp_s, seen)) = self.latest.take() else { return };
-        if posterior.is_empty() {
-            return;
+        let Some(Latest { stamp_s, arrived_s, seen }) = self.latest.take() else { return };
+        let learnt = Learnt { posterior: posterior.clone(), seen };
+        self.in_order.push(stamp_s, Some(learnt).filter(|learnt| !learnt.posterior.is_empty()));
+        for (taken_s, learnt) in self.in_order.take(arrived_s) {
+            match learnt {
+                Some(learnt) => self.take_in(taken_s, learnt, motion),
+                None => self.interrupt(),
+            }
         }
-        for seen in &seen {
-            self.atlas.learn(stamp_s, seen.landmark, in_world(posterior, seen));
-        }
-        self.n_learnt += 1;
-        self.keyframes.keep(stamp_s, posterior.hull(), seen, motion);
-        if self.n_learnt.is_multiple_of(SWEEP_EVERY) {
-            self.keyframes.sweep(stamp_s, &mut self.atlas, self.freedom);
-        }
+    }
+
+    fn take_contradiction(&mut self) -> bool {
+        std::mem::take(&mut self.contradicts)
     }
 
     fn renewed(&self, stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
@@ -157,13 +203,15 @@ impl Method for RangeLandmarks {
     }
 
     fn forget_since(&mut self, since_s: f64) {
-        self.latest = None;
+        self.miss_latest();
+        self.in_order.forget_since(since_s);
         self.atlas.forget_since(since_s);
         self.keyframes.forget_since(since_s);
     }
 
     fn clock_set_back(&mut self) {
         self.latest = None;
+        self.in_order.settle();
         self.recent.clear();
         self.atlas.settle();
         self.keyframes.settle();

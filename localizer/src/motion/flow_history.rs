@@ -47,10 +47,11 @@ impl FlowHistory {
         }
     }
 
-    /// Motion from `from_s` to `to_s`; `turn` encloses the turn between two stamps. `None` where readings do not reach, and where the sensor
-    /// saw nothing for a period.
+    /// Motion from `from_s` to a later `to_s`; `turn` encloses the turn between two stamps. `None` where readings do not reach, and where the
+    /// sensor saw nothing for a period.
     ///
-    /// Between two readings the counts are interpolated: the sensor's place accelerates by at most a + v·ω + (α + ω²)·arm.
+    /// Between two readings the travel is interpolated: the sensor's place accelerates by at most a + v·ω + (α + ω²)·arm =: A, so that in a
+    /// time T it departs from the chord by at most A·T²/8, and goes back and forth by at most A·T²/4.
     pub fn motion(
         &self,
         [from_s, to_s]: [f64; 2],
@@ -58,6 +59,9 @@ impl FlowHistory {
         wheels: &WheelModel,
         reach: &Reach,
     ) -> Option<Motion> {
+        if to_s < from_s {
+            return None;
+        }
         let first = self.readings.partition_point(|reading| reading.time_s <= from_s + SAME_S).checked_sub(1)?;
         let last = self.readings.partition_point(|reading| reading.time_s < to_s - SAME_S);
         let (begin, end) = (self.readings.get(first)?, self.readings.get(last)?);
@@ -70,12 +74,10 @@ impl FlowHistory {
         let acceleration_m_per_s2 = reach.acceleration_m_per_s2
             + reach.speed_m_per_s * turn_rate
             + (change_rad_per_s2 + turn_rate * turn_rate) * arm_m;
-        let bend_counts =
-            |span_s: f64| acceleration_m_per_s2 * span_s * span_s / 8.0 / self.model.metres_per_count.lo();
 
         let mut integral = FlowIntegral::new();
         let (mut before_s, mut before) = (from_s, [0.0; 2]);
-        let mut bent_counts = 0.0;
+        let mut bent_m = 0.0;
         for idx in first..last {
             let (left, right) = (&self.readings[idx], &self.readings[idx + 1]);
             let span_s = right.time_s - left.time_s;
@@ -91,16 +93,25 @@ impl FlowHistory {
             }
             let until_s = right.time_s.min(to_s);
             let now = if until_s < right.time_s - SAME_S { at(until_s) } else { at(right.time_s) };
-            if from_s > left.time_s + SAME_S || until_s < right.time_s - SAME_S {
-                bent_counts += bend_counts(span_s);
-            }
+            let is_cut = from_s > left.time_s + SAME_S || until_s < right.time_s - SAME_S;
+            let cut_m = if is_cut { acceleration_m_per_s2 * span_s * span_s / 8.0 } else { 0.0 };
+            bent_m += cut_m;
+            let excess_m = cut_m + self.back_and_forth_m(span_s, acceleration_m_per_s2);
             let step_s = until_s - before_s;
             // A turn that changes at its greatest goes as much farther than its ends tell.
             let turning_rad = turn(before_s, until_s)?.magnitude() + 0.25 * change_rad_per_s2 * step_s * step_s;
             let step = [now[0] - before[0], now[1] - before[1]];
-            integral.advance(step, turn(from_s, until_s)?, turning_rad, step_s, &self.model);
+            integral.advance(step, turn(from_s, until_s)?, turning_rad, excess_m, &self.model);
             (before_s, before) = (until_s, now);
         }
-        Some(integral.motion(bent_counts, &self.model))
+        Some(integral.motion(bent_m, &self.model))
+    }
+
+    /// What the way between two readings is longer than their difference at most. Where readings are missing between them, as much may go
+    /// back and forth in each of their periods, and from one period to the next as far as the acceleration allows.
+    fn back_and_forth_m(&self, span_s: f64, acceleration_m_per_s2: f64) -> f64 {
+        let n_periods = (span_s / self.model.period_s - 1e-6).ceil().max(1.0);
+        let between_m = if n_periods > 1.0 { 0.25 * acceleration_m_per_s2 * span_s * span_s } else { 0.0 };
+        n_periods * self.model.back_and_forth_m + between_m
     }
 }

@@ -2,6 +2,8 @@
 
 use crate::scene::{Route, Waypoint};
 
+use super::ARRIVED_M;
+
 /// Corners sharper than this are turned in place whatever the route says: a look-ahead point behind the robot steers nowhere.
 const SHARPEST_CURVE_RAD: f64 = 2.0;
 
@@ -26,9 +28,13 @@ pub(super) struct Segment {
 }
 
 impl Path {
-    /// The path of a route from where the robot stands.
+    /// The path of a route from where the robot stands. A route that repeats but goes nowhere ends at its first stop.
     pub(super) fn new(origin_m: [f64; 2], route: &Route) -> Self {
-        Path { origin_m, waypoints: route.waypoints.clone(), repeat: route.repeat }
+        Path {
+            origin_m,
+            waypoints: route.waypoints.clone(),
+            repeat: route.repeat && round_m(&route.waypoints) > ARRIVED_M,
+        }
     }
 
     /// Waypoint at the end of a segment, or `None` behind the last one.
@@ -87,6 +93,12 @@ impl Path {
         }
         segment.point(along_m)
     }
+}
+
+/// Length of the round through all waypoints and back to the first.
+fn round_m(waypoints: &[Waypoint]) -> f64 {
+    let next = waypoints.iter().cycle().skip(1);
+    waypoints.iter().zip(next).map(|(here, next)| (next.x_m - here.x_m).hypot(next.y_m - here.y_m)).sum()
 }
 
 impl Segment {

@@ -27,10 +27,11 @@ pub struct Flow {
     /// The mount's yaw is drawn within this.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub yaw_tolerance_deg: f64,
-    /// Counts per metre at the mounted height are drawn within this share of nominal.
+    /// `flow.calibration`: counts per metre at the mounted height are drawn within this share of nominal, and stay so all the run.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub calibration_tolerance: f64,
-    /// `flow.scale`: counts per metre are declared to be within this share of nominal, whatever the height.
+    /// Counts per metre are declared to be within this share of nominal, whatever the height. `flow.scale`: of it, what
+    /// `calibration_tolerance` leaves may vary from period to period, as the height does.
     #[schemars(range(min = 0.0, max = 0.9))]
     pub scale_tolerance: f64,
     /// `flow.back_and_forth`: how much longer than its counts the way within one period is declared to be at most.
@@ -53,6 +54,18 @@ pub enum FlowOptics {
     Afocal,
     /// One lens at a fixed distance, as in a mouse: 14.7 % per millimetre of height.
     FixedFocus,
+}
+
+impl Flow {
+    /// Share of nominal by which counts per metre at the mounted height are off at most.
+    pub fn calibration_share(&self) -> f64 {
+        self.calibration_tolerance.min(self.scale_tolerance)
+    }
+
+    /// Share of nominal by which counts per metre depart at most from those at the mounted height.
+    pub fn varying_share(&self) -> f64 {
+        self.scale_tolerance - self.calibration_share()
+    }
 }
 
 impl FlowOptics {

@@ -10,7 +10,10 @@ use localizer::{
     },
 };
 
-use crate::sensors::{camera::AutoExposure, lens::forward_focal_px, range_camera::FIRST_S};
+use crate::{
+    sensors::{camera::AutoExposure, lens::forward_focal_px, range_camera::FIRST_S},
+    world::STEP_S,
+};
 
 use super::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
 
@@ -206,10 +209,12 @@ fn flow_model(flow: &Flow) -> FlowModel {
     let place = |nominal_m: f64| Interval::centred(nominal_m, flow.position_tolerance_m);
     FlowModel {
         position_m: [place(flow.forward_m), place(flow.left_m)],
-        metres_per_count: Interval::point(1.0) / relative(flow.counts_per_m, flow.scale_tolerance),
+        metres_per_count: Interval::point(1.0) / relative(flow.counts_per_m, flow.calibration_share()),
+        // |s − s₀| ≤ v makes |s/s₀ − 1| ≤ v/s₀, at most where s₀ is least.
+        scale_change: flow.varying_share() / (1.0 - flow.calibration_share()),
         yaw_rad: Interval::centred(0.0, flow.yaw_tolerance_deg.to_radians()),
         quantisation_counts: 1.0,
-        back_and_forth_counts: flow.back_and_forth_m * flow.counts_per_m,
+        back_and_forth_m: flow.back_and_forth_m,
         period_s: flow.period_s,
     }
 }
@@ -229,6 +234,10 @@ fn range_camera_model(camera: &RangeCamera) -> RangeCameraModel {
         tilt_rad: camera.tilt_tolerance_deg.to_radians(),
         height_span_m: camera.height_span_m,
         stamp_error_s: camera.stamp_tolerance_s,
+        latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s)
+            .intersect(Interval::new(0.0, f64::INFINITY)),
+        // It measures at the first physics step after each period.
+        period_s: camera.period_s - STEP_S,
         q_items: camera.q_items,
         wrong_spacing: camera.wrong_spacing,
     }

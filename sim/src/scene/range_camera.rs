@@ -53,7 +53,8 @@ pub struct RangeCamera {
     /// Measurement to delivery.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
-    /// Each delivery is drawn within this of the latency.
+    /// `range_camera.latency`: each delivery is drawn within this of the latency. Readings overtake one another where it is half of the period
+    /// and more: landmarks are then learnt only from readings before which none can come any more.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
     /// Each stamp is drawn within this of the true time.
@@ -77,7 +78,8 @@ pub struct RangeCamera {
     /// At most this many of them in one reading, whatever the share.
     #[schemars(range(min = 0, max = 100))]
     pub wrong_items_max: usize,
-    /// At least so many right uses of a code lie between two wrong ones.
+    /// At least so many right uses of a code lie between two wrong ones, in the order in which they were measured. With 0 any may be wrong,
+    /// and where `q_items` is more than 0, no landmark is ever learnt.
     #[schemars(range(min = 0, max = 100))]
     pub wrong_spacing: usize,
     /// At most this many wrong correspondences are assumed in one reading.

@@ -39,7 +39,7 @@ pub struct Route {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 3600.0))]
     pub begins_s: f64,
-    /// Whether to begin again after the last waypoint, until the time is up.
+    /// Whether to begin again after the last waypoint, until the time is up. A route of one place alone ends there all the same.
     #[serde(default)]
     pub repeat: bool,
     /// Whether somebody who sees the robot leads it along the route, whatever it believes: drives of robots that get lost compare.

@@ -35,8 +35,8 @@ pub struct FlowSensor {
 /// What a flow sensor's bounds are about, at one reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FlowTruth {
-    /// |counts per metre over nominal − 1|, at its greatest in the period; 0 when nothing was followed.
-    pub scale_error: f64,
+    /// |counts per metre − those at the mounted height| over nominal, at its greatest in the period; 0 when nothing was followed.
+    pub scale_change: f64,
     /// How much longer the way was than what was counted of it, at the greatest of both axes; 0 when nothing was followed.
     pub back_and_forth_m: f64,
 }
@@ -47,7 +47,7 @@ struct Period {
     counts: [f64; 2],
     travel_m: [f64; 2],
     path_m: [f64; 2],
-    greatest_scale_error: f64,
+    greatest_scale_change: f64,
     lost: bool,
 }
 
@@ -105,15 +105,15 @@ impl FlowSensor {
         let ground = self.floor.at(to_m[0], to_m[1]);
         // The floor comes closer where the pile stands up under it, and farther where the body rises.
         let closer_m = ground.height_m + ground.pile_height_m - to_m[2];
-        let scale = self.mount.scale * (1.0 + self.flow.optics.share_per_m() * closer_m);
+        let scale = (self.mount.scale * (1.0 + self.flow.optics.share_per_m() * closer_m)).max(0.0);
         let speed_m_per_s = travel_m[0].hypot(travel_m[1]) / (truth.time_s - before.time_s);
         let period = &mut self.period;
         period.lost |= closer_m.abs() > self.flow.focus_range_m
             || speed_m_per_s > self.flow.greatest_speed_m_per_s
             || self.blind.iter().any(|event| event.is_on(before.time_s));
-        period.greatest_scale_error = period.greatest_scale_error.max((scale - 1.0).abs());
+        period.greatest_scale_change = period.greatest_scale_change.max((scale - self.mount.scale).abs());
         for (axis, travel_m) in travel_m.into_iter().enumerate() {
-            period.counts[axis] += travel_m * scale.max(0.0) * self.flow.counts_per_m;
+            period.counts[axis] += travel_m * scale * self.flow.counts_per_m;
             period.travel_m[axis] += travel_m;
             period.path_m[axis] += travel_m.abs();
         }
@@ -133,7 +133,7 @@ impl FlowSensor {
         (0..2).for_each(|axis| self.followed_counts[axis] += period.counts[axis]);
         let excess_m = [0, 1].map(|axis| period.path_m[axis] - period.travel_m[axis].abs());
         self.latest =
-            FlowTruth { scale_error: period.greatest_scale_error, back_and_forth_m: excess_m[0].max(excess_m[1]) };
+            FlowTruth { scale_change: period.greatest_scale_change, back_and_forth_m: excess_m[0].max(excess_m[1]) };
     }
 
     /// Where the sensor is in the world, and how high above its mounted height.

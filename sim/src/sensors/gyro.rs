@@ -67,7 +67,7 @@ impl GyroSensor {
 
     /// Noise that with the bias's departure from its first value adds up, over any span, to what is declared; drawn again otherwise.
     fn draw_bounded_rad_per_s(&mut self, departed_rad_per_s: f64) -> f64 {
-        /// What none of as many draws keeps to breaks the bound, and is named.
+        /// What none of as many draws keeps to is read without noise: the bias alone departs by no more than the bound grows.
         const MOST_DRAWS: usize = 1000;
         for _ in 0..MOST_DRAWS {
             let noise_rad_per_s = self.draw_noise_rad_per_s();

@@ -19,7 +19,9 @@ const HOUR_S: f64 = 3600.0;
 pub struct WanderingBias {
     rng: ChaCha8Rng,
     drawn_rad_per_s: f64,
-    tolerance_rad_per_s: f64,
+    /// What the bias never leaves: its tolerance, and where `gyro.angle` is declared, what that may grow by about the drawn one. A bias that
+    /// stayed farther away for long enough would break that bound with no noise at all.
+    within_rad_per_s: [f64; 2],
     wander_rad_per_s2: f64,
     walk_per_node_rad_per_s: f64,
     flicker_deviation_rad_per_s: f64,
@@ -43,7 +45,7 @@ impl WanderingBias {
         WanderingBias {
             rng,
             drawn_rad_per_s,
-            tolerance_rad_per_s: gyro.bias_tolerance_deg_per_s.to_radians(),
+            within_rad_per_s: within_rad_per_s(gyro, drawn_rad_per_s),
             wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
             walk_per_node_rad_per_s: walk_rad_per_s_per_sqrt_s * NODE_S.sqrt(),
             flicker_deviation_rad_per_s,
@@ -82,9 +84,24 @@ impl WanderingBias {
         let before = self.around_rad_per_s[1];
         let wanted = self.drawn_rad_per_s + self.walk_rad_per_s + self.flicker_rad_per_s.iter().sum::<f64>();
         let step = (wanted - before).clamp(-self.wander_rad_per_s2 * NODE_S, self.wander_rad_per_s2 * NODE_S);
-        let after = (before + step).clamp(-self.tolerance_rad_per_s, self.tolerance_rad_per_s);
+        let [least, greatest] = self.within_rad_per_s;
+        let after = (before + step).clamp(least, greatest);
         self.around_rad_per_s = [before, after];
     }
+}
+
+/// |bias| ≤ tolerance, and |bias − drawn| ≤ the rate of `gyro.angle`: then what the bias
+/// departs by adds up to at most rate·T over any span T, and noise that is 0 is always allowed.
+fn within_rad_per_s(gyro: &Gyro, drawn_rad_per_s: f64) -> [f64; 2] {
+    let tolerance_rad_per_s = gyro.bias_tolerance_deg_per_s.to_radians();
+    let departs_rad_per_s = gyro.angle_floor_deg.map_or(f64::INFINITY, |_| gyro.angle_deg_per_s.to_radians());
+    // A hair less, so that rounded sums of many readings keep to the bound.
+    let departs_rad_per_s = departs_rad_per_s * (1.0 - 1e-9);
+    // The drawn bias is in both, whatever the rounding.
+    [
+        (drawn_rad_per_s - departs_rad_per_s).max(-tolerance_rad_per_s).min(drawn_rad_per_s),
+        (drawn_rad_per_s + departs_rad_per_s).min(tolerance_rad_per_s).max(drawn_rad_per_s),
+    ]
 }
 
 fn normal(rng: &mut ChaCha8Rng) -> f64 {

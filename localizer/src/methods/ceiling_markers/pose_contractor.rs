@@ -61,6 +61,10 @@ impl Markers {
 
 /// The hull of what the slices of heading leave.
 fn sliced(groups: &[Group], pose: &IntervalBox<3>) -> IntervalBox<3> {
+    if !pose[2].width().is_finite() {
+        // Of headings without an end no slice is any narrower.
+        return groups.iter().fold(*pose, |part, group| if part.is_empty() { part } else { group.pass(&part) });
+    }
     let step = pose[2].width() / SLICES as f64;
     let mut hull = IntervalBox::EMPTY;
     for slice in 0..SLICES {

@@ -84,10 +84,14 @@ impl Joint {
         (self.angle_rad + geometry.camera.yaw_rad).inflate(self.tilt_angle_rad)
     }
 
-    /// The families k with k·π/2 + γ ∈ θ + ψ, give or take the laying angle: inclusive range, empty when first > last.
+    /// The families k with k·π/2 + γ ∈ θ + ψ, give or take the laying angle: inclusive range, empty when first > last. Of an unbounded
+    /// heading it is all that there are.
     pub(super) fn families(&self, heading: Interval, geometry: &Geometry) -> (i64, i64) {
         let turned =
             (heading + self.robot_angle(geometry) - geometry.grid.rotation_rad).inflate(geometry.grid.laying_angle_rad);
+        if turned.is_empty() {
+            return (1, 0);
+        }
         let quarter = turned / (Interval::PI * 0.5);
         (quarter.lo().ceil() as i64, quarter.hi().floor() as i64)
     }

@@ -31,6 +31,9 @@ impl TileJoints {
     fn headings(&self, heading: Interval) -> Vec<Interval> {
         let mut found = Vec::new();
         // With q lines wrong, one of any q + 1 lines is right: their headings together miss no truth.
+        if !is_cut(heading) {
+            return vec![heading];
+        }
         for joint in self.joints.iter().take(self.q_items + 1) {
             let (first, last) = joint.families(heading, &self.geometry);
             found.extend((first..=last).map(|family| joint.heading(family, &self.geometry).intersect(heading)));
@@ -70,7 +73,8 @@ impl TileJoints {
         }
         let index = (place - origin) / grid.edge_m[axis];
         let (first, last) = (index.lo().ceil(), index.hi().floor());
-        if !first.is_finite() || !last.is_finite() || last - first > MOST_PERIODS {
+        // Beyond 10¹⁵ a double cannot count joints any more.
+        if !(first.abs() < 1e15 && last.abs() < 1e15) || last - first > MOST_PERIODS {
             return vec![place];
         }
         (first as i64..=last as i64)
@@ -106,6 +110,9 @@ impl TileJoints {
 
     /// Contracts a world box slice by slice; empty when no slice is left.
     fn slices(&self, domain: &IntervalBox<3>, grid: &GridBox) -> IntervalBox<3> {
+        if !is_cut(grid.heading) {
+            return self.slice(grid).map_or(IntervalBox::EMPTY, |kept| self.to_world(&kept, domain));
+        }
         let n_slices = (grid.heading.width() / SLICE_RAD).ceil().clamp(1.0, MOST_SLICES) as usize;
         let step = grid.heading.width() / n_slices as f64;
         let mut hull = IntervalBox::EMPTY;
@@ -149,6 +156,17 @@ const MOST_SLICES: f64 = 16.0;
 const MOST_PERIODS: f64 = 200.0;
 /// More branches than this from one box say that the box is too wide to be cut: it keeps its place.
 const MOST_BRANCHES: usize = 512;
+
+/// Whether headings are cut into families and slices: not when they are of more turns than matter, nor so far away that doubles there are
+/// farther apart than slices. Such headings come from recovery, which knows nothing of how often the robot has turned.
+fn is_cut(heading: Interval) -> bool {
+    heading.width() < WIDEST_RAD && heading.magnitude() < FARTHEST_RAD
+}
+
+/// A dozen and more turns: what a robot may have turned since its heading was last known fits in.
+const WIDEST_RAD: f64 = 100.0;
+/// Doubles are 10⁻⁷ apart here.
+const FARTHEST_RAD: f64 = 1e9;
 
 impl Contractor<3> for TileJoints {
     fn contract(&self, domain: &mut IntervalBox<3>) -> Outcome {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use crate::{Interval, IntervalBox, contractor::q_intersection, reading::LandmarkId};
+use crate::{Interval, IntervalBox, Outcome, contractor::q_intersection, reading::LandmarkId};
 
 /// Former places of a landmark at most. Beyond, every second one goes: less can then be kept when something is unlearnt.
 const MOST_FORMER: usize = 256;
@@ -11,8 +11,8 @@ const MOST_FORMER: usize = 256;
 #[derive(Clone, Debug)]
 pub(super) struct Atlas {
     entries: BTreeMap<LandmarkId, Entry>,
-    /// Uses of one code of which at most one is wrong; 1 when none is ever wrong.
-    window: usize,
+    /// Uses of one code of which at most one is wrong; `None` when none is ever wrong.
+    window: Option<usize>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -28,7 +28,7 @@ struct Entry {
 impl Atlas {
     /// Nothing known. With `q_items` wrong matches in a reading, at least `wrong_spacing` right ones lie between two wrong ones of a code.
     pub(super) fn new(q_items: usize, wrong_spacing: usize) -> Self {
-        Atlas { entries: BTreeMap::new(), window: if q_items == 0 { 1 } else { wrong_spacing + 1 } }
+        Atlas { entries: BTreeMap::new(), window: (q_items > 0).then_some(wrong_spacing + 1) }
     }
 
     /// Where a landmark is, if known.
@@ -41,22 +41,21 @@ impl Atlas {
         self.entries.iter().filter_map(|(landmark, entry)| Some((*landmark, entry.place?))).collect()
     }
 
-    /// Takes note of a place at which a landmark was seen.
+    /// Takes note of the places at which landmarks were seen in one reading.
     ///
     /// Of a whole window of uses at most one is wrong, so the landmark is where all but one of them say. A use that says nothing
-    /// counts all the same: `seen_at` is then unbounded.
-    pub(super) fn learn(&mut self, stamp_s: f64, landmark: LandmarkId, seen_at: [Interval; 2]) {
-        let window = self.window;
-        let entry = self.entries.entry(landmark).or_default();
-        if window == 1 {
-            entry.narrow(stamp_s, seen_at);
-            return;
+    /// counts all the same: its place is then unbounded. Where a landmark can be nowhere, nothing of the reading is learnt.
+    pub(super) fn learn(&mut self, stamp_s: f64, seen_at: &[(LandmarkId, [Interval; 2])]) -> Outcome {
+        let mut learnt: BTreeMap<LandmarkId, Entry> = BTreeMap::new();
+        for (landmark, place) in seen_at {
+            let known = || self.entries.get(landmark).cloned().unwrap_or_default();
+            let outcome = learnt.entry(*landmark).or_insert_with(known).learn(stamp_s, *place, self.window);
+            if outcome != Outcome::Feasible {
+                return outcome;
+            }
         }
-        entry.waiting.push(seen_at);
-        if entry.waiting.len() >= window {
-            let uses: Vec<IntervalBox<2>> = entry.waiting.drain(..).map(IntervalBox::new).collect();
-            entry.narrow(stamp_s, q_intersection(&uses, 1).components());
-        }
+        self.entries.extend(learnt);
+        Outcome::Feasible
     }
 
     /// Uses of codes went by that nobody learnt from: what waits is no longer consecutive.
@@ -65,10 +64,8 @@ impl Atlas {
     }
 
     /// A landmark that is known lies also in `place`.
-    pub(super) fn narrow(&mut self, stamp_s: f64, landmark: LandmarkId, place: [Interval; 2]) {
-        if let Some(entry) = self.entries.get_mut(&landmark) {
-            entry.narrow(stamp_s, place);
-        }
+    pub(super) fn narrow(&mut self, stamp_s: f64, landmark: LandmarkId, place: [Interval; 2]) -> Outcome {
+        self.entries.get_mut(&landmark).map_or(Outcome::Feasible, |entry| entry.narrow(stamp_s, place))
     }
 
     /// Takes back all that was learnt from stamps later than `since_s`.
@@ -91,15 +88,30 @@ impl Atlas {
     }
 }
 
+/// What contradicts says that an assumption failed, perhaps long ago.
+const CAUSE: &str = "a landmark is not where it was learnt to be";
+
 impl Entry {
-    fn narrow(&mut self, stamp_s: f64, seen_at: [Interval; 2]) {
+    fn learn(&mut self, stamp_s: f64, seen_at: [Interval; 2], window: Option<usize>) -> Outcome {
+        let Some(window) = window else { return self.narrow(stamp_s, seen_at) };
+        self.waiting.push(seen_at);
+        if self.waiting.len() < window {
+            return Outcome::Feasible;
+        }
+        let uses: Vec<IntervalBox<2>> = self.waiting.drain(..).map(IntervalBox::new).collect();
+        self.narrow(stamp_s, q_intersection(&uses, 1).components())
+    }
+
+    fn narrow(&mut self, stamp_s: f64, seen_at: [Interval; 2]) -> Outcome {
         let narrower = match self.place {
             Some(place) => [place[0].intersect(seen_at[0]), place[1].intersect(seen_at[1])],
             None => seen_at,
         };
-        // Nothing in common: an assumption failed, and the pose will tell. A place is never forgotten for it.
-        if narrower.iter().any(|axis| axis.is_empty() || !axis.is_bounded()) || self.place == Some(narrower) {
-            return;
+        if narrower.iter().any(|axis| axis.is_empty()) {
+            return Outcome::Empty(CAUSE);
+        }
+        if narrower.iter().any(|axis| !axis.is_bounded()) || self.place == Some(narrower) {
+            return Outcome::Feasible;
         }
         self.before.push_back((stamp_s, self.place));
         if self.before.len() > MOST_FORMER {
@@ -110,5 +122,6 @@ impl Entry {
             });
         }
         self.place = Some(narrower);
+        Outcome::Feasible
     }
 }

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    Contractor, Interval, IntervalBox, PoseBox,
+    Contractor, Interval, IntervalBox, Outcome, PoseBox,
     contractor::q_intersection,
     method::MotionBetween,
     motion::{Motion, moved},
@@ -30,6 +30,8 @@ pub(super) struct KeyFrames {
     frames: Vec<KeyFrame>,
     /// Motion since the last frame, up to a stamp; none when the wheels' memory does not reach.
     way: Option<(f64, Motion)>,
+    /// Stamp of the latest reading.
+    latest_s: f64,
     q_items: usize,
     /// Readings in a run.
     window: usize,
@@ -55,11 +57,16 @@ impl KeyFrames {
     /// None yet. With `q_items` wrong matches in a reading, `wrong_spacing` right ones lie between two wrong ones of a code.
     pub(super) fn new(q_items: usize, wrong_spacing: usize) -> Self {
         let window = if q_items == 0 { 1 } else { wrong_spacing + 1 };
-        KeyFrames { frames: Vec::new(), way: None, q_items, window, n_runs: 0, lacking: 0 }
+        KeyFrames { frames: Vec::new(), way: None, latest_s: f64::NEG_INFINITY, q_items, window, n_runs: 0, lacking: 0 }
     }
 
-    /// Keeps a reading if it continues a run, or adds to the last one kept.
+    /// Keeps a reading if it continues a run, or adds to the last one kept. One that was overtaken is not kept: the way to it from the last
+    /// one leads back, and motion is known forward only.
     pub(super) fn keep(&mut self, stamp_s: f64, pose: PoseBox, seen: Vec<Seen>, motion: MotionBetween) {
+        if stamp_s < self.latest_s {
+            return;
+        }
+        self.latest_s = stamp_s;
         self.way = self.way.and_then(|(since_s, way)| Some((stamp_s, moved(&way, &motion(since_s, stamp_s)?))));
         if self.lacking == 0 {
             let is_apart = self.frames.last().is_none_or(|last| {
@@ -118,36 +125,61 @@ impl KeyFrames {
     }
 
     /// Contracts the pose of every key frame by the landmarks and by its neighbours, and the landmarks by the poses: once along the
-    /// way, and once back.
-    pub(super) fn sweep(&mut self, now_s: f64, atlas: &mut Atlas, freedom: Freedom) {
-        for idx in 0..self.frames.len() {
-            if let Some((before, frame)) = self.neighbours(idx)
-                && let Some(motion) = frame.motion
-            {
-                let reached = moved(&before.pose, &motion);
-                frame.narrow(&reached);
-            }
-            self.frames[idx].look(atlas, freedom, self.q_items);
-            self.teach_at_the_end_of_a_run(idx, idx + 1, now_s, atlas);
+    /// way, and once back. Where a frame can have been nowhere, or a landmark can be nowhere, all stays as it was.
+    pub(super) fn sweep(&mut self, now_s: f64, atlas: &mut Atlas, freedom: Freedom) -> Outcome {
+        let (mut frames, mut known) = (self.clone(), atlas.clone());
+        let outcome = frames.contract(now_s, &mut known, freedom);
+        if outcome == Outcome::Feasible {
+            (*self, *atlas) = (frames, known);
         }
-        for idx in (0..self.frames.len()).rev() {
-            self.frames[idx].look(atlas, freedom, self.q_items);
-            self.teach_at_the_end_of_a_run(idx, idx.wrapping_sub(1), now_s, atlas);
-            if let Some((before, frame)) = self.neighbours(idx)
-                && let Some(motion) = frame.motion
-            {
-                let left = came_from(&frame.pose, &motion, &before.pose);
-                before.narrow(&left);
+        outcome
+    }
+
+    fn contract(&mut self, now_s: f64, atlas: &mut Atlas, freedom: Freedom) -> Outcome {
+        let n_frames = self.frames.len();
+        let there = (0..n_frames).map(|idx| (idx, Direction::Forth));
+        let back = (0..n_frames).rev().map(|idx| (idx, Direction::Back));
+        for (idx, direction) in there.chain(back) {
+            let mut outcome = Outcome::Feasible;
+            if direction == Direction::Forth {
+                outcome = self.contract_by_way(idx, direction);
             }
+            if outcome == Outcome::Feasible {
+                outcome = self.frames[idx].look(atlas, freedom, self.q_items);
+            }
+            if outcome == Outcome::Feasible {
+                outcome = self.teach_at_the_end_of_a_run(idx, direction, now_s, atlas);
+            }
+            if outcome == Outcome::Feasible && direction == Direction::Back {
+                outcome = self.contract_by_way(idx, direction);
+            }
+            if outcome != Outcome::Feasible {
+                return outcome;
+            }
+        }
+        Outcome::Feasible
+    }
+
+    /// Contracts a frame by the one before it, or the other way about.
+    fn contract_by_way(&mut self, idx: usize, direction: Direction) -> Outcome {
+        let Some((before, frame)) = self.neighbours(idx) else { return Outcome::Feasible };
+        let Some(motion) = frame.motion else { return Outcome::Feasible };
+        match direction {
+            Direction::Forth => frame.narrow(&moved(&before.pose, &motion)),
+            Direction::Back => before.narrow(&came_from(&frame.pose, &motion, &before.pose)),
         }
     }
 
-    /// Narrows the landmarks by a run when `idx` is its last frame on the way to frame `next`.
-    fn teach_at_the_end_of_a_run(&self, idx: usize, next: usize, now_s: f64, atlas: &mut Atlas) {
+    /// Narrows the landmarks by a run when `idx` is its last frame on the way.
+    fn teach_at_the_end_of_a_run(&self, idx: usize, direction: Direction, now_s: f64, atlas: &mut Atlas) -> Outcome {
         let run = self.frames[idx].run;
+        let next = match direction {
+            Direction::Forth => idx + 1,
+            Direction::Back => idx.wrapping_sub(1),
+        };
         let is_open = self.lacking > 0 && run == self.n_runs;
         if is_open || self.frames.get(next).is_some_and(|frame| frame.run == run) {
-            return;
+            return Outcome::Feasible;
         }
         let mut uses: BTreeMap<LandmarkId, Vec<[Interval; 2]>> = BTreeMap::new();
         for frame in self.frames.iter().filter(|frame| frame.run == run) {
@@ -156,16 +188,16 @@ impl KeyFrames {
             }
         }
         for (landmark, places) in uses {
-            if self.q_items == 0 {
-                places.into_iter().for_each(|place| atlas.narrow(now_s, landmark, place));
-                continue;
-            }
-            let n_wrong = places.len().div_ceil(self.window);
+            let n_wrong = if self.q_items == 0 { 0 } else { places.len().div_ceil(self.window) };
             if places.len() > n_wrong {
                 let boxes: Vec<IntervalBox<2>> = places.into_iter().map(IntervalBox::new).collect();
-                atlas.narrow(now_s, landmark, q_intersection(&boxes, n_wrong).components());
+                let outcome = atlas.narrow(now_s, landmark, q_intersection(&boxes, n_wrong).components());
+                if outcome != Outcome::Feasible {
+                    return outcome;
+                }
             }
         }
+        Outcome::Feasible
     }
 
     /// The frame before one, and that one.
@@ -182,6 +214,7 @@ impl KeyFrames {
         self.interrupt();
         self.frames.iter_mut().for_each(|frame| frame.pose = frame.taken);
         self.way = None;
+        self.latest_s = self.latest_s.min(since_s);
     }
 
     /// What is kept stays for good.
@@ -192,25 +225,33 @@ impl KeyFrames {
             frame.taken = frame.pose;
         }
         self.way = None;
+        self.latest_s = f64::NEG_INFINITY;
     }
 }
 
+/// Along the way, or against it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Direction {
+    Forth,
+    Back,
+}
+
+/// What contradicts says that an assumption failed, perhaps long ago.
+const CAUSE: &str = "no pose of a key frame fits the landmarks and the way";
+
 impl KeyFrame {
-    /// An empty intersection says that something is doubtful, and the readings to come will tell what: nothing is narrowed then.
-    fn narrow(&mut self, pose: &PoseBox) {
-        let narrower = self.pose.intersect(pose);
-        if !narrower.is_empty() {
-            self.pose = narrower;
-        }
+    fn narrow(&mut self, pose: &PoseBox) -> Outcome {
+        self.pose = self.pose.intersect(pose);
+        if self.pose.is_empty() { Outcome::Empty(CAUSE) } else { Outcome::Feasible }
     }
 
     /// The pose by the landmarks.
-    fn look(&mut self, atlas: &Atlas, freedom: Freedom, q_items: usize) {
+    fn look(&mut self, atlas: &Atlas, freedom: Freedom, q_items: usize) -> Outcome {
         let bounded = self.seen.iter().filter(|seen| seen.is_bounded());
         let pairs: Vec<_> = bounded.filter_map(|seen| Some((atlas.place(seen.landmark)?, seen.in_robot_m))).collect();
         let mut pose = self.pose;
         PoseFromLandmarks::new(pairs, q_items, freedom, Solver::OneShot).contract(&mut pose);
-        self.narrow(&pose);
+        self.narrow(&pose)
     }
 }
 

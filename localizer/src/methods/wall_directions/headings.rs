@@ -8,6 +8,10 @@ use crate::Interval;
 /// θ = direction + k·π/2 − azimuth.
 pub(super) fn of_line(azimuth: Interval, directions: &[Interval], within: Interval) -> Vec<Interval> {
     let quarter = Interval::PI * 0.5;
+    // Headings of more turns than matter, as recovery hands out, are not cut: all that a line says is among them again and again.
+    if !(within.width() < WIDEST_RAD && within.magnitude() < FARTHEST_RAD) {
+        return if within.is_empty() { Vec::new() } else { vec![within] };
+    }
     let sets = directions.iter().flat_map(|&direction| {
         let heading = direction - azimuth;
         let (first, last) =
@@ -16,6 +20,11 @@ pub(super) fn of_line(azimuth: Interval, directions: &[Interval], within: Interv
     });
     joined(sets.filter(|set| !set.is_empty()).collect())
 }
+
+/// A dozen and more turns: what a robot may have turned since its heading was last known fits in.
+const WIDEST_RAD: f64 = 100.0;
+/// Doubles are 10⁻⁷ apart here, less than any line tells.
+const FARTHEST_RAD: f64 = 1e9;
 
 /// Where at least `needed` of the sets agree; each set is a union of disjoint intervals.
 pub(super) fn agreed(sets: &[Vec<Interval>], needed: usize) -> Vec<Interval> {

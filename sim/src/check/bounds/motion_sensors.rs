@@ -55,6 +55,7 @@ fn flow(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let mut found: Vec<Violation> = [
         constant(record, "flow.position", flow.position_tolerance_m, position_error_m),
         constant(record, "flow.yaw", flow.yaw_tolerance_deg.to_radians(), mount.yaw_rad.abs()),
+        constant(record, "flow.calibration", flow.calibration_share(), (mount.scale - 1.0).abs()),
     ]
     .into_iter()
     .flatten()
@@ -62,7 +63,7 @@ fn flow(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let (mut scale, mut back_and_forth) = (Monitor::new("flow.scale"), Monitor::new("flow.back_and_forth"));
     for sight in &record.motion_sensors.flow {
         let span_s = [sight.measured_s - flow.period_s, sight.measured_s];
-        scale.watch(span_s, flow.scale_tolerance, sight.truth.scale_error);
+        scale.watch(span_s, flow.varying_share(), sight.truth.scale_change);
         back_and_forth.watch(span_s, flow.back_and_forth_m, sight.truth.back_and_forth_m);
     }
     found.extend(scale.finish());

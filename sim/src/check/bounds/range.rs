@@ -4,9 +4,16 @@ use std::collections::BTreeMap;
 
 use localizer::reading::LandmarkId;
 
-use crate::{check::verdict::Violation, run::RunRecord, scene::Scene};
+use crate::{
+    check::verdict::Violation,
+    run::RunRecord,
+    scene::{RangeCamera, Scene},
+};
 
 use super::{Monitor, constant};
+
+/// The difference of two times of minutes has lost some digits.
+const ROUNDING_S: f64 = 1e-9;
 
 /// Violations of the bounds of the range camera.
 pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
@@ -32,24 +39,31 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     .into_iter()
     .flatten()
     .collect();
-    let mut stamp = Monitor::new("range_camera.stamp");
+    let (mut stamp, mut latency) = (Monitor::new("range_camera.stamp"), Monitor::new("range_camera.latency"));
     for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
         let span_s = [reading.truth.time_s, reading.arrived_s];
         stamp.watch(span_s, camera.stamp_tolerance_s, (reading.measured_s - reading.truth.time_s).abs());
+        let late_s = reading.arrived_s - reading.truth.time_s - camera.latency_s;
+        latency.watch(span_s, camera.latency_tolerance_s + ROUNDING_S, late_s.abs());
     }
     found.extend(stamp.finish());
-    found.extend(wrong_codes(record, camera.q_items, camera.wrong_spacing));
+    found.extend(latency.finish());
+    found.extend(wrong_codes(record, camera));
     found
 }
 
 /// Codes given wrongly: how many in a reading, and how many right uses of a code are missing between two wrong ones; none is the bound.
-fn wrong_codes(record: &RunRecord, q_items: usize, wrong_spacing: usize) -> Vec<Violation> {
+fn wrong_codes(record: &RunRecord, camera: &RangeCamera) -> Vec<Violation> {
+    let (q_items, wrong_spacing) = (camera.q_items, camera.wrong_spacing);
     let (mut items, mut spacing) =
         (Monitor::new("range_landmarks.q_items"), Monitor::new("range_landmarks.wrong_spacing"));
     // Right uses of each code since its last wrong one.
     let mut right_since: BTreeMap<LandmarkId, usize> = BTreeMap::new();
-    let mut drive_began_s = 0.0;
-    for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
+    let (mut drive_began_s, mut before_s) = (0.0, 0.0);
+    // Bounds are on the order in which readings were taken; in which they arrive is another matter.
+    let mut readings: Vec<_> = record.images.iter().filter(|reading| reading.method == "range_landmarks").collect();
+    readings.sort_by(|a, b| a.truth.time_s.total_cmp(&b.truth.time_s));
+    for reading in readings {
         let span_s = [reading.truth.time_s, reading.arrived_s];
         // Put elsewhere, a robot starts with sensors that remember nothing.
         let began_s = record.restarts.iter().filter_map(|index| record.truths.get(*index)).map(|truth| truth.time_s);
@@ -58,6 +72,11 @@ fn wrong_codes(record: &RunRecord, q_items: usize, wrong_spacing: usize) -> Vec<
             drive_began_s = latest_s;
             right_since.clear();
         }
+        // What the run ended before it arrived may have used any code rightly.
+        if reading.truth.time_s - before_s > 1.5 * camera.period_s {
+            right_since.clear();
+        }
+        before_s = reading.truth.time_s;
         let n_wrong = reading.codes.iter().filter(|(_, is_own)| !is_own).count();
         items.watch(span_s, q_items as f64, n_wrong as f64);
         for (code, is_own) in &reading.codes {

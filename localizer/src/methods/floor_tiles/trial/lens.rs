@@ -7,7 +7,7 @@ use super::{
     robot,
 };
 use crate::{
-    Claim, Method, PoseUnion, Reading, RobotModel,
+    Claim, Contractor, Interval, Method, PoseBox, PoseUnion, Reading, RobotModel,
     method::Twist,
     methods::floor_tiles::Chain,
     reading::Camera,
@@ -186,6 +186,38 @@ fn rows_taken_one_after_the_other_cost_no_lines_and_no_truth() {
             let tally = trial(name, &eye, &robot(lens, 0.0, ROW_TIME_S), Chain::Direct, frames(12));
             assert_eq!((tally.missed, tally.false_claims), (0, 0));
             assert!(tally.found() >= least);
+        }
+    }
+}
+
+#[test]
+fn joints_answer_headings_without_bounds_and_places_far_away_promptly() {
+    let (robot, eye) = (robot([0.0; 5], 0.0, 0.0), Eye::with([0.0; 5]));
+    let (mut method, mut random) = (method(&robot, Chain::Direct), Random::new(7));
+    let (pose, prior) = random_pose(&mut random);
+    let image = eye.picture(&eye.rays(), pose, &mut Random::new(1));
+    let constraint = method.constrain(&floor_reading(image), &PoseUnion::single(prior), &eye.twist);
+    let constraint = constraint.expect("joints in view");
+    let extremes = |at: f64| {
+        [
+            Interval::ENTIRE,
+            Interval::new(at, f64::INFINITY),
+            Interval::new(f64::MIN, f64::MAX),
+            Interval::new(at - 500.0, at + 500.0),
+            Interval::centred(at, 0.02),
+            Interval::new(1e17, 1e17 + 64.0),
+            Interval::new(1e300, 1e300),
+        ]
+    };
+    for x in extremes(pose[0]) {
+        for y in extremes(pose[1]) {
+            for heading in extremes(pose[2]) {
+                let domain = PoseBox::from([x, y, heading]);
+                let branches = constraint.on_pose.branches(&domain);
+                assert!(branches.len() < 100_000 && branches.iter().all(|branch| branch.is_subset_of(&domain)));
+                let is_kept = branches.iter().any(|branch| branch.contains(&pose));
+                assert!(is_kept || !domain.contains(&pose), "{pose:?} lost of {domain:?}");
+            }
         }
     }
 }

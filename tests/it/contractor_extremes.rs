@@ -1,0 +1,168 @@
+//! Boxes that no problem asks for, but recovery and bisection hand out: unbounded, huge, far away, empty. Every contractor answers them
+//! promptly, grows none and loses no solution.
+
+use std::{sync::mpsc, thread, time::Duration};
+
+use localizer::contractor::{
+    Distance, ForwardBackward, Inverse, Landmark, LinearPose, Periodic, Pinhole, Polar, QRelaxed, RelaxedPose,
+    RigidPlanar, RigidPolar, RigidTable, Translated, Within,
+};
+use localizer::methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver};
+use localizer::{Contractor, Interval, IntervalBox};
+
+/// What nobody waits for: a thousand times what the slowest of these takes.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Intervals of all kinds; the first ones contain the solution's component.
+fn extremes(solution: f64) -> Vec<Interval> {
+    vec![
+        Interval::ENTIRE,
+        Interval::new(solution, f64::INFINITY),
+        Interval::new(f64::NEG_INFINITY, solution),
+        Interval::new(-1e300, 1e300),
+        Interval::new(f64::MIN, f64::MAX),
+        Interval::new(solution - 300.0, solution + 300.0),
+        Interval::new(solution - 0.1, solution + 0.1),
+        Interval::new(1e300, f64::MAX),
+        // Neighbouring doubles are 16 apart here.
+        Interval::new(1e17, 1e17 + 64.0),
+        Interval::new(f64::NEG_INFINITY, -1e300),
+        Interval::EMPTY,
+    ]
+}
+
+/// All boxes whose sides are extreme, or for more than three variables every side alone among bounded ones and all sides alike.
+fn boxes<const N: usize>(solution: [f64; N]) -> Vec<IntervalBox<N>> {
+    let sides = solution.map(extremes);
+    let n_kinds = sides[0].len();
+    let mut boxes: Vec<IntervalBox<N>> = Vec::new();
+    if N <= 3 {
+        for mut number in 0..n_kinds.pow(N as u32) {
+            boxes.push(IntervalBox::new(std::array::from_fn(|axis| {
+                let side = sides[axis][number % n_kinds];
+                number /= n_kinds;
+                side
+            })));
+        }
+        return boxes;
+    }
+    for kind in 0..n_kinds {
+        boxes.push(IntervalBox::new(std::array::from_fn(|axis| sides[axis][kind])));
+        for single in 0..N {
+            let side = |axis: usize| sides[axis][if axis == single { kind } else { 6 }];
+            boxes.push(IntervalBox::new(std::array::from_fn(side)));
+        }
+    }
+    boxes
+}
+
+/// Contracts a box and branches it; complains of what is lost or has grown.
+fn answer<const N: usize>(name: &str, contractor: &dyn Contractor<N>, domain: IntervalBox<N>, solution: [f64; N]) {
+    let mut contracted = domain;
+    contractor.contract(&mut contracted);
+    assert!(contracted.is_subset_of(&domain), "{name}: {contracted:?} is not in {domain:?}");
+    let branches = contractor.branches(&domain);
+    assert!(branches.iter().all(|branch| branch.is_subset_of(&domain)), "{name}: a branch of {domain:?} has grown");
+    if domain.contains(&solution) {
+        assert!(contracted.contains(&solution), "{name} lost {solution:?} of {domain:?}: {contracted:?}");
+        let is_kept = branches.iter().any(|branch| branch.contains(&solution));
+        assert!(is_kept, "{name}: {solution:?} is in no branch of {domain:?}");
+    }
+}
+
+/// Has a contractor answer all boxes, in a thread of its own that may be given up.
+fn answers<const N: usize>(
+    name: &'static str,
+    contractor: impl Contractor<N> + Send + 'static,
+    solution: [f64; N],
+    every: usize,
+) {
+    let (sender, receiver) = mpsc::channel();
+    let work = thread::spawn(move || {
+        for domain in boxes(solution).into_iter().step_by(every) {
+            // Told before, so that who never answers is named with the box.
+            let _ = sender.send(domain);
+            answer(name, &contractor, domain, solution);
+        }
+    });
+    let (mut latest, deadline) = (None, std::time::Instant::now() + PATIENCE);
+    loop {
+        match receiver.recv_timeout(deadline.saturating_duration_since(std::time::Instant::now())) {
+            Ok(domain) => latest = Some(domain),
+            Err(mpsc::RecvTimeoutError::Disconnected) => break,
+            Err(mpsc::RecvTimeoutError::Timeout) => panic!("{name} never answers {latest:?}"),
+        }
+    }
+    if let Err(cause) = work.join() {
+        std::panic::resume_unwind(cause);
+    }
+}
+
+const POSE: [f64; 3] = [0.7, -0.4, 1.9];
+
+/// Landmarks seen from [`POSE`], known to centimetres in both frames; with one that may be anywhere.
+fn landmarks() -> Vec<Landmark> {
+    let (sin, cos) = POSE[2].sin_cos();
+    let near = |value: f64| Interval::centred(value, 0.01);
+    let seen = |[x, y]: [f64; 2]| {
+        let place = [POSE[0] + cos * x - sin * y, POSE[1] + sin * x + cos * y];
+        (place.map(near), [x, y].map(near))
+    };
+    let mut landmarks: Vec<Landmark> =
+        [[1.0, 0.5], [2.0, -1.0], [0.5, -2.0], [3.0, 1.5], [1.5, 2.5]].map(seen).to_vec();
+    landmarks.push(([Interval::ENTIRE; 2], [near(1.0), near(1.0)]));
+    landmarks
+}
+
+#[test]
+fn contractors_of_a_pose_answer_unbounded_huge_and_empty_boxes_promptly() {
+    let bounded = || landmarks()[..5].to_vec();
+    for few in [1, 2, 5] {
+        let some = bounded()[..few].to_vec();
+        answers("RigidPlanar", RigidPlanar::new(&some), POSE, 1);
+        answers("LinearPose", LinearPose { motion: RigidPlanar::new(&some), n_slices: 4 }, POSE, 1);
+        answers("RigidPolar", RigidPolar::new(&some), POSE, 3);
+        answers("RigidTable", RigidTable::new(&some), POSE, 3);
+        answers("RelaxedPose", RelaxedPose { landmarks: some.clone(), q: 0 }, POSE, 7);
+        answers("Translated", Translated::<2> { landmarks: some, q: 0 }, POSE, 1);
+    }
+    answers("RelaxedPose", RelaxedPose { landmarks: bounded(), q: 1 }, POSE, 7);
+    answers("RigidPlanar", RigidPlanar::new(&landmarks()), POSE, 1);
+    answers("RigidPlanar", RigidPlanar::new(&[]), POSE, 1);
+}
+
+#[test]
+fn every_solver_of_landmarks_answers_unbounded_huge_and_empty_boxes_promptly() {
+    let bounded = landmarks()[..5].to_vec();
+    for q in [0, 1] {
+        for solver in [Solver::OneShot, Solver::Polar, Solver::TableIv] {
+            let pose = PoseFromLandmarks::new(bounded.clone(), q, Freedom::Full, solver);
+            answers("PoseFromLandmarks", pose, POSE, 7);
+        }
+        let sivia = Solver::Sivia { resolution: 0.05 };
+        answers("Sivia", PoseFromLandmarks::new(bounded.clone(), q, Freedom::Full, sivia), POSE, 101);
+    }
+    for freedom in [Freedom::Line, Freedom::Translation] {
+        answers("PoseFromLandmarks", PoseFromLandmarks::new(bounded.clone(), 1, freedom, Solver::OneShot), POSE, 1);
+    }
+}
+
+#[test]
+fn contractors_of_formulas_answer_unbounded_huge_and_empty_boxes_promptly() {
+    let near = |value: f64| Interval::centred(value, 0.01);
+    answers("Distance", Distance { landmark: [near(1.0), near(2.0)], distance: near(5.0) }, [4.0, 6.0], 1);
+    answers("Periodic", Periodic { period: near(0.3), offset: near(0.1) }, [3.1], 1);
+    answers("Periodic", Periodic { period: Interval::new(0.0, 0.3), offset: near(0.1) }, [3.1], 1);
+    answers("Pinhole", Pinhole { focal_px: near(500.0) }, [1.0, 2.0, 4.0, 125.0, 250.0], 1);
+    // In doubles only few vectors are exactly as long as they are said to be.
+    answers("Polar", Polar, [2.0, 0.0, 2.0, 0.0], 1);
+    let ring = |[x, y]: [localizer::contractor::Expression<'_>; 2]| x.sqr() + y.sqr();
+    answers("ForwardBackward", ForwardBackward::new(ring, near(25.0)).fixpoint(0.01), [3.0, 4.0], 1);
+    answers("ForwardBackward", ForwardBackward::new(|[x]| x.sin(), near(0.0)).fixpoint(0.01), [0.0], 1);
+    answers("Inverse", Inverse::new(|[x, y]| [x * y, x.cos()], Within(IntervalBox::ENTIRE)), [1.0, 2.0], 1);
+    answers("Within", Within(IntervalBox::new([near(1.0); 3])), [1.0; 3], 1);
+    let each = |value: f64| -> Box<dyn Contractor<2> + Send + Sync> {
+        Box::new(Within(IntervalBox::new([near(value), near(value)])))
+    };
+    answers("QRelaxed", QRelaxed { contractors: vec![each(1.0), each(1.001), each(7.0)], q: 1 }, [1.0; 2], 1);
+}
