@@ -179,7 +179,8 @@ pub struct RangeCameraModel {
     pub baseline_m: Interval,
     /// Column of the optical axis.
     pub centre_px: f64,
-    /// Steps to which the columns of the first and of the second view are rounded.
+    /// Twice the greatest error of a column of the first and of the second view, `range_camera.columns`: without noise the steps to which
+    /// they are rounded.
     pub step_px: [f64; 2],
     /// Optical centre of the first view in the robot frame: forward and left, `range_camera.position`.
     pub position_m: [Interval; 2],

@@ -219,7 +219,8 @@ fn range_camera_model(camera: &RangeCamera) -> RangeCameraModel {
         focal_px: relative(camera.focal_px, camera.focal_tolerance),
         baseline_m: relative(camera.baseline_m, camera.baseline_tolerance),
         centre_px: camera.centre_px(),
-        step_px: [camera.column_step_px, camera.match_step_px],
+        // A step is twice the greatest error that rounding makes; noise before it adds to that on both sides.
+        step_px: [camera.column_step_px, camera.match_step_px].map(|step_px| step_px + 2.0 * camera.column_noise_px),
         position_m: [
             Interval::centred(camera.forward_m, camera.position_tolerance_m),
             Interval::centred(camera.left_m, camera.position_tolerance_m),

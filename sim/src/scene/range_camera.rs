@@ -30,6 +30,9 @@ pub struct RangeCamera {
     /// Step to which the column in the second view, or the projector's stripe, is rounded.
     #[schemars(range(min = 0.001, max = 10.0))]
     pub match_step_px: f64,
+    /// `range_camera.columns`: before it is rounded, the column in either view is off by up to this, drawn anew for each.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub column_noise_px: f64,
     /// Optical centre of the first view in the robot frame, forward of the axle.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
@@ -96,6 +99,7 @@ impl Default for RangeCamera {
             baseline_tolerance: 0.002,
             column_step_px: 1.0,
             match_step_px: 1.0,
+            column_noise_px: 0.0,
             forward_m: 0.10,
             left_m: 0.0375,
             height_m: 0.5,

@@ -5,9 +5,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    drawn::{Drawn, DrawnFlow},
+    drawn::{Drawn, DrawnFlow, draw_phase},
     randomness::stream,
-    scene::{Event, Flow, Scene},
+    scene::{Distribution, Event, Flow, Scene},
     truth::Truth,
     world::floor::Floor,
 };
@@ -20,6 +20,8 @@ pub struct FlowSensor {
     mount: DrawnFlow,
     floor: Floor,
     blind: Vec<Event>,
+    /// In a drift: the direction in the world in which everything is counted to be longer, and against which shorter.
+    drifts_to: Option<[f64; 2]>,
     dropouts: ChaCha8Rng,
     /// Where in a count each axis stood at the start, `[0, 1)`.
     phase: [f64; 2],
@@ -55,15 +57,20 @@ impl FlowSensor {
     /// The scene's flow sensor, or `None` if the robot has none.
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
         let (flow, mount) = (scene.robot.flow.clone()?, drawn.flow?);
-        let mut rng = stream(seed, "flow.phase");
+        let (mut rng, errors) = (stream(seed, "flow.phase"), scene.robot.errors);
+        let drifts_to = (errors == Distribution::Drift).then(|| {
+            let (sin, cos) = stream(seed, "flow.drift").random_range(0.0..std::f64::consts::TAU).sin_cos();
+            [cos, sin]
+        });
         let is_blind = |event: &&Event| matches!(event, Event::FlowBlind { .. });
         Some(FlowSensor {
             flow,
             mount,
             floor: Floor::new(scene),
             blind: scene.events.iter().filter(is_blind).cloned().collect(),
+            drifts_to,
             dropouts: stream(seed, "flow.dropouts"),
-            phase: [rng.random_range(0.0..1.0), rng.random_range(0.0..1.0)],
+            phase: [draw_phase(errors, &mut rng), draw_phase(errors, &mut rng)],
             n_readings: 0,
             before: None,
             period: Period::default(),
@@ -105,7 +112,7 @@ impl FlowSensor {
         let ground = self.floor.at(to_m[0], to_m[1]);
         // The floor comes closer where the pile stands up under it, and farther where the body rises.
         let closer_m = ground.height_m + ground.pile_height_m - to_m[2];
-        let scale = self.mount.scale * (1.0 + self.flow.optics.share_per_m() * closer_m);
+        let scale = self.drifting(self.mount.scale * (1.0 + self.flow.optics.share_per_m() * closer_m), moved);
         let speed_m_per_s = travel_m[0].hypot(travel_m[1]) / (truth.time_s - before.time_s);
         let period = &mut self.period;
         period.lost |= closer_m.abs() > self.flow.focus_range_m
@@ -117,6 +124,15 @@ impl FlowSensor {
             period.travel_m[axis] += travel_m;
             period.path_m[axis] += travel_m.abs();
         }
+    }
+
+    /// The scale of one step: as optics and height make it, or in a drift the worst that `flow.scale` leaves it beside its calibration.
+    ///
+    /// What is counted longer one way and shorter on the way back adds up, which one wrong scale would not.
+    fn drifting(&self, scale: f64, moved: [f64; 2]) -> f64 {
+        let left = (self.flow.scale_tolerance - self.flow.calibration_tolerance).max(0.0);
+        let Some(to) = self.drifts_to.filter(|_| (scale - self.mount.scale).abs() <= left) else { return scale };
+        self.mount.scale + left.copysign(to[0] * moved[0] + to[1] * moved[1])
     }
 
     /// Counts what was followed, or tells that nothing was.

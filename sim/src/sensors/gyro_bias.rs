@@ -3,7 +3,10 @@
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
-use crate::scene::Gyro;
+use crate::{
+    drawn::draw_within,
+    scene::{Distribution, Gyro},
+};
 
 /// Time between two values that are drawn; the bias goes evenly from one to the next.
 const NODE_S: f64 = 1.0;
@@ -18,6 +21,12 @@ const HOUR_S: f64 = 3600.0;
 #[derive(Clone, Debug)]
 pub struct WanderingBias {
     rng: ChaCha8Rng,
+    errors: Distribution,
+    /// To which side it goes in a drift: 1 or −1. At an end of its tolerance it turns back.
+    side: f64,
+    first_rad_per_s: f64,
+    /// At a corner or in a drift it departs from its first value by no more than what `gyro.angle` allows for ever.
+    departure_rad_per_s: f64,
     drawn_rad_per_s: f64,
     tolerance_rad_per_s: f64,
     wander_rad_per_s2: f64,
@@ -32,7 +41,7 @@ pub struct WanderingBias {
 
 impl WanderingBias {
     /// A bias that is `drawn_rad_per_s` at time 0.
-    pub fn new(gyro: &Gyro, drawn_rad_per_s: f64, mut rng: ChaCha8Rng) -> Self {
+    pub fn new(gyro: &Gyro, drawn_rad_per_s: f64, errors: Distribution, mut rng: ChaCha8Rng) -> Self {
         let instability_rad_per_s = gyro.bias_instability_deg_per_h.to_radians() / HOUR_S;
         let walk_rad_per_s_per_sqrt_s =
             gyro.rate_random_walk_deg_per_h_per_sqrt_h.to_radians() / (HOUR_S * HOUR_S.sqrt());
@@ -40,8 +49,13 @@ impl WanderingBias {
         // ln τ, one per ln 4, have ∫ 2s²τ/(1 + (2πfτ)²) d ln τ/ln 4 = s²/(2·ln 4·f), so that s² = B²·ln 4/π.
         let flicker_deviation_rad_per_s = instability_rad_per_s * (4.0_f64.ln() / std::f64::consts::PI).sqrt();
         let flicker_rad_per_s = [0; FLICKER_S.len()].map(|_| flicker_deviation_rad_per_s * normal(&mut rng));
+        let angle_rad_per_s = gyro.angle_floor_deg.map_or(f64::INFINITY, |_| gyro.angle_deg_per_s.to_radians());
         WanderingBias {
             rng,
+            errors,
+            side: -drawn_rad_per_s.signum(),
+            first_rad_per_s: drawn_rad_per_s,
+            departure_rad_per_s: angle_rad_per_s,
             drawn_rad_per_s,
             tolerance_rad_per_s: gyro.bias_tolerance_deg_per_s.to_radians(),
             wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
@@ -80,10 +94,31 @@ impl WanderingBias {
             *flicker = kept * *flicker + fresh * normal(&mut self.rng);
         }
         let before = self.around_rad_per_s[1];
+        if let Distribution::Corner | Distribution::Drift = self.errors {
+            self.around_rad_per_s = [before, self.farthest_from(before)];
+            return;
+        }
         let wanted = self.drawn_rad_per_s + self.walk_rad_per_s + self.flicker_rad_per_s.iter().sum::<f64>();
         let step = (wanted - before).clamp(-self.wander_rad_per_s2 * NODE_S, self.wander_rad_per_s2 * NODE_S);
         let after = (before + step).clamp(-self.tolerance_rad_per_s, self.tolerance_rad_per_s);
         self.around_rad_per_s = [before, after];
+    }
+}
+
+impl WanderingBias {
+    /// As far as the bias may get within one node: to either side, or in a drift on to the same one until there is an end.
+    fn farthest_from(&mut self, before_rad_per_s: f64) -> f64 {
+        let step_rad_per_s = self.wander_rad_per_s2 * NODE_S;
+        if self.errors == Distribution::Corner {
+            self.side = draw_within(1.0, self.errors, &mut self.rng);
+        }
+        let least = (-self.tolerance_rad_per_s).max(self.first_rad_per_s - self.departure_rad_per_s);
+        let most = self.tolerance_rad_per_s.min(self.first_rad_per_s + self.departure_rad_per_s);
+        let wanted = before_rad_per_s + self.side * step_rad_per_s;
+        if wanted <= least || wanted >= most {
+            self.side = -self.side;
+        }
+        wanted.max(least).min(most)
     }
 }
 
