@@ -75,6 +75,7 @@ mod carpet_runs;
 /// Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
 mod motion_sensors;
 /// Routes driven by estimates, and the default bounds on such a drive.
+mod gyro_band;
 mod world_drifts;
 mod world_driver;
 /// Occupancy grids, ways through them and their files, against maps drawn by hand and map_server's rules.

@@ -83,15 +83,21 @@ impl GyroSensor {
         if self.errors == Distribution::Drift {
             return self.push_rad_per_s(departed_rad_per_s);
         }
-        for _ in 0..MOST_DRAWS {
+        for _ in 0..if self.redraws() { MOST_DRAWS } else { 0 } {
             let noise_rad_per_s = self.draw_noise_rad_per_s();
             if self.angle.allows(departed_rad_per_s + noise_rad_per_s) {
                 self.angle.take(departed_rad_per_s + noise_rad_per_s);
                 return noise_rad_per_s;
             }
         }
-        self.angle.take(departed_rad_per_s);
-        0.0
+        let noise_rad_per_s = if self.redraws() { 0.0 } else { self.draw_noise_rad_per_s() };
+        self.angle.take(departed_rad_per_s + noise_rad_per_s);
+        noise_rad_per_s
+    }
+
+    /// Whether noise keeps to its bounds by being drawn again. At corners it does so anyway: they are about what bounds allow.
+    fn redraws(&self) -> bool {
+        self.gyro.noise_redrawn || self.errors == Distribution::Corner
     }
 
     /// Noise of a drift: as far to its side as its bound and that of the sum let it.
@@ -118,7 +124,9 @@ impl GyroSensor {
         if self.noise_deviation_rad_per_s == 0.0 {
             return 0.0;
         }
-        self.noise_deviation_rad_per_s * self.draw_deviations(bound_rad_per_s / self.noise_deviation_rad_per_s)
+        let most =
+            if self.gyro.noise_redrawn { bound_rad_per_s / self.noise_deviation_rad_per_s } else { f64::INFINITY };
+        self.noise_deviation_rad_per_s * self.draw_deviations(most)
     }
 
     fn draw_deviations(&mut self, most: f64) -> f64 {
