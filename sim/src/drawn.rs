@@ -26,6 +26,8 @@ pub struct Drawn {
     pub wheel_radius_m: [f64; 2],
     /// True distance between the contact points.
     pub track_m: f64,
+    /// By how much the stamps of wheels, gyroscope and flow sensor are late.
+    pub base_clock_s: f64,
     /// True mount and lens of the floor camera.
     pub floor_camera: Option<DrawnFloorCamera>,
     /// True mount and lens of the forward camera.

@@ -132,7 +132,7 @@ impl Sensors {
             cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
             gyro: GyroSensor::new(scene, seed, drawn),
             flow: FlowSensor::new(scene, seed, drawn),
-            delivery: Delivery::new(&scene.robot.delivery, scene.robot.errors, seed),
+            delivery: Delivery::new(&scene.robot.delivery, drawn.base_clock_s, scene.robot.errors, seed),
             turns: false,
             range_camera: RangeCameraSensor::new(scene, seed, drawn),
             proximity: ProximitySensor::new(scene, seed),

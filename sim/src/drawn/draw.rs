@@ -29,6 +29,7 @@ impl Drawn {
             start: draw_start(scene, seed),
             wheel_radius_m: [left_m * (1.0 - robot.wheel_wear[0]), right_m * (1.0 - robot.wheel_wear[1])],
             track_m,
+            base_clock_s: draw_within(robot.delivery.stamp_tolerance_s, errors, &mut stream(seed, "base.clock")),
             floor_camera: robot.floor_camera.as_ref().map(|camera| {
                 let drawn = draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"));
                 let tolerance_px = camera.distortion_tolerance_px;

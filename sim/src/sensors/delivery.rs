@@ -13,6 +13,8 @@ use super::Observation;
 /// The bus that readings of what moves the robot take.
 pub struct Delivery {
     keys: scene::Delivery,
+    /// By how much stamps are late.
+    clock_s: f64,
     errors: Distribution,
     n_late: u64,
     luck: ChaCha8Rng,
@@ -20,12 +22,20 @@ pub struct Delivery {
 
 impl Delivery {
     /// The scene's.
-    pub fn new(keys: &scene::Delivery, errors: Distribution, seed: u64) -> Self {
-        Delivery { keys: keys.clone(), errors, n_late: 0, luck: stream(seed, "delivery") }
+    pub fn new(keys: &scene::Delivery, clock_s: f64, errors: Distribution, seed: u64) -> Self {
+        Delivery { keys: keys.clone(), clock_s, errors, n_late: 0, luck: stream(seed, "delivery") }
     }
 
     /// What becomes of a reading: none of it, one, or two.
-    pub fn send(&mut self, observation: Observation) -> Vec<Observation> {
+    pub fn send(&mut self, mut observation: Observation) -> Vec<Observation> {
+        if self.keys.stamp_tolerance_s > 0.0 {
+            let taken_s = observation.truth.time_s;
+            // The robot stood still before the start, so that what is read first was so at the clock's own 0 as well.
+            let stamp_s = if taken_s == 0.0 { self.clock_s.min(0.0) } else { taken_s + self.clock_s };
+            observation.reading.stamp_anew(stamp_s);
+            // Nothing arrives before its stamp, however late that is.
+            observation.reading.delay(self.keys.stamp_tolerance_s);
+        }
         if self.keys.is_perfect() {
             return vec![observation];
         }
