@@ -75,6 +75,7 @@ mod carpet_runs;
 /// Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
 mod motion_sensors;
 /// Routes driven by estimates, and the default bounds on such a drive.
+mod careful_bounds;
 mod gyro_band;
 mod motion_clock;
 mod world_drifts;
