@@ -123,6 +123,17 @@ impl Reading {
         }
     }
 
+    /// The reading says to speak of another time.
+    pub fn stamp_anew(&mut self, stamp_s: f64) {
+        match self {
+            Reading::Wheels { measured_s, .. }
+            | Reading::Camera { measured_s, .. }
+            | Reading::Gyro { measured_s, .. }
+            | Reading::Flow { measured_s, .. }
+            | Reading::Range { measured_s, .. } => *measured_s = stamp_s,
+        }
+    }
+
     /// The reading is on its way for longer.
     pub fn delay(&mut self, by_s: f64) {
         match self {

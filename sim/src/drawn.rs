@@ -9,9 +9,12 @@ use crate::scene::Distribution;
 
 mod draw;
 pub mod markers;
+mod repeated;
 pub mod tiles;
 
 pub use markers::{DrawnDot, DrawnMarker};
+pub use repeated::Repeated;
+pub(crate) use repeated::draw_phase;
 pub use tiles::LaidTiles;
 
 /// Everything about a run that is drawn once, before it starts.
@@ -23,6 +26,8 @@ pub struct Drawn {
     pub wheel_radius_m: [f64; 2],
     /// True distance between the contact points.
     pub track_m: f64,
+    /// By how much the stamps of wheels, gyroscope and flow sensor are late.
+    pub base_clock_s: f64,
     /// True mount and lens of the floor camera.
     pub floor_camera: Option<DrawnFloorCamera>,
     /// True mount and lens of the forward camera.
@@ -37,6 +42,8 @@ pub struct Drawn {
     pub flow: Option<DrawnFlow>,
     /// The tiles as they were laid.
     pub tiles: Option<LaidTiles>,
+    /// By how much each piece of furniture is turned against where the scene has it.
+    pub furniture_turn_deg: Vec<f64>,
     /// Goals of random errands, world; nothing secret, and the driver is told.
     pub goals_m: Vec<[f64; 2]>,
     /// The markers that are on the ceiling, as they were pasted.
@@ -108,7 +115,7 @@ pub struct DrawnGyro {
     pub scale: f64,
 }
 
-/// Draws an error within ±tolerance.
+/// Draws an error within ±tolerance that stays the same all the run.
 pub fn draw_within(tolerance: f64, distribution: Distribution, rng: &mut impl Rng) -> f64 {
     match distribution {
         Distribution::Uniform => tolerance * rng.random_range(-1.0..=1.0),
@@ -119,7 +126,7 @@ pub fn draw_within(tolerance: f64, distribution: Distribution, rng: &mut impl Rn
                 return tolerance * deviations / 2.0;
             }
         },
-        Distribution::Corner => {
+        Distribution::Corner | Distribution::Drift => {
             if rng.random() {
                 tolerance
             } else {

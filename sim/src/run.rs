@@ -77,7 +77,8 @@ pub fn run_witnessed(
     let adapter = renderer.as_deref().map(Renderer::adapter);
     let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options, witness);
     let mut localizer = localizer(scene);
-    let mut stage = renderer.map(|renderer| Stage::new(scene, &drawn, renderer)).transpose()?;
+    let built = scene.as_built(&drawn);
+    let mut stage = renderer.map(|renderer| Stage::new(&built, &drawn, renderer)).transpose()?;
     if scene.stations.is_empty() {
         record.witness.start(0.0, None);
         drive(scene, seed, &drawn, stage.as_mut(), &mut localizer, &mut record, progress)?;
@@ -104,12 +105,13 @@ fn drive(
     record: &mut Recorder<'_>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(), RenderError> {
-    let mut world = World::new(scene, drawn);
-    let mut sensors = Sensors::new(scene, seed, drawn, stage.as_deref());
+    let built = scene.as_built(drawn);
+    let mut world = World::new(&built, drawn);
+    let mut sensors = Sensors::new(&built, seed, drawn, stage.as_deref());
     let mut pilot = Pilot::new(scene, drawn);
     look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
     record.step(&world.truth(), localizer);
-    record.room_left(scene, &world);
+    record.room_left(&built, &world);
     for step in 0..(scene.duration_s / STEP_S).round() as usize {
         let time_s = step as f64 * STEP_S;
         if pilot.is_done(time_s) {
@@ -123,7 +125,7 @@ fn drive(
             look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
         }
         record.step(&world.truth(), localizer);
-        record.room_left(scene, &world);
+        record.room_left(&built, &world);
         if step % 50 == 0 {
             progress(record.offset_s + time_s);
         }

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 mod bounds;
 mod building;
 mod cameras;
+mod careful;
 mod conform;
 mod error;
 mod events;
@@ -37,6 +38,7 @@ mod wall_directions;
 pub use bounds::Bounds;
 pub use building::{Building, Covering, Door, Dot, FurtherRoom, Picture};
 pub use cameras::{Band, Calibration, CameraTiming, CeilingCamera, ForwardCamera, LensKeys};
+pub use careful::BoundsFrom;
 pub use error::SceneError;
 pub use events::{Event, Side, Stuck};
 pub use expect::Expect;
@@ -59,11 +61,16 @@ pub use wall_directions::{WallDirectionsChain, WallDirectionsSetup};
 
 /// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+// `Scene` deserialises by way of the bounds that it does not state; what is derived here is the last step of that.
+#[serde(deny_unknown_fields, remote = "Self")]
+#[schemars(rename = "Scene")]
 pub struct Scene {
     /// One sentence for the result table.
     #[serde(default)]
     pub description: String,
+    /// From where tolerances and bounds come that the scene does not state.
+    #[serde(default)]
+    pub bounds_from: BoundsFrom,
     /// Length of a run of a route. Ignored when stations are given.
     #[serde(default = "default_duration_s")]
     #[schemars(range(max = 36000.0), extend("exclusiveMinimum" = 0.0))]

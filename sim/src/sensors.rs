@@ -72,6 +72,8 @@ pub struct Observation {
     pub gyro_angle_rad: f64,
     /// What was wrong with a reading of the flow sensor; nothing in others.
     pub flow: FlowTruth,
+    /// Greatest noise in the columns of a reading of the range camera; 0 in others.
+    pub range_noise_px: f64,
     /// Codes given in a reading of the range camera, in its order, and whether each is its landmark's own; none in others.
     pub codes: Vec<(LandmarkId, bool)>,
 }
@@ -86,6 +88,7 @@ impl Observation {
             gyro_bias_rad_per_s: 0.0,
             gyro_angle_rad: 0.0,
             flow: FlowTruth::default(),
+            range_noise_px: 0.0,
             codes: Vec::new(),
         }
     }
@@ -123,13 +126,13 @@ impl Sensors {
         let at_first_lux = stage.map(|stage| stage.illuminance_at_floor_lux(scene));
         let camera = |name| CameraSensor::new(name, scene, seed, drawn, at_first_lux?);
         Sensors {
-            encoder: Encoder::new(&scene.robot.encoders, seed),
+            encoder: Encoder::new(&scene.robot.encoders, scene.robot.errors, seed),
             encoder_period_s: scene.robot.encoders.period_s,
             n_encoder_readings: 0,
             cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
             gyro: GyroSensor::new(scene, seed, drawn),
             flow: FlowSensor::new(scene, seed, drawn),
-            delivery: Delivery::new(&scene.robot.delivery, seed),
+            delivery: Delivery::new(&scene.robot.delivery, drawn.base_clock_s, scene.robot.errors, seed),
             turns: false,
             range_camera: RangeCameraSensor::new(scene, seed, drawn),
             proximity: ProximitySensor::new(scene, seed),

@@ -79,6 +79,10 @@ mod found_motion;
 /// Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
 mod motion_sensors;
 /// Routes driven by estimates, and the default bounds on such a drive.
+mod careful_bounds;
+mod gyro_band;
+mod motion_clock;
+mod world_drifts;
 mod world_driver;
 /// Occupancy grids, ways through them and their files, against maps drawn by hand and map_server's rules.
 mod navigation_map;

@@ -52,7 +52,9 @@ fn departures(tiles: &Tiles, laid: &LaidTiles) -> (f64, f64) {
 #[test]
 fn every_joint_keeps_the_declared_laying_bound() {
     let mut nearest_to_bound = 0.0_f64;
-    for distribution in [Distribution::Uniform, Distribution::TruncatedGaussian, Distribution::Corner] {
+    for distribution in
+        [Distribution::Uniform, Distribution::TruncatedGaussian, Distribution::Corner, Distribution::Drift]
+    {
         for (seed, rotation_deg, corner_tolerance_m) in
             [(0, 0.0, 0.0), (1, 17.0, 0.0), (2, 45.0, 0.0), (3, -60.0, 0.001), (4, 5.0, 0.002)]
         {

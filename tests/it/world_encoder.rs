@@ -2,13 +2,17 @@
 
 use std::f64::consts::TAU;
 
-use sim::{scene::Encoders, sensors::encoder::Encoder, truth::Truth};
+use sim::{
+    scene::{Distribution, Encoders},
+    sensors::encoder::Encoder,
+    truth::Truth,
+};
 
 #[test]
 fn ticks_are_the_floor_of_the_turned_angle() {
     let encoders = Encoders { ticks_per_turn: 1000, period_s: 0.01 };
     for seed in 0..20 {
-        let encoder = Encoder::new(&encoders, seed);
+        let encoder = Encoder::new(&encoders, Distribution::Uniform, seed);
         let ticks_at =
             |turns: f64| encoder.latch(&Truth { wheel_angle_rad: [turns * TAU, -turns * TAU], ..Truth::default() });
         assert_eq!(ticks_at(0.0), [0, 0]);
@@ -31,7 +35,8 @@ fn ticks_are_the_floor_of_the_turned_angle() {
 fn each_wheel_and_each_seed_starts_elsewhere_within_a_tick() {
     let encoders = Encoders { ticks_per_turn: 1000, period_s: 0.01 };
     let half_tick = Truth { wheel_angle_rad: [0.0005 * TAU; 2], ..Truth::default() };
-    let counts: Vec<[i64; 2]> = (0..40).map(|seed| Encoder::new(&encoders, seed).latch(&half_tick)).collect();
+    let counts: Vec<[i64; 2]> =
+        (0..40).map(|seed| Encoder::new(&encoders, Distribution::Uniform, seed).latch(&half_tick)).collect();
     for pattern in [[0, 0], [0, 1], [1, 0], [1, 1]] {
         assert!(counts.contains(&pattern), "no seed of forty counts {pattern:?} in half a tick");
     }

@@ -37,7 +37,7 @@ pub use sight::{Seen, Sensor};
 pub use solver::{Freedom, PoseFromLandmarks, Solver};
 
 /// The declared bounds that a reading of landmarks stands on.
-const RELIES_ON: [Assumption; 13] = [
+const RELIES_ON: [Assumption; 14] = [
     "range_camera.focal",
     "range_camera.baseline",
     "range_camera.position",
@@ -46,6 +46,7 @@ const RELIES_ON: [Assumption; 13] = [
     "range_camera.height_span",
     "range_camera.stamp",
     "range_camera.latency",
+    "range_camera.columns",
     "body.tilt",
     "reach.speed",
     "reach.turn_rate",

@@ -43,6 +43,7 @@ fn wheels(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
             robot.wheel_radius_m * robot.wheel_radius_tolerance,
             radius_error_m[0].max(radius_error_m[1]),
         ),
+        constant(record, "base.stamp", robot.delivery.stamp_tolerance_s, drawn.base_clock_s.abs()),
         constant(record, "wheels.track", robot.track_m * robot.track_tolerance, (drawn.track_m - robot.track_m).abs()),
     ]
     .into_iter()

@@ -137,7 +137,7 @@ pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAn
 
 /// Counts over a run's pictures of the ceiling.
 pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
-    let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(scene));
+    let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(&scene.as_built(&record.drawn)));
     let images = record.images.iter().filter(|image| image.method == "ceiling_markers");
     // The paper's pipeline answered picture for picture.
     for (image, paper) in images.zip(&record.marker_baselines.answers) {

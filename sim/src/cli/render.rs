@@ -75,7 +75,7 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
     let pose = pose(arguments.at, &file)?;
     let drawn = Drawn::draw(&file.scene, arguments.seed);
     let mut renderer = Renderer::on_adapter(adapter)?;
-    let mut world = renderer.upload_room(&file.scene, &drawn)?;
+    let mut world = renderer.upload_room(&file.scene.as_built(&drawn), &drawn)?;
     world.place_bodies(&file.scene.people.iter().filter_map(UprightBody::setting_out).collect::<Vec<_>>());
     let folder = arguments.out.join(&file.name);
     fs::create_dir_all(&folder).map_err(|error| CommandError::Unwritable(folder.clone(), error))?;

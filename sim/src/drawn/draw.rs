@@ -12,7 +12,8 @@ use crate::{
 };
 
 use super::{
-    Drawn, DrawnCamera, DrawnFloorCamera, DrawnFlow, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, draw_within,
+    Drawn, DrawnCamera, DrawnFloorCamera, DrawnFlow, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, Repeated,
+    draw_within,
 };
 
 impl Drawn {
@@ -28,6 +29,7 @@ impl Drawn {
             start: draw_start(scene, seed),
             wheel_radius_m: [left_m * (1.0 - robot.wheel_wear[0]), right_m * (1.0 - robot.wheel_wear[1])],
             track_m,
+            base_clock_s: draw_within(robot.delivery.stamp_tolerance_s, errors, &mut stream(seed, "base.clock")),
             floor_camera: robot.floor_camera.as_ref().map(|camera| {
                 let drawn = draw_floor_camera(camera, errors, &mut stream(seed, "floor_camera.mount"));
                 let tolerance_px = camera.distortion_tolerance_px;
@@ -57,6 +59,7 @@ impl Drawn {
             gyro: robot.gyro.as_ref().map(|gyro| draw_gyro(gyro, errors, &mut stream(seed, "gyro.calibration"))),
             flow: robot.flow.as_ref().map(|flow| draw_flow(flow, errors, &mut stream(seed, "flow.mount"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
+            furniture_turn_deg: draw_furniture(scene, seed),
             goals_m: draw_goals(scene, seed),
             markers: DrawnMarker::draw_all(scene, seed),
         }
@@ -84,6 +87,24 @@ impl DrawnCamera {
             distortion: camera.lens.distortion,
         }
     }
+}
+
+impl Scene {
+    /// The scene with its furniture as it truly stands, for all that feels and sees it. Its keys, the map and the localizer are told nothing.
+    pub fn as_built(&self, drawn: &Drawn) -> Scene {
+        let mut built = self.clone();
+        for (piece, turn_deg) in built.furniture.iter_mut().zip(&drawn.furniture_turn_deg) {
+            piece.rotation_deg += turn_deg;
+        }
+        built
+    }
+}
+
+fn draw_furniture(scene: &Scene, seed: u64) -> Vec<f64> {
+    let (tolerance_deg, errors) = (scene.building.furniture_tolerance_deg, scene.robot.errors);
+    // In a drift all pieces are askew alike, so that they agree with each other.
+    let mut turn = Repeated::new(errors, stream(seed, "furniture"));
+    scene.furniture.iter().map(|_| turn.one_way(tolerance_deg)).collect()
 }
 
 fn draw_start(scene: &Scene, seed: u64) -> Pose {

@@ -53,10 +53,16 @@ impl DrawnMarker {
     pub fn draw_all(scene: &Scene, seed: u64) -> Vec<DrawnMarker> {
         let Some(markers) = &scene.markers else { return Vec::new() };
         let mut rng = stream(seed, "markers");
+        let errors = scene.robot.errors;
+        let first = rng.clone();
         // Fallen markers are drawn too, so that one that falls moves no other.
         let draw = |(index, marker): (usize, &Marker)| {
             let height_m = markers.height_m(marker, scene);
-            let drawn = draw_marker((index, marker), markers, height_m, scene.robot.errors, &mut rng);
+            if errors == Distribution::Drift {
+                // All are off alike, as by a tape that is too long: no number of them tells.
+                rng = first.clone();
+            }
+            let drawn = draw_marker((index, marker), markers, height_m, errors, &mut rng);
             marker.pasted.then_some(drawn)
         };
         let fallen = fallen(markers, seed);

@@ -183,9 +183,12 @@ impl LaidTiles {
             (0..2).map(|axis| 2.0 * tiles.laying_tolerance_m / (room[1][axis] - room[0][axis])).fold(0.0, f64::max);
         let tolerance_m = tiles.corner_tolerance_m / (1.0 + slope);
         let mut rng = randomness::stream(seed, "tiles.corners");
-        for offset in &mut self.corner_offset_m {
-            offset[0] += draw_within(tolerance_m, distribution, &mut rng);
-            offset[1] += draw_within(tolerance_m, distribution, &mut rng);
+        for offset_m in self.corner_offset_m.iter_mut().flatten() {
+            *offset_m += match distribution {
+                // Farther off the way that the joint is off already.
+                Distribution::Drift => tolerance_m.copysign(*offset_m),
+                _ => draw_within(tolerance_m, distribution, &mut rng),
+            };
         }
     }
 
@@ -292,12 +295,16 @@ fn laid_straight(
     let mut rng = randomness::stream(seed, "tiles.laying");
     let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
     let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
+    // In a drift all joints of a family are off alike, shifted or turned: no number of them tells.
+    let alike_m = (distribution == Distribution::Drift)
+        .then(|| [0; 2].map(|_| [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng))));
     // Of each joint: displacement where the other coordinate is 0, and slope.
     let lines: [Vec<[f64; 2]>; 2] = [0, 1].map(|axis| {
         let [low_m, high_m] = [room[0][1 - axis], room[1][1 - axis]];
         (0..count[axis])
             .map(|_| {
-                let [at_low, at_high] = [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng));
+                let mut draw_ends = || [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng));
+                let [at_low, at_high] = alike_m.map_or_else(&mut draw_ends, |alike_m| alike_m[axis]);
                 let slope = (at_high - at_low) / (high_m - low_m);
                 [at_low - slope * low_m, slope]
             })

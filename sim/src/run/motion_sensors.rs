@@ -1,4 +1,4 @@
-//! What was truly behind the readings of gyroscope and flow sensor, for the check of their bounds.
+//! What was truly behind the readings of gyroscope, flow sensor and range camera, for the check of their bounds.
 
 use localizer::Reading;
 
@@ -15,6 +15,8 @@ pub struct MotionSensors {
     pub greatest_gyro_angle_rad: f64,
     /// Greatest change of the bias over time, between two readings in a row.
     pub greatest_gyro_wander_rad_per_s2: f64,
+    /// Greatest noise in a column of the range camera.
+    pub greatest_range_noise_px: f64,
     /// Each reading of the flow sensor.
     pub flow: Vec<FlowSight>,
     /// Rests of the encoders, from half a second after their last count on.
@@ -77,7 +79,10 @@ impl MotionSensors {
                 self.flow.push(FlowSight { measured_s, truth: observation.flow, blind_periods });
             }
             Reading::Wheels { ticks, .. } => self.note_rest(measured_s, ticks, observation.truth.pose.heading_rad),
-            Reading::Camera { .. } | Reading::Range { .. } => {}
+            Reading::Range { .. } => {
+                self.greatest_range_noise_px = self.greatest_range_noise_px.max(observation.range_noise_px);
+            }
+            Reading::Camera { .. } => {}
         }
     }
 

@@ -22,6 +22,10 @@ pub struct Building {
     /// Albedo of the skirting.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub skirting_albedo: f64,
+    /// Each piece of furniture stands turned by up to this against its `rotation_deg`, as a seed draws it. The map of errands shows it as
+    /// stated.
+    #[schemars(range(min = 0.0, max = 20.0))]
+    pub furniture_tolerance_deg: f64,
     /// Rooms beside `[room]`, rectangles at any angle. Where two rooms overlap there is no wall.
     #[serde(rename = "room")]
     pub rooms: Vec<FurtherRoom>,
@@ -151,6 +155,7 @@ impl Default for Building {
             ceiling_albedo: 0.8,
             skirting_height_m: 0.08,
             skirting_albedo: 0.35,
+            furniture_tolerance_deg: 0.0,
             rooms: Vec::new(),
             doors: Vec::new(),
             pictures: Vec::new(),

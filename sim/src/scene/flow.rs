@@ -34,6 +34,13 @@ pub struct Flow {
     /// `calibration_tolerance` leaves may vary from period to period, as the height does.
     #[schemars(range(min = 0.0, max = 0.9))]
     pub scale_tolerance: f64,
+    /// Each surface, which is every region of the floor and what is around them, has its own counts per metre, drawn within this share: part
+    /// of what `scale_tolerance` leaves beside the calibration.
+    #[schemars(range(min = 0.0, max = 0.5))]
+    pub surface_tolerance: f64,
+    /// In each period counts per metre are besides off by up to this share, drawn anew: part of it too.
+    #[schemars(range(min = 0.0, max = 0.5))]
+    pub noise_tolerance: f64,
     /// `flow.back_and_forth`: how much longer than its counts the way within one period is declared to be at most.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub back_and_forth_m: f64,
@@ -91,6 +98,8 @@ impl Default for Flow {
             yaw_tolerance_deg: 0.1,
             calibration_tolerance: 0.001,
             scale_tolerance: 0.003,
+            surface_tolerance: 0.0,
+            noise_tolerance: 0.0,
             back_and_forth_m: 0.0001,
             greatest_speed_m_per_s: 1.0,
             focus_range_m: 0.01,
@@ -102,6 +111,10 @@ impl Default for Flow {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Delivery {
+    /// `base.stamp`: the board that reads wheels, gyroscope and flow sensor has a clock of its own, whose stamps are all off by the same,
+    /// drawn within this. Its readings are sent so much after they were taken.
+    #[schemars(range(min = 0.0, max = 0.1))]
+    pub stamp_tolerance_s: f64,
     /// Each reading arrives later than its stamp by anything up to this, so that one may overtake another.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub late_s: f64,

@@ -43,6 +43,7 @@ impl Scene {
                 side_slip_ratio: bounds.side_slip_ratio,
                 side_slip_floor_m: bounds.side_slip_floor_m,
                 slip_window_s: bounds.slip_window_s,
+                stamp_error_s: robot.delivery.stamp_tolerance_s,
             },
             reach: Reach {
                 speed_m_per_s: bounds.reach_speed_m_per_s,
@@ -57,7 +58,7 @@ impl Scene {
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
             forward_camera: robot.forward_camera.as_ref().map(forward_camera_model),
-            gyro: robot.gyro.as_ref().map(gyro_model),
+            gyro: robot.gyro.as_ref().map(|gyro| gyro_model(gyro, self)),
             flow: robot.flow.as_ref().map(flow_model),
             ceiling_camera: robot.ceiling_camera.as_ref().map(ceiling_camera_model),
             range_camera: robot.range_camera.as_ref().map(range_camera_model),
@@ -193,7 +194,7 @@ fn ceiling_camera_model(camera: &CeilingCamera) -> CeilingCameraModel {
     }
 }
 
-fn gyro_model(gyro: &Gyro) -> GyroModel {
+fn gyro_model(gyro: &Gyro, scene: &Scene) -> GyroModel {
     GyroModel {
         bias_rad_per_s: Interval::centred(0.0, gyro.bias_tolerance_deg_per_s.to_radians()),
         scale: relative(1.0, gyro.scale_tolerance),
@@ -202,6 +203,7 @@ fn gyro_model(gyro: &Gyro) -> GyroModel {
         angle_rad_per_s: gyro.angle_deg_per_s.to_radians(),
         bias_wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
         period_s: gyro.period_s,
+        stamps_turn_rad: 2.0 * scene.bounds.reach_turn_rate_rad_per_s * scene.robot.delivery.stamp_tolerance_s,
     }
 }
 
@@ -224,7 +226,8 @@ fn range_camera_model(camera: &RangeCamera) -> RangeCameraModel {
         focal_px: relative(camera.focal_px, camera.focal_tolerance),
         baseline_m: relative(camera.baseline_m, camera.baseline_tolerance),
         centre_px: camera.centre_px(),
-        step_px: [camera.column_step_px, camera.match_step_px],
+        // A step is twice the greatest error that rounding makes; noise before it adds to that on both sides.
+        step_px: [camera.column_step_px, camera.match_step_px].map(|step_px| step_px + 2.0 * camera.column_noise_px),
         position_m: [
             Interval::centred(camera.forward_m, camera.position_tolerance_m),
             Interval::centred(camera.left_m, camera.position_tolerance_m),

@@ -30,6 +30,9 @@ pub struct RangeCamera {
     /// Step to which the column in the second view, or the projector's stripe, is rounded.
     #[schemars(range(min = 0.001, max = 10.0))]
     pub match_step_px: f64,
+    /// `range_camera.columns`: before it is rounded, the column in either view is off by up to this, drawn anew for each.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub column_noise_px: f64,
     /// Optical centre of the first view in the robot frame, forward of the axle.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
@@ -98,6 +101,7 @@ impl Default for RangeCamera {
             baseline_tolerance: 0.002,
             column_step_px: 1.0,
             match_step_px: 1.0,
+            column_noise_px: 0.0,
             forward_m: 0.10,
             left_m: 0.0375,
             height_m: 0.5,
@@ -138,9 +142,12 @@ pub struct Gyro {
     /// The scale is drawn within this share of 1, once for a run.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub scale_tolerance: f64,
-    /// `gyro.noise`: bound of one reading's noise; it is normal, redrawn when outside.
+    /// `gyro.noise`: bound of one reading's noise, which is normal.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub noise_deg_per_s: f64,
+    /// Whether noise beyond this bound, or beyond `gyro.angle`, is drawn again. If not, the bounds hold but for bad luck, and a run without
+    /// it has a broken bound.
+    pub noise_redrawn: bool,
     /// Angle random walk N, white noise of the rate; unless stated a third of the bound is one reading's standard deviation.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub angle_random_walk_deg_per_sqrt_h: Option<f64>,
@@ -179,6 +186,7 @@ impl Default for Gyro {
             bias_tolerance_deg_per_s: 0.02,
             scale_tolerance: 0.002,
             noise_deg_per_s: 0.03,
+            noise_redrawn: true,
             angle_random_walk_deg_per_sqrt_h: None,
             angle_floor_deg: None,
             angle_deg_per_s: 0.0,

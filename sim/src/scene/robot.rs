@@ -109,6 +109,9 @@ pub enum Distribution {
     TruncatedGaussian,
     /// One end of the tolerance or the other: the adversarial corner.
     Corner,
+    /// What stays the same at a corner, and what may change goes the worst way: noise and stamps always to one side, delays from end to
+    /// end, scales that turn with the robot, joints and markers all off alike.
+    Drift,
 }
 
 /// Wheel encoders.

@@ -58,7 +58,7 @@ impl Serialize for Robot {
 }
 
 /// Keys that `over` states replace those of `under`, table by table.
-fn lay_over(under: &mut Value, over: Value) {
+pub(super) fn lay_over(under: &mut Value, over: Value) {
     match (under, over) {
         (Value::Object(under), Value::Object(over)) => {
             for (key, value) in over {

@@ -4,13 +4,12 @@ use std::collections::VecDeque;
 
 use image::GrayImage;
 use localizer::{Reading, reading::Camera};
-use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    drawn::{Drawn, draw_within},
+    drawn::{Drawn, Repeated},
     randomness,
     render::View,
-    scene::{CameraTiming, Distribution, Event, Scene},
+    scene::{CameraTiming, Event, Scene},
     truth::Truth,
 };
 
@@ -30,8 +29,7 @@ pub struct CameraSensor {
     /// Whether it turned when the next exposure might have begun.
     turns: bool,
     lights: Vec<Switch>,
-    errors: Distribution,
-    clock: ChaCha8Rng,
+    clock: Repeated,
     n_images: u32,
     /// Truth at every physics step that the exposure in progress may need.
     recent: VecDeque<Truth>,
@@ -67,8 +65,10 @@ impl CameraSensor {
                 .and_then(|camera| camera.turning_exposure_s),
             turns: false,
             lights: switches(scene, at_first_lux),
-            errors: scene.robot.errors,
-            clock: randomness::stream(seed, &format!("{}_camera.clock", name.as_str())),
+            clock: Repeated::new(
+                scene.robot.errors,
+                randomness::stream(seed, &format!("{}_camera.clock", name.as_str())),
+            ),
             n_images: 0,
             recent: VecDeque::new(),
             camera,
@@ -106,8 +106,8 @@ impl CameraSensor {
         self.auto_exposure.meter_exposed(&image, Exposure { exposure_s, gain_levels_per_electron });
         self.n_images += 1;
         let (timing, middle_s) = (&self.timing, exposed.middle.time_s);
-        let measured_s = middle_s + draw_within(timing.stamp_tolerance_s, self.errors, &mut self.clock);
-        let late_s = timing.latency_s + draw_within(timing.latency_tolerance_s, self.errors, &mut self.clock);
+        let measured_s = middle_s + self.clock.one_way(timing.stamp_tolerance_s);
+        let late_s = timing.latency_s + self.clock.in_turn(timing.latency_tolerance_s);
         // A delivery cannot come before the exposure has ended.
         let arrived_s = (middle_s + late_s).max(exposed.ended_s);
         let reading = Reading::Camera { measured_s, arrived_s, camera: self.camera.name, exposure_s, image };

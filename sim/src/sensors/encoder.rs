@@ -2,9 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use rand::RngExt;
-
-use crate::{randomness::stream, scene::Encoders, truth::Truth};
+use crate::{
+    drawn::draw_phase,
+    randomness::stream,
+    scene::{Distribution, Encoders},
+    truth::Truth,
+};
 
 /// Counters of both wheels.
 #[derive(Clone, Debug)]
@@ -15,10 +18,10 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// Encoders whose wheels stand anywhere within a tick at the start.
-    pub fn new(encoders: &Encoders, seed: u64) -> Self {
+    /// Encoders whose wheels stand anywhere within a tick at the start, or at its very begin or end where errors are drawn at corners.
+    pub fn new(encoders: &Encoders, errors: Distribution, seed: u64) -> Self {
         let mut rng = stream(seed, "encoder.phase");
-        let phase = [rng.random_range(0.0..1.0), rng.random_range(0.0..1.0)];
+        let phase = [draw_phase(errors, &mut rng), draw_phase(errors, &mut rng)];
         Encoder { ticks_per_turn: f64::from(encoders.ticks_per_turn), phase }
     }
 

@@ -5,9 +5,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    drawn::{Drawn, DrawnFlow},
+    drawn::{Drawn, DrawnFlow, Repeated, draw_phase, draw_within},
     randomness::stream,
-    scene::{Event, Flow, Scene},
+    scene::{Distribution, Event, Flow, Region, Scene},
     truth::Truth,
     world::floor::Floor,
 };
@@ -19,7 +19,15 @@ pub struct FlowSensor {
     flow: Flow,
     mount: DrawnFlow,
     floor: Floor,
+    regions: Vec<Region>,
+    /// By what share each region's counts per metre are off, and last those around.
+    surfaces: Vec<f64>,
+    noise: Repeated,
+    /// By what share those of the present period are off besides.
+    noise_share: f64,
     blind: Vec<Event>,
+    /// In a drift: the direction in the world in which everything is counted to be longer, and against which shorter.
+    drifts_to: Option<[f64; 2]>,
     dropouts: ChaCha8Rng,
     /// Where in a count each axis stood at the start, `[0, 1)`.
     phase: [f64; 2],
@@ -55,21 +63,33 @@ impl FlowSensor {
     /// The scene's flow sensor, or `None` if the robot has none.
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
         let (flow, mount) = (scene.robot.flow.clone()?, drawn.flow?);
-        let mut rng = stream(seed, "flow.phase");
+        let (mut rng, errors) = (stream(seed, "flow.phase"), scene.robot.errors);
+        let drifts_to = (errors == Distribution::Drift).then(|| {
+            let (sin, cos) = stream(seed, "flow.drift").random_range(0.0..std::f64::consts::TAU).sin_cos();
+            [cos, sin]
+        });
+        let mut surfaces = stream(seed, "flow.surfaces");
+        let regions = scene.floor.regions.clone();
+        let mut noise = Repeated::new(errors, stream(seed, "flow.noise"));
         let is_blind = |event: &&Event| matches!(event, Event::FlowBlind { .. });
         Some(FlowSensor {
-            flow,
             mount,
             floor: Floor::new(scene),
             blind: scene.events.iter().filter(is_blind).cloned().collect(),
+            surfaces: (0..=regions.len()).map(|_| draw_within(flow.surface_tolerance, errors, &mut surfaces)).collect(),
+            regions,
+            noise_share: noise.one_way(flow.noise_tolerance),
+            noise,
+            drifts_to,
             dropouts: stream(seed, "flow.dropouts"),
-            phase: [rng.random_range(0.0..1.0), rng.random_range(0.0..1.0)],
+            phase: [draw_phase(errors, &mut rng), draw_phase(errors, &mut rng)],
             n_readings: 0,
             before: None,
             period: Period::default(),
             followed_counts: [0.0; 2],
             blind_periods: 0,
             latest: FlowTruth::default(),
+            flow,
         })
     }
 
@@ -105,7 +125,9 @@ impl FlowSensor {
         let ground = self.floor.at(to_m[0], to_m[1]);
         // The floor comes closer where the pile stands up under it, and farther where the body rises.
         let closer_m = ground.height_m + ground.pile_height_m - to_m[2];
-        let scale = (self.mount.scale * (1.0 + self.flow.optics.share_per_m() * closer_m)).max(0.0);
+        let surface = self.surface(to_m) + self.noise_share;
+        let seen = self.mount.scale * (1.0 + self.flow.optics.share_per_m() * closer_m + surface);
+        let scale = self.drifting(seen.max(0.0), moved);
         let speed_m_per_s = travel_m[0].hypot(travel_m[1]) / (truth.time_s - before.time_s);
         let period = &mut self.period;
         period.lost |= closer_m.abs() > self.flow.focus_range_m
@@ -119,9 +141,28 @@ impl FlowSensor {
         }
     }
 
+    /// By what share the surface at a place puts the counts off.
+    fn surface(&self, [x_m, y_m, _]: [f64; 3]) -> f64 {
+        let covers = |region: &Region| {
+            (region.x_m[0]..=region.x_m[1]).contains(&x_m) && (region.y_m[0]..=region.y_m[1]).contains(&y_m)
+        };
+        let region_idx = self.regions.iter().rposition(covers).unwrap_or(self.regions.len());
+        self.surfaces[region_idx]
+    }
+
+    /// The scale of one step: as optics and height make it, or in a drift the worst that `flow.scale` leaves it beside its calibration.
+    ///
+    /// What is counted longer one way and shorter on the way back adds up, which one wrong scale would not.
+    fn drifting(&self, scale: f64, moved: [f64; 2]) -> f64 {
+        let left = (self.flow.scale_tolerance - self.flow.calibration_tolerance).max(0.0);
+        let Some(to) = self.drifts_to.filter(|_| (scale - self.mount.scale).abs() <= left) else { return scale };
+        self.mount.scale + left.copysign(to[0] * moved[0] + to[1] * moved[1])
+    }
+
     /// Counts what was followed, or tells that nothing was.
     fn close_period(&mut self, truth: &Truth) {
         let period = std::mem::take(&mut self.period);
+        self.noise_share = self.noise.one_way(self.flow.noise_tolerance);
         let at_m = self.place(truth);
         // Drawn whether or not it matters, so that one drop-out does not move the next.
         let luck: f64 = self.dropouts.random_range(0.0..1.0);

@@ -5,9 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::{
-    drawn::{Drawn, DrawnGyro},
+    drawn::{Drawn, DrawnGyro, draw_within},
     randomness,
-    scene::{Gyro, Scene},
+    scene::{Distribution, Gyro, Scene},
     truth::Truth,
 };
 
@@ -17,6 +17,9 @@ use super::{Observation, gyro_bias::WanderingBias};
 pub struct GyroSensor {
     gyro: Gyro,
     calibration: DrawnGyro,
+    errors: Distribution,
+    /// To which side the noise of a drift pushes: 1 or −1.
+    side: f64,
     noise: ChaCha8Rng,
     noise_deviation_rad_per_s: f64,
     bias: WanderingBias,
@@ -30,11 +33,19 @@ impl GyroSensor {
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
         let (gyro, calibration) = (scene.robot.gyro.clone()?, drawn.gyro?);
         let of_random_walk = |walk_deg: f64| gyro.deviation_deg_per_s(walk_deg).to_radians();
+        let errors = scene.robot.errors;
         let third_rad_per_s = gyro.noise_deg_per_s.to_radians() / 3.0;
         Some(GyroSensor {
             noise_deviation_rad_per_s: gyro.angle_random_walk_deg_per_sqrt_h.map_or(third_rad_per_s, of_random_walk),
             angle: BoundedAngle::new(&gyro),
-            bias: WanderingBias::new(&gyro, calibration.bias_rad_per_s, randomness::stream(seed, "gyro.wander")),
+            bias: WanderingBias::new(
+                &gyro,
+                calibration.bias_rad_per_s,
+                errors,
+                randomness::stream(seed, "gyro.wander"),
+            ),
+            side: draw_within(1.0, Distribution::Drift, &mut randomness::stream(seed, "gyro.drift")),
+            errors,
             gyro,
             calibration,
             noise: randomness::stream(seed, "gyro.noise"),
@@ -69,20 +80,42 @@ impl GyroSensor {
     fn draw_bounded_rad_per_s(&mut self, departed_rad_per_s: f64) -> f64 {
         /// What none of as many draws keeps to is read without noise: the bias alone departs by no more than the bound grows.
         const MOST_DRAWS: usize = 1000;
-        for _ in 0..MOST_DRAWS {
+        if self.errors == Distribution::Drift {
+            return self.push_rad_per_s(departed_rad_per_s);
+        }
+        for _ in 0..if self.redraws() { MOST_DRAWS } else { 0 } {
             let noise_rad_per_s = self.draw_noise_rad_per_s();
             if self.angle.allows(departed_rad_per_s + noise_rad_per_s) {
                 self.angle.take(departed_rad_per_s + noise_rad_per_s);
                 return noise_rad_per_s;
             }
         }
-        self.angle.take(departed_rad_per_s);
-        0.0
+        let noise_rad_per_s = if self.redraws() { 0.0 } else { self.draw_noise_rad_per_s() };
+        self.angle.take(departed_rad_per_s + noise_rad_per_s);
+        noise_rad_per_s
     }
 
-    /// Normal, drawn again when beyond the bound.
+    /// Whether noise keeps to its bounds by being drawn again. At corners it does so anyway: they are about what bounds allow.
+    fn redraws(&self) -> bool {
+        self.gyro.noise_redrawn || self.errors == Distribution::Corner
+    }
+
+    /// Noise of a drift: as far to its side as its bound and that of the sum let it.
+    fn push_rad_per_s(&mut self, departed_rad_per_s: f64) -> f64 {
+        let bound_rad_per_s = self.gyro.noise_deg_per_s.to_radians();
+        let wanted_rad_per_s = departed_rad_per_s + self.side * bound_rad_per_s;
+        let noise_rad_per_s = self.angle.nearest_allowed(wanted_rad_per_s) - departed_rad_per_s;
+        let noise_rad_per_s = noise_rad_per_s.clamp(-bound_rad_per_s, bound_rad_per_s);
+        self.angle.take(departed_rad_per_s + noise_rad_per_s);
+        noise_rad_per_s
+    }
+
+    /// Normal, drawn again when beyond the bound; or at its bound.
     fn draw_noise_rad_per_s(&mut self) -> f64 {
         let bound_rad_per_s = self.gyro.noise_deg_per_s.to_radians();
+        if self.errors == Distribution::Corner {
+            return draw_within(bound_rad_per_s, self.errors, &mut self.noise);
+        }
         let Some(_) = self.gyro.angle_random_walk_deg_per_sqrt_h else {
             // The same order of operations as ever, so that runs keep their bytes.
             let third = self.draw_deviations(3.0);
@@ -91,7 +124,9 @@ impl GyroSensor {
         if self.noise_deviation_rad_per_s == 0.0 {
             return 0.0;
         }
-        self.noise_deviation_rad_per_s * self.draw_deviations(bound_rad_per_s / self.noise_deviation_rad_per_s)
+        let most =
+            if self.gyro.noise_redrawn { bound_rad_per_s / self.noise_deviation_rad_per_s } else { f64::INFINITY };
+        self.noise_deviation_rad_per_s * self.draw_deviations(most)
     }
 
     fn draw_deviations(&mut self, most: f64) -> f64 {
@@ -143,6 +178,15 @@ impl BoundedAngle {
     /// Whether the sum keeps to its bound with one more reading's error.
     fn allows(&self, error_rad_per_s: f64) -> bool {
         self.after(error_rad_per_s)[2] <= self.floor_rad
+    }
+
+    /// Of the errors with which the sum keeps to its bound, the one nearest to `error_rad_per_s`.
+    fn nearest_allowed(&self, error_rad_per_s: f64) -> f64 {
+        // `after` solved for the error of which nothing is left beyond the floor.
+        let left_rad = self.floor_rad + self.rad_per_s * (self.time_s + self.period_s);
+        let most_rad_per_s = (left_rad + self.least_rad - self.sum_rad) / self.period_s;
+        let least_rad_per_s = (self.greatest_rad - left_rad - self.sum_rad) / self.period_s;
+        error_rad_per_s.min(most_rad_per_s).max(least_rad_per_s)
     }
 
     /// Adds one reading's error.

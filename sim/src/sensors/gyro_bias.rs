@@ -3,7 +3,10 @@
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
-use crate::scene::Gyro;
+use crate::{
+    drawn::draw_within,
+    scene::{Distribution, Gyro},
+};
 
 /// Time between two values that are drawn; the bias goes evenly from one to the next.
 const NODE_S: f64 = 1.0;
@@ -18,6 +21,9 @@ const HOUR_S: f64 = 3600.0;
 #[derive(Clone, Debug)]
 pub struct WanderingBias {
     rng: ChaCha8Rng,
+    errors: Distribution,
+    /// To which side it goes in a drift: 1 or −1. At an end of its tolerance it turns back.
+    side: f64,
     drawn_rad_per_s: f64,
     /// What the bias never leaves: its tolerance, and where `gyro.angle` is declared, what that may grow by about the drawn one. A bias that
     /// stayed farther away for long enough would break that bound with no noise at all.
@@ -34,7 +40,7 @@ pub struct WanderingBias {
 
 impl WanderingBias {
     /// A bias that is `drawn_rad_per_s` at time 0.
-    pub fn new(gyro: &Gyro, drawn_rad_per_s: f64, mut rng: ChaCha8Rng) -> Self {
+    pub fn new(gyro: &Gyro, drawn_rad_per_s: f64, errors: Distribution, mut rng: ChaCha8Rng) -> Self {
         let instability_rad_per_s = gyro.bias_instability_deg_per_h.to_radians() / HOUR_S;
         let walk_rad_per_s_per_sqrt_s =
             gyro.rate_random_walk_deg_per_h_per_sqrt_h.to_radians() / (HOUR_S * HOUR_S.sqrt());
@@ -44,6 +50,8 @@ impl WanderingBias {
         let flicker_rad_per_s = [0; FLICKER_S.len()].map(|_| flicker_deviation_rad_per_s * normal(&mut rng));
         WanderingBias {
             rng,
+            errors,
+            side: -drawn_rad_per_s.signum(),
             drawn_rad_per_s,
             within_rad_per_s: within_rad_per_s(gyro, drawn_rad_per_s),
             wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
@@ -82,6 +90,10 @@ impl WanderingBias {
             *flicker = kept * *flicker + fresh * normal(&mut self.rng);
         }
         let before = self.around_rad_per_s[1];
+        if let Distribution::Corner | Distribution::Drift = self.errors {
+            self.around_rad_per_s = [before, self.farthest_from(before)];
+            return;
+        }
         let wanted = self.drawn_rad_per_s + self.walk_rad_per_s + self.flicker_rad_per_s.iter().sum::<f64>();
         let step = (wanted - before).clamp(-self.wander_rad_per_s2 * NODE_S, self.wander_rad_per_s2 * NODE_S);
         let [least, greatest] = self.within_rad_per_s;
@@ -102,6 +114,22 @@ fn within_rad_per_s(gyro: &Gyro, drawn_rad_per_s: f64) -> [f64; 2] {
         (drawn_rad_per_s - departs_rad_per_s).max(-tolerance_rad_per_s).min(drawn_rad_per_s),
         (drawn_rad_per_s + departs_rad_per_s).min(tolerance_rad_per_s).max(drawn_rad_per_s),
     ]
+}
+
+impl WanderingBias {
+    /// As far as the bias may get within one node: to either side, or in a drift on to the same one until there is an end.
+    fn farthest_from(&mut self, before_rad_per_s: f64) -> f64 {
+        let step_rad_per_s = self.wander_rad_per_s2 * NODE_S;
+        if self.errors == Distribution::Corner {
+            self.side = draw_within(1.0, self.errors, &mut self.rng);
+        }
+        let [least, greatest] = self.within_rad_per_s;
+        let wanted = before_rad_per_s + self.side * step_rad_per_s;
+        if wanted <= least || wanted >= greatest {
+            self.side = -self.side;
+        }
+        wanted.clamp(least, greatest)
+    }
 }
 
 fn normal(rng: &mut ChaCha8Rng) -> f64 {

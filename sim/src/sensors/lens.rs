@@ -109,13 +109,20 @@ impl Lens {
         [0, 1].map(|axis| self.focal_px[axis] * bent[axis] + self.principal_point_px[axis])
     }
 
-    /// Coefficients of a lens that puts what a corner of the image shows at most `off_px` farther out, and all else less.
+    /// Coefficients of a lens that puts what a corner of its image shows `off_px` farther out, and all else less.
     pub fn bent_further(&self, off_px: f64) -> [f64; 5] {
+        /// What the corners show changes with the lens, by a share of `off_px` over the corner's distance: each step is that much nearer.
+        const STEPS: usize = 6;
         let [k1, k2, p1, p2, k3] = self.distortion;
-        let farthest = self.corners().into_iter().map(|[x, y]| x.hypot(y)).fold(0.0, f64::max);
-        let change =
-            if off_px == 0.0 { 0.0 } else { off_px / (self.focal_px[0].max(self.focal_px[1]) * farthest.powi(3)) };
-        [k1 + change, k2, p1, p2, k3]
+        let mut bent = self.clone();
+        for _ in 0..if off_px == 0.0 { 0 } else { STEPS } {
+            let off_by_k1_px = |[x, y]: [f64; 2]| (self.focal_px[0] * x).hypot(self.focal_px[1] * y) * (x * x + y * y);
+            let most_px = bent.corners().into_iter().map(off_by_k1_px).fold(0.0, f64::max);
+            if most_px > 0.0 {
+                bent.distortion[0] = k1 + off_px / most_px;
+            }
+        }
+        [bent.distortion[0], k2, p1, p2, k3]
     }
 
     /// What the corners of the image show, in the plane at depth 1; those where the polynomial folds back are left out.

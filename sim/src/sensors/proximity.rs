@@ -1,12 +1,11 @@
 //! Rangefinders that look out for what is in the way. What they say goes to the driver of errands, never to the localizer.
 
 use nalgebra::Point3;
-use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    drawn::draw_within,
+    drawn::Repeated,
     randomness::stream,
-    scene::{Distribution, Proximity, Scene},
+    scene::{Proximity, Scene},
     truth::Truth,
     world::Bystander,
 };
@@ -34,9 +33,8 @@ pub struct Beam {
 /// The fan on a robot.
 pub struct ProximitySensor {
     keys: Proximity,
-    errors: Distribution,
     obstacles: Obstacles,
-    rng: ChaCha8Rng,
+    noise: Repeated,
     n_readings: u64,
 }
 
@@ -45,9 +43,8 @@ impl ProximitySensor {
     pub(super) fn new(scene: &Scene, seed: u64) -> Option<Self> {
         Some(ProximitySensor {
             keys: scene.robot.proximity.clone()?,
-            errors: scene.robot.errors,
             obstacles: Obstacles::new(scene),
-            rng: stream(seed, "proximity.noise"),
+            noise: Repeated::new(scene.robot.errors, stream(seed, "proximity.noise")),
             n_readings: 0,
         })
     }
@@ -65,7 +62,7 @@ impl ProximitySensor {
             let bearing_rad = index as f64 * step_rad - 0.5 * self.keys.field_deg.to_radians();
             let direction_rad = truth.pose.heading_rad + bearing_rad;
             let nearest_m = self.obstacles.nearest_m(eye, direction_rad, self.keys.range_m, people);
-            let error_m = draw_within(self.keys.tolerance_m, self.errors, &mut self.rng);
+            let error_m = self.noise.one_way(self.keys.tolerance_m);
             Beam { bearing_rad, distance_m: nearest_m.map(|nearest_m| nearest_m + error_m) }
         });
         Some(Fan { measured_s: truth.time_s, beams: beams.collect() })

@@ -11,9 +11,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    drawn::{Drawn, DrawnRangeCamera, draw_within},
+    drawn::{Drawn, DrawnRangeCamera, Repeated},
     randomness,
-    scene::{Distribution, RangeCamera, Scene},
+    scene::{RangeCamera, Scene},
     truth::Truth,
     world::Bystander,
 };
@@ -30,8 +30,9 @@ pub struct RangeCameraSensor {
     landmarks: Vec<Point3<f64>>,
     obstacles: Obstacles,
     confusion: Confusion,
-    errors: Distribution,
-    clock: ChaCha8Rng,
+    clock: Repeated,
+    /// Of the columns in the first and in the second view. In a drift they go to opposite sides, so that distances are all wrong alike.
+    noise: Repeated,
     n_readings: u64,
 }
 
@@ -44,8 +45,8 @@ impl RangeCameraSensor {
         Some(RangeCameraSensor {
             confusion: Confusion::new(&camera, landmarks.len(), randomness::stream(seed, "range_camera.confusion")),
             obstacles: Obstacles::new(scene),
-            errors: scene.robot.errors,
-            clock: randomness::stream(seed, "range_camera.clock"),
+            clock: Repeated::new(scene.robot.errors, randomness::stream(seed, "range_camera.clock")),
+            noise: Repeated::new(scene.robot.errors, randomness::stream(seed, "range_camera.columns")),
             n_readings: 0,
             landmarks,
             camera,
@@ -61,26 +62,37 @@ impl RangeCameraSensor {
         }
         self.n_readings += 1;
         let world_from_sensor = world_from_range_camera(truth, &self.mount, self.camera.height_m);
-        let seen: Vec<(u32, [f64; 2])> = self
+        let exact: Vec<(u32, [f64; 2])> = self
             .landmarks
             .iter()
             .zip(0..)
             .filter_map(|(landmark, code)| Some((code, self.columns(landmark, &world_from_sensor, people)?)))
             .collect();
+        let (mut seen, mut greatest_noise_px) = (Vec::with_capacity(exact.len()), 0.0);
+        for (code, columns_px) in exact {
+            let noise_px = [1.0, -1.0].map(|side| side * self.noise.one_way(self.camera.column_noise_px));
+            greatest_noise_px = noise_px.iter().fold(greatest_noise_px, |most: f64, noise_px| most.max(noise_px.abs()));
+            seen.push((code, self.rounded([0, 1].map(|view| columns_px[view] + noise_px[view]))));
+        }
         let sightings = self.confusion.name(&seen);
         let codes = seen
             .iter()
             .zip(&sightings)
             .map(|((truly, _), sighting)| (sighting.landmark, sighting.landmark.0 == *truly))
             .collect();
-        let measured_s = truth.time_s + draw_within(self.camera.stamp_tolerance_s, self.errors, &mut self.clock);
-        let late_s = self.camera.latency_s + draw_within(self.camera.latency_tolerance_s, self.errors, &mut self.clock);
+        let measured_s = truth.time_s + self.clock.one_way(self.camera.stamp_tolerance_s);
+        let late_s = self.camera.latency_s + self.clock.in_turn(self.camera.latency_tolerance_s);
         let arrived_s = truth.time_s + late_s.max(0.0);
         let reading = Reading::Range { measured_s, arrived_s, sightings };
-        Some(Observation { codes, ..Observation::new(reading, *truth) })
+        Some(Observation { codes, range_noise_px: greatest_noise_px, ..Observation::new(reading, *truth) })
     }
 
-    /// Rounded columns of a landmark in both views; `None` when one of them does not see it.
+    /// Columns rounded as each view rounds them.
+    fn rounded(&self, columns_px: [f64; 2]) -> [f64; 2] {
+        [rounded(columns_px[0], self.camera.column_step_px), rounded(columns_px[1], self.camera.match_step_px)]
+    }
+
+    /// Exact columns of a landmark in both views; `None` when one of them does not see it.
     fn columns(
         &self,
         landmark: &Point3<f64>,
@@ -100,7 +112,7 @@ impl RangeCameraSensor {
         if !columns.into_iter().all(is_in_image) || !views.iter().all(is_free) {
             return None;
         }
-        Some([rounded(columns[0], camera.column_step_px), rounded(columns[1], camera.match_step_px)])
+        Some(columns)
     }
 }
 

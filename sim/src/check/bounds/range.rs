@@ -35,6 +35,7 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
         constant(record, "range_camera.yaw", camera.yaw_tolerance_deg.to_radians(), yaw_error_rad),
         constant(record, "range_camera.tilt", camera.tilt_tolerance_deg.to_radians(), tilt_rad),
         constant(record, "range_camera.height_span", camera.height_span_m, farthest_m),
+        constant(record, "range_camera.columns", camera.column_noise_px, record.motion_sensors.greatest_range_noise_px),
     ]
     .into_iter()
     .flatten()

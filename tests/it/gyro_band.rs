@@ -1,0 +1,77 @@
+//! Gaussian noise of a gyroscope that nobody draws again, and the band over spans that it keeps to but for bad luck.
+
+use localizer::Pose;
+use sim::{
+    check::check,
+    drawn::Drawn,
+    run::{RunOptions, run},
+    scene::Scene,
+    sensors::gyro::GyroSensor,
+    truth::Truth,
+};
+
+use crate::world_setup::scene;
+
+/// White noise of 0.005 °/s/√Hz that is not drawn again, at 200 Hz, with a band of this floor and 0.005 °/s.
+fn noisy(floor_deg: f64) -> Scene {
+    let gyro = serde_json::json!({
+        "bias_tolerance_deg_per_s": 0.0, "scale_tolerance": 0.0, "noise_deg_per_s": 0.6, "noise_redrawn": false,
+        "angle_random_walk_deg_per_sqrt_h": 0.3, "angle_floor_deg": floor_deg, "angle_deg_per_s": 0.005,
+    });
+    let start = serde_json::json!({ "x_m": 1.5, "y_m": 3.0, "tolerance_m": 0.1, "tolerance_deg": 1.0 });
+    let robot = serde_json::json!({ "gyro": gyro, "floor_camera": false });
+    scene(serde_json::json!({ "robot": robot, "start": start, "duration_s": 20.0, "localizer": { "methods": [] } }))
+}
+
+/// Time until the noise of a gyroscope at rest leaves its band, up to a longest time; greatest noise until then.
+fn lasts_s(scene: &Scene, seed: u64, longest_s: f64) -> (f64, f64) {
+    let floor_rad = scene.robot.gyro.as_ref().unwrap().angle_floor_deg.unwrap().to_radians();
+    let mut sensor = GyroSensor::new(scene, seed, &Drawn::draw(scene, seed)).unwrap();
+    let mut greatest_rad_per_s = 0.0_f64;
+    for step in 0.. {
+        let time_s = f64::from(step) * 0.005;
+        let truth = Truth { time_s, pose: Pose { x_m: 1.5, y_m: 3.0, heading_rad: 0.0 }, ..Truth::default() };
+        if let Some(observed) = sensor.observe(&truth) {
+            greatest_rad_per_s = greatest_rad_per_s.max(observed.gyro_noise_rad_per_s.abs());
+            if observed.gyro_angle_rad > floor_rad || time_s > longest_s {
+                return (time_s, greatest_rad_per_s);
+            }
+        }
+    }
+    unreachable!("steps end with the longest time")
+}
+
+#[test]
+fn a_gyroscope_leaves_its_band_as_seldom_as_the_closed_form_says() {
+    // What has added up beyond the rate is a Brownian motion with drift −r, reflected at 0. It reaches a after (σ²/2r²)·(e^k − 1 − k)
+    // on average, with k = 2ra/σ² (Karlin and Taylor 1981, section 15.3); there are two sides. With σ = 0.005 °/√s and
+    // r = 0.005 °/s, a floor of 0.015° has k = 6 and lasts 0.5·396.4/2 = 99.1 s.
+    let scene = noisy(0.015);
+    let mean_s = (0..300).map(|seed| lasts_s(&scene, seed, 1e5).0).sum::<f64>() / 300.0;
+    // Seen at 200 Hz only, it gets 0.58·σ·√T = 0.0002° farther before it is seen: k = 6.08, 8 % longer. 300 draws scatter by 6 %.
+    assert!((90.0..130.0).contains(&mean_s), "{mean_s} s on average");
+}
+
+#[test]
+fn a_floor_that_fails_once_in_a_million_hours_holds_for_hours() {
+    // k = 24: 0.5·e^24/2 = 6.6e9 s, 1.8 million hours.
+    let scene = noisy(0.06);
+    for seed in 0..4 {
+        let (time_s, greatest_rad_per_s) = lasts_s(&scene, seed, 3600.0);
+        assert!(time_s > 3600.0, "seed {seed} leaves its band after {time_s} s");
+        // 0.6 °/s is 8.5 standard deviations of a reading: none of 720 000 comes near, and the greatest is beyond 4.
+        assert!((4.0 * 0.0707..0.6).contains(&greatest_rad_per_s.to_degrees()), "{}", greatest_rad_per_s.to_degrees());
+    }
+}
+
+#[test]
+fn a_run_that_leaves_its_band_has_a_broken_bound() {
+    for (floor_deg, is_broken) in [(0.002, true), (0.06, false)] {
+        let scene = noisy(floor_deg);
+        let record = run(&scene, 1, None, &RunOptions::default(), &mut |_| {}).unwrap();
+        let verdict = check(&scene, &record);
+        let named = verdict.violations.iter().any(|violation| violation.bound == "gyro.angle");
+        assert_eq!(named, is_broken, "{:?}", verdict.violations);
+        assert_eq!(verdict.containment.unsound, 0);
+    }
+}
