@@ -141,3 +141,5 @@ mod sweep_report;
 mod result_figures;
 /// `wherein compare`: planted differences found, chance not taken for one.
 mod sweep_compare;
+/// Scenes that broke something once, each with its seeds.
+mod found_scenes;
