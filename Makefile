@@ -7,7 +7,7 @@ DEMO_SCENE = scenes/home.toml
 # Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments falsify driver build
+.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments falsify falsify-scenes driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -22,6 +22,7 @@ help:
 	@echo "make gallery       take the pictures of README's gallery anew; look at them"
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P: 50 minutes"
+	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 
 demo: driver build
@@ -69,6 +70,12 @@ falsify:
 	WHEREIN_INTERVAL_TRIALS=14000000 WHEREIN_RIGID_TRIALS=100000000 \
 		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
 	WHEREIN_P3P_PROBLEMS=10000000 cargo test -p wherein-localizer --lib -- --nocapture p3p
+
+# Seconds since 1970 are a seed that no earlier search had; the command is printed, so that it can be given again.
+SEED ?= $(shell date +%s)
+MINUTES ?= 10
+falsify-scenes: driver build
+	$(WHEREIN) falsify --seed $(SEED) --minutes $(MINUTES) $(FLAGS)
 
 driver:
 	@scripts/driver

@@ -14,6 +14,7 @@ use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use crate::{
     compare::SideError,
+    falsify::FalsifyError,
     frames::FramesPolicy,
     record::RecordError,
     recording::LiveError,
@@ -25,6 +26,7 @@ use crate::{
 
 mod compare;
 mod conclude;
+mod falsify;
 mod github;
 mod manual;
 mod map;
@@ -58,6 +60,7 @@ Examples:
   wherein run scenes/x.toml --seed 7 --frames failures            pictures of what went wrong with seed 7
   wherein sweep scenes/x.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..20
                                                                   every value with twenty seeds, and a report
+  wherein falsify --minutes 10                                    random scenes against the promise
   wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
   wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
   wherein run scenes/x.toml --live                                the same while it happens
@@ -79,6 +82,8 @@ enum Command {
     Compare(CompareArguments),
     /// Brings the parts of a sweep together that several machines ran with --shard.
     Merge(MergeArguments),
+    /// Searches random scenes for one that breaks the promise, and makes it small.
+    Falsify(falsify::FalsifyArguments),
     /// Takes pictures of a robot that stands still, one per camera.
     Render(RenderArguments),
     /// Writes the sheet to print of a scene's ceiling markers and their map, and says whether they cover the room.
@@ -271,6 +276,8 @@ enum CommandError {
     #[error(transparent)]
     Sweep(#[from] SweepError),
     #[error(transparent)]
+    Falsify(#[from] FalsifyError),
+    #[error(transparent)]
     Side(#[from] SideError),
     #[error("compare {} and {}: no case ran in both, expected the same scenes, settings and seeds", .0.display(), .1.display())]
     NoPairs(PathBuf, PathBuf),
@@ -310,6 +317,7 @@ pub fn main() -> ExitCode {
         Command::Merge(arguments) => sweep::merge_folders(&arguments),
         Command::Report(arguments) => report::report_folder(&arguments),
         Command::Compare(arguments) => compare::compare_sides(&arguments),
+        Command::Falsify(arguments) => falsify::falsify(&arguments, adapter),
         Command::Render(arguments) => render::render(&arguments, adapter).map(|()| ExitCode::SUCCESS),
         Command::Markers(arguments) => markers::markers(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Replay(arguments) => replay::replay_recording(&arguments),

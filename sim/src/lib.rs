@@ -37,4 +37,5 @@ pub mod results;
 pub mod report;
 pub mod junit;
 pub mod compare;
+pub mod falsify;
 pub mod cli;

@@ -29,7 +29,7 @@ mod robot;
 mod robot_preset;
 mod route;
 mod keys_page;
-mod schema;
+pub(crate) mod schema;
 mod sensor;
 mod setting;
 mod things;

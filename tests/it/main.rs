@@ -151,3 +151,11 @@ mod sweep_report;
 mod result_figures;
 /// `wherein compare`: planted differences found, chance not taken for one.
 mod sweep_compare;
+/// What random scenes are made of: every key of the schema, most of them accepted.
+mod falsify_grammar;
+/// `wherein falsify`: found, shrunk, resumed; and a minute of it with fixed seeds.
+mod falsify_search;
+/// Which records come true as which wish, on records made by hand.
+mod falsify_wishes;
+/// Scenes that broke something once, each with its seeds.
+mod found_scenes;

@@ -14,13 +14,13 @@ pub fn schema_text() -> String {
 }
 
 /// The schema, generated once.
-pub(super) fn schema() -> &'static Value {
+pub(crate) fn schema() -> &'static Value {
     static SCHEMA: OnceLock<Value> = OnceLock::new();
     SCHEMA.get_or_init(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Scene>().to_value())
 }
 
 /// The schema that `node` stands for: references are followed, and `null` drops out of what a key may be.
-pub(super) fn resolve(mut node: &'static Value) -> &'static Value {
+pub(crate) fn resolve(mut node: &'static Value) -> &'static Value {
     loop {
         if let Some(reference) = node.get("$ref").and_then(Value::as_str) {
             node = schema().pointer(reference.trim_start_matches('#')).unwrap_or(&Value::Null);
@@ -34,13 +34,13 @@ pub(super) fn resolve(mut node: &'static Value) -> &'static Value {
 }
 
 /// The alternatives of an `anyOf` without `null`; none when there is no `anyOf`.
-pub(super) fn alternatives(node: &'static Value) -> Vec<&'static Value> {
+pub(crate) fn alternatives(node: &'static Value) -> Vec<&'static Value> {
     let any_of = node.get("anyOf").and_then(Value::as_array);
     any_of.into_iter().flatten().filter(|option| option.get("type").and_then(Value::as_str) != Some("null")).collect()
 }
 
 /// The type a schema asks for, without `null`; empty when it asks for none.
-pub(super) fn type_name(node: &Value) -> &str {
+pub(crate) fn type_name(node: &Value) -> &str {
     match &node["type"] {
         Value::String(name) => name,
         Value::Array(names) => names.iter().filter_map(Value::as_str).find(|name| *name != "null").unwrap_or(""),
@@ -49,12 +49,12 @@ pub(super) fn type_name(node: &Value) -> &str {
 }
 
 /// The numbers among which a schema lets choose; `None` when it lists none.
-pub(super) fn numbers(node: &Value) -> Option<Vec<f64>> {
+pub(crate) fn numbers(node: &Value) -> Option<Vec<f64>> {
     Some(node.get("enum")?.as_array()?.iter().filter_map(Value::as_f64).collect())
 }
 
 /// The texts that a string may be; empty when any will do.
-pub(super) fn choices(node: &'static Value) -> Vec<&'static str> {
+pub(crate) fn choices(node: &'static Value) -> Vec<&'static str> {
     let listed = node.get("enum").and_then(Value::as_array).into_iter().flatten();
     let described =
         node.get("oneOf").and_then(Value::as_array).into_iter().flatten().filter_map(|one| one.get("const"));

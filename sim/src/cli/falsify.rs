@@ -1,0 +1,190 @@
+//! `wherein falsify`: random scenes against the promise.
+
+use std::{
+    io::Write,
+    ops::Range,
+    path::PathBuf,
+    process::ExitCode,
+    time::{Duration, Instant},
+};
+
+use clap::{Args, builder::PossibleValue};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
+
+use crate::{
+    falsify::{Done, Profile, Progress, Search, Summary, Wish, probe, search},
+    machine::cores,
+    results::program,
+    sweep::Seeds,
+};
+
+use super::{CommandError, print};
+
+/// What `wherein falsify` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER_HELP)]
+pub(super) struct FalsifyArguments {
+    /// Seed of all scenes; a case's number and this determine its scene.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Numbers of the cases, A included and B not. With --minutes there is no end unless stated, else 100.
+    #[arg(long, value_name = "A..B")]
+    cases: Option<Seeds>,
+    /// Begin no more cases after so many minutes.
+    #[arg(long, value_name = "N", value_parser = minutes)]
+    minutes: Option<f64>,
+    /// Scenes with wheels, gyroscope, flow sensor and range camera alone, some ten times faster.
+    #[arg(long)]
+    without_cameras: bool,
+    /// Scenes with at least one camera that renders images. Without either flag every tenth scene has one.
+    #[arg(long, conflicts_with = "without_cameras")]
+    with_cameras: bool,
+    /// What counts as a failure and is shrunk; may be given several times. All but perception unless stated.
+    #[arg(long, value_name = "WISH")]
+    wish: Vec<Wish>,
+    /// Smaller scenes to try for each that was found; 0 leaves them as they were drawn.
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    tries: usize,
+    /// Run every N-th case twice and compare the bytes; 0 for none.
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    twice_every: u64,
+    /// Runs at the same time; as many as there are cores unless stated.
+    #[arg(long, value_name = "N")]
+    jobs: Option<std::num::NonZeroUsize>,
+    /// Where the journal and the scenes found go.
+    #[arg(long, value_name = "DIR", default_value = "renders/falsify")]
+    out: PathBuf,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Run the scene on standard input with this seed and tell of it: what each case's own process does.
+    #[arg(long, value_name = "SEED", hide = true)]
+    probe: Option<u64>,
+}
+
+const AFTER_HELP: &str = "\
+Each case is a scene drawn at random from all that the schema of scenes allows, run in a process of its own. A scene that shows
+a wish is made as small as it gets and written to DIR/found/, with the command that replays it. The wishes:
+  crash              the process ended: a panic, an abort, more than 3 GB of memory
+  hang               far more processor time than its like
+  unsound            the truth outside though every bound held and the claims were true
+  sound_but_outside  the same for more than a second, sound said all the while, whatever the judge says
+  digest_differs     another run of the same case gave other bytes
+  empty_box          no pose left
+  wider_than_room    a sound box that is wider than the room
+  perception         the truth outside because more claims were false than declared
+
+A search that was interrupted goes on where it stopped when the same command is given again.
+
+Exit code: 0 nothing was found, 1 something was, 2 could not run.";
+
+/// Cases of a search that states neither their number nor its time.
+const USUAL_CASES: u64 = 100;
+
+fn minutes(text: &str) -> Result<f64, String> {
+    let positive = text.parse().ok().filter(|minutes: &f64| *minutes > 0.0 && minutes.is_finite());
+    positive.ok_or_else(|| "expected a number above 0".to_owned())
+}
+
+impl clap::ValueEnum for Wish {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Wish::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()))
+    }
+}
+
+/// Searches, and prints what came of it.
+pub(super) fn falsify(arguments: &FalsifyArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
+    if let Some(seed) = arguments.probe {
+        probe(seed, adapter)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let asked = asked(arguments, adapter);
+    let began = Instant::now();
+    let bar = progress_bar(&asked.cases);
+    let (mut failed, mut n_done) = (0, 0);
+    let done = search(&asked, &mut |progress| match progress {
+        Progress::Resumed(n_earlier) => bar.inc(n_earlier as u64),
+        Progress::Done(case) => {
+            n_done += 1;
+            failed += usize::from(is_failure(&case, &asked.wishes));
+            bar.set_message(format!("{failed} found so far"));
+            bar.inc(1);
+            bar.suspend(|| tell(&case, &asked));
+        }
+    });
+    bar.finish_and_clear();
+    let done = done?;
+    let took_s = began.elapsed().as_secs_f64();
+    say(&format!("{n_done} cases run in {took_s:.1} s, {} recorded earlier", done.len() - n_done));
+    let summary = Summary::of(asked.seed, &done, &asked.wishes);
+    if arguments.json {
+        let shrunk: Vec<&PathBuf> = done.iter().filter_map(|case| case.found.as_ref()).collect();
+        print(&format!("{:#}\n", json!({ "summary": summary, "profile": asked.profile.name(), "found": shrunk })))?;
+    } else {
+        print(&summary.to_string())?;
+    }
+    Ok(ExitCode::from(u8::from(summary.failed > 0)))
+}
+
+fn asked(arguments: &FalsifyArguments, adapter: Option<&str>) -> Search {
+    let end = if arguments.minutes.is_some() { u64::from(u32::MAX) } else { USUAL_CASES };
+    let usual = Seeds(0..end);
+    let Seeds(cases) = arguments.cases.clone().unwrap_or(usual);
+    Search {
+        seed: arguments.seed,
+        cases,
+        profile: match (arguments.without_cameras, arguments.with_cameras) {
+            (true, _) => Profile::WithoutCameras,
+            (false, true) => Profile::WithCameras,
+            (false, false) => Profile::Mixed,
+        },
+        jobs: arguments.jobs.map_or_else(cores, usize::from),
+        deadline: arguments.minutes.map(|minutes| Instant::now() + Duration::from_secs_f64(60.0 * minutes)),
+        wishes: if arguments.wish.is_empty() { Wish::usual() } else { arguments.wish.clone() },
+        tries: arguments.tries,
+        twice_every: arguments.twice_every,
+        out: arguments.out.clone(),
+        adapter: adapter.map(str::to_owned),
+    }
+}
+
+fn is_failure(case: &Done, wishes: &[Wish]) -> bool {
+    case.hits.iter().any(|hit| wishes.contains(&hit.wish))
+}
+
+/// Says at once what a case showed, and how to see it again.
+fn tell(case: &Done, asked: &Search) {
+    for hit in case.hits.iter().filter(|hit| asked.wishes.contains(&hit.wish)) {
+        say(&format!("case {}: {}: {} [{}]", case.case, hit.wish.name(), hit.seen, hit.signature));
+    }
+    if let Some(found) = &case.found {
+        say(&format!("  replay: {} run {} --seed {}", program().join(" "), found.display(), case.run_seed));
+    }
+}
+
+/// A bar over the cases. It stays hidden when standard error is no terminal.
+fn progress_bar(cases: &Range<u64>) -> ProgressBar {
+    let length = cases.end - cases.start;
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    let is_endless = length > u64::from(u32::MAX) / 2;
+    let template = if is_endless {
+        "{pos} cases, {per_sec}, {elapsed}, {msg}"
+    } else {
+        "{bar:32} {pos}/{len} cases, {per_sec}, {eta} left, {msg}"
+    };
+    // The template is fixed; were it wrong, the default style serves.
+    let bar = bar.with_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message("nothing found so far");
+    bar.enable_steady_tick(Duration::from_millis(250));
+    bar
+}
+
+/// Tells people, apart from the results. Standard error may be closed; the results still come.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}

@@ -1,0 +1,197 @@
+//! A process of its own for each run, so that one that panics, aborts or never ends does not end the search.
+
+use std::{
+    env, fs,
+    io::{self, BufRead, BufReader, Read, Write},
+    process::{Child, ChildStdin, Command, Stdio},
+    sync::mpsc::{self, Receiver, RecvTimeoutError},
+    thread,
+    time::{Duration, Instant},
+};
+
+use super::probe::{Outcome, Told};
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// The scene is not valid, because of this key.
+    Refused(String),
+    /// It ran to its end.
+    Ran(Outcome),
+    /// Its process ended before: where, and what it said.
+    Crashed {
+        /// Simulated time that it had reached.
+        at_s: f64,
+        /// The place of a panic, or how the process ended.
+        place: String,
+        /// The last lines that it said.
+        said: String,
+    },
+    /// It took far longer than its like.
+    Hung {
+        /// Simulated time that it had reached.
+        at_s: f64,
+        /// Processor time that it had taken.
+        took_s: f64,
+    },
+    /// It could not render.
+    CouldNotRun(String),
+}
+
+/// A run in a process of its own.
+pub(super) struct Run<'a> {
+    /// The scene.
+    pub(super) text: &'a str,
+    /// Seed of the run.
+    pub(super) seed: u64,
+    /// Graphics adapter to render with.
+    pub(super) adapter: Option<&'a str>,
+    /// Threads of Mesa's software drivers; as many as they like unless stated.
+    pub(super) driver_threads: Option<usize>,
+}
+
+/// Processor time to read a scene, start an adapter and finish: on two cores at 3 GHz that takes 0.01 to 1 s, most of it for an adapter.
+const START_S: f64 = 15.0;
+/// Processor time for a second of simulation without cameras: on average 0.008 s of sixty scenes drawn at random.
+const SIMULATION_S: f64 = 1.0;
+/// Processor time for a million pixels: rendering and vision take 0.1 to 0.3 s on a software adapter.
+const MEGAPIXEL_S: f64 = 3.0;
+/// Wall-clock time for the same, on a machine that many share.
+const WALL_PER_PROCESSOR: f64 = 10.0;
+/// Memory beyond which a run is ended: one with three cameras takes 0.4 GB.
+const MOST_MEMORY_KB: u64 = 3_000_000;
+/// How often a run is looked after.
+const LOOK: Duration = Duration::from_millis(20);
+
+impl Run<'_> {
+    /// Runs and waits until it has ended, or until it is ended.
+    pub(super) fn run(&self) -> io::Result<Ending> {
+        let mut child = self.start()?;
+        let began = Instant::now();
+        let input = self.send(&mut child)?;
+        let told = listen(&mut child);
+        let said = overhear(&mut child);
+        let ending = attend(&mut child, &told, began);
+        // Whoever has not ended by now never will; one that has is waited for all the same.
+        let _ = child.kill();
+        let status = child.wait()?;
+        drop(input);
+        let said = said.recv().unwrap_or_default();
+        Ok(ending.unwrap_or_else(|at_s| Ending::Crashed { at_s, place: place(&said, &status.to_string()), said }))
+    }
+
+    fn start(&self) -> io::Result<Child> {
+        let mut command = Command::new(env::current_exe()?);
+        if let Some(adapter) = self.adapter {
+            command.args(["--adapter", adapter]);
+        }
+        if let Some(threads) = self.driver_threads {
+            command.env("LP_NUM_THREADS", threads.to_string());
+        }
+        command.args(["falsify", "--probe", &self.seed.to_string()]);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()
+    }
+
+    /// Sends the scene. What comes back stays open: when it closes, the process knows that nobody waits for it any more.
+    fn send(&self, child: &mut Child) -> io::Result<Option<ChildStdin>> {
+        let mut input = child.stdin.take();
+        if let Some(input) = &mut input {
+            // A process that has ended already tells why in its own way.
+            let _ = write!(input, "{}\n{}", self.text.len(), self.text).and_then(|()| input.flush());
+        }
+        Ok(input)
+    }
+}
+
+/// What the process tells on standard output, line by line.
+fn listen(child: &mut Child) -> Receiver<Told> {
+    let (sender, receiver) = mpsc::channel();
+    if let Some(output) = child.stdout.take() {
+        thread::spawn(move || {
+            for line in BufReader::new(output).lines().map_while(Result::ok) {
+                let Ok(told) = serde_json::from_str(&line) else { continue };
+                if sender.send(told).is_err() {
+                    return;
+                }
+            }
+        });
+    }
+    receiver
+}
+
+/// What the process says on standard error, all of it when it has ended.
+fn overhear(child: &mut Child) -> Receiver<String> {
+    let (sender, receiver) = mpsc::channel();
+    if let Some(mut errors) = child.stderr.take() {
+        thread::spawn(move || {
+            let mut said = Vec::new();
+            let _ = errors.read_to_end(&mut said);
+            let _ = sender.send(String::from_utf8_lossy(&said).into_owned());
+        });
+    }
+    receiver
+}
+
+/// Follows a run to its end; the simulated time that it had reached when its process ended before.
+fn attend(child: &mut Child, told: &Receiver<Told>, began: Instant) -> Result<Ending, f64> {
+    let (mut at_s, mut allowed_s) = (0.0, START_S);
+    loop {
+        match told.recv_timeout(LOOK) {
+            Ok(Told::Refused(reason)) => return Ok(Ending::Refused(reason)),
+            Ok(Told::CouldNotRun(reason)) => return Ok(Ending::CouldNotRun(reason)),
+            Ok(Told::Ran(outcome)) => return Ok(Ending::Ran(outcome)),
+            Ok(Told::At(simulated_s)) => at_s = simulated_s,
+            Ok(Told::Began { simulated_s, pixels_per_s }) => {
+                allowed_s = START_S + simulated_s * (SIMULATION_S + MEGAPIXEL_S * 1e-6 * pixels_per_s);
+            }
+            Err(RecvTimeoutError::Disconnected) => return Err(at_s),
+            Err(RecvTimeoutError::Timeout) => {
+                let wall_s = began.elapsed().as_secs_f64() / WALL_PER_PROCESSOR;
+                let took_s = processor_s(child.id()).unwrap_or(0.0).max(wall_s);
+                if took_s > allowed_s {
+                    return Ok(Ending::Hung { at_s, took_s });
+                }
+                if memory_kb(child.id()).is_some_and(|kilobytes| kilobytes > MOST_MEMORY_KB) {
+                    let place = format!("more than {} GB of memory", MOST_MEMORY_KB / 1_000_000);
+                    return Ok(Ending::Crashed { at_s, said: place.clone(), place });
+                }
+            }
+        }
+    }
+}
+
+/// Where a panic was, without the column, or else how the process ended.
+fn place(said: &str, status: &str) -> String {
+    let panicked = said.lines().find_map(|line| line.split_once("panicked at ")).map(|(_, place)| place);
+    let Some(place) = panicked else { return status.to_owned() };
+    let parts: Vec<&str> = place.trim_end_matches(':').split(':').collect();
+    parts.iter().take(2).copied().collect::<Vec<_>>().join(":")
+}
+
+/// Processor time of a process and its threads, where the system tells (Linux: fields 14 and 15 of `stat`, in hundredths of a second).
+fn processor_s(process: u32) -> Option<f64> {
+    let text = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    // The name before may hold blanks and brackets.
+    let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
+    let ticks = |index: usize| fields.get(index)?.parse::<f64>().ok();
+    Some((ticks(11)? + ticks(12)?) / 100.0)
+}
+
+/// Memory that a process holds, where the system tells.
+fn memory_kb(process: u32) -> Option<u64> {
+    let text = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
+    let line = text.lines().find(|line| line.starts_with("VmRSS:"))?;
+    line.split_whitespace().nth(1)?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::place;
+
+    #[test]
+    fn a_panic_is_told_by_file_and_line_and_an_abort_by_its_signal() {
+        let said = "\nthread 'main' (7) panicked at localizer/src/boxes.rs:37:9:\ncapacity overflow\n";
+        assert_eq!(place(said, "exit status: 101"), "localizer/src/boxes.rs:37");
+        assert_eq!(place("", "signal: 9 (SIGKILL)"), "signal: 9 (SIGKILL)");
+    }
+}

@@ -1,0 +1,67 @@
+//! A hit as a scene of its own, for a person to look into.
+
+use std::path::{Path, PathBuf};
+
+use toml::{Table, Value};
+
+use crate::{
+    record::{self, RecordError},
+    results::{program, quoted},
+    sweep::write_whole,
+};
+
+use super::wish::{Hit, Wish};
+
+/// A scene that shows a hit, and what is known of it.
+#[derive(Clone, Debug)]
+pub struct Finding<'a> {
+    /// Seed of the search.
+    pub seed: u64,
+    /// The case.
+    pub case: u64,
+    /// Seed of the run.
+    pub run_seed: u64,
+    /// What it shows.
+    pub hit: &'a Hit,
+    /// The scene, shrunk.
+    pub scene: &'a Table,
+}
+
+impl Finding<'_> {
+    /// Where it is written in the folder of a search.
+    pub fn path(&self, out: &Path) -> PathBuf {
+        out.join("found").join(format!("{}_{}_{}.toml", self.hit.wish.name(), self.seed, self.case))
+    }
+
+    /// Writes the scene with what it showed in comments before it. It states expectations, so that a person who has found the cause can
+    /// put it among the scenes as it is.
+    pub fn write(&self, out: &Path) -> Result<PathBuf, RecordError> {
+        let path = self.path(out);
+        record::prepare_for(&path)?;
+        write_whole(&path, self.text(&path).as_bytes())?;
+        Ok(path)
+    }
+
+    /// The file's text.
+    pub fn text(&self, path: &Path) -> String {
+        let Hit { wish, seen, signature, .. } = self.hit;
+        let program = program().iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
+        let replay = quoted(&path.display().to_string());
+        let mut scene = self.scene.clone();
+        scene.insert(
+            "description".to_owned(),
+            Value::String(format!("Found by a random search, case {}: {}", self.case, wish.name())),
+        );
+        let names: &[&str] = if *wish == Wish::Perception { &["unsound", "perception"] } else { &["unsound"] };
+        let expect = names.iter().map(|name| ((*name).to_owned(), Value::Integer(0))).collect();
+        scene.insert("expect".to_owned(), Value::Table(expect));
+        format!(
+            "# {} in case {} of the search of seed {}: {seen}\n# {signature}\n# seeds: {}\n# replay: {program} run {replay} --seed {}\n\n{scene}",
+            wish.name().replace('_', " "),
+            self.case,
+            self.seed,
+            self.run_seed,
+            self.run_seed,
+        )
+    }
+}

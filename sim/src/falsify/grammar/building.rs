@@ -1,0 +1,174 @@
+//! Furniture, people, landmarks, doors, pictures and lamps where such things are.
+
+use toml::{Table, Value};
+
+use crate::{
+    falsify::dice::{Dice, Draws, rounded},
+    scene::Robot,
+};
+
+use super::settled::{items, number, place, text};
+
+/// Settles all that stands about. What only cameras see is left away where there is none.
+pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
+    let has_cameras = !robot.cameras().is_empty();
+    if !has_cameras {
+        ["light", "lamp", "building"].iter().for_each(|key| drop(scene.remove(*key)));
+    }
+    if robot.range_camera.is_none() {
+        scene.remove("landmark");
+    }
+    for (index, landmark) in items(scene, "landmark").enumerate() {
+        let mut dice = draws.dice(&format!("place of landmark {index}"));
+        // Codes hang on walls, and on what stands in the room.
+        let at_m = if dice.chance(0.8) { on_wall(&mut dice, room_m, 0.0).0 } else { inside(&mut dice, room_m, 0.05) };
+        place(landmark, at_m);
+        let height_m = robot.range_camera.as_ref().map_or(0.5, |camera| camera.height_m);
+        landmark
+            .insert("height_m".to_owned(), Value::Float(rounded((height_m + dice.uniform(-0.12, 0.12)).max(0.02), 3)));
+    }
+    for (index, person) in items(scene, "person").enumerate() {
+        let mut dice = draws.dice(&format!("ways of person {index}"));
+        let margin_m = number(person, "radius_m").unwrap_or(0.25) + 0.02;
+        let count = person.get("waypoints_m").and_then(Value::as_array).map_or(1, Vec::len);
+        let ways = (0..count).map(|_| pair(inside(&mut dice, room_m, margin_m))).collect();
+        person.insert("waypoints_m".to_owned(), Value::Array(ways));
+    }
+    if has_cameras {
+        settle_light(scene, draws, room_m, robot);
+    }
+    if let Some(Value::Table(building)) = scene.get_mut("building") {
+        settle_walls(building, draws, room_m);
+    }
+}
+
+/// Doors and pictures on the walls of the robot's room.
+fn settle_walls(building: &mut Table, draws: &Draws, room_m: [f64; 2]) {
+    let ceiling_m = number(building, "ceiling_height_m").unwrap_or(2.6);
+    let has_rooms = items(building, "room").count() > 0;
+    for (list, longest_m) in [("door", 1.1), ("picture", 1.5)] {
+        for (index, thing) in items(building, list).enumerate() {
+            let mut dice = draws.dice(&format!("place of {list} {index}"));
+            let length_m = dice.uniform(0.3, longest_m);
+            let (from_m, heading_deg) = on_wall(&mut dice, room_m, length_m);
+            let (sin, cos) = (heading_deg + 90.0).to_radians().sin_cos();
+            thing.insert(
+                "from_m".to_owned(),
+                pair([from_m[0] - 0.5 * length_m * cos, from_m[1] - 0.5 * length_m * sin]),
+            );
+            thing.insert("to_m".to_owned(), pair([from_m[0] + 0.5 * length_m * cos, from_m[1] + 0.5 * length_m * sin]));
+            if !has_rooms {
+                thing.remove("open");
+            }
+            // A chessboard has a shape of its own; those that calibrate put it there.
+            thing.remove("chessboard");
+            let bottom_m = number(thing, "bottom_m").unwrap_or(1.2);
+            let height_m = number(thing, "height_m").unwrap_or(0.6).min(ceiling_m - bottom_m - 0.01);
+            if list == "picture" {
+                thing.insert("height_m".to_owned(), Value::Float(rounded(height_m, 3)));
+            }
+        }
+    }
+    for dot in items(building, "dot") {
+        dot.remove("height_m");
+    }
+}
+
+/// Lamps that hang below the ceiling or stand in walls, and one statement of how bright it is.
+fn settle_light(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
+    if let Some(Value::Table(light)) = scene.get_mut("light") {
+        let is_twice =
+            light.contains_key("illuminance_at_floor_lux") && light.contains_key("illuminance_at_camera_lux");
+        if is_twice || robot.forward_camera.is_none() {
+            light.remove("illuminance_at_camera_lux");
+        }
+    }
+    let smallest_m = room_m[0].min(room_m[1]);
+    for (index, lamp) in items(scene, "lamp").enumerate() {
+        let mut dice = draws.dice(&format!("place of lamp {index}"));
+        if lamp.contains_key("lumens") {
+            lamp.remove("illuminance_at_floor_lux");
+        }
+        lamp.remove("height_m");
+        if text(lamp, "kind").as_deref() == Some("window") {
+            let width_m = dice.uniform(0.3, 0.8 * smallest_m);
+            let (at_m, heading_deg) = on_wall(&mut dice, room_m, width_m);
+            place(lamp, at_m);
+            lamp.insert("heading_deg".to_owned(), Value::Float(heading_deg));
+            lamp.insert("height_m".to_owned(), Value::Float(1.2));
+            lamp.insert("size_m".to_owned(), pair([width_m, dice.uniform(0.3, 1.2)]));
+        } else {
+            place(lamp, inside(&mut dice, room_m, 0.2));
+        }
+    }
+}
+
+/// What stands in the robot's way, as circles about pieces of furniture.
+pub(super) struct Obstacles {
+    room_m: [f64; 2],
+    body_radius_m: f64,
+    circles: Vec<([f64; 2], f64)>,
+}
+
+impl Obstacles {
+    /// What `scene` puts into the room.
+    pub(super) fn of(scene: &mut Table, room_m: [f64; 2], body_radius_m: f64) -> Obstacles {
+        let circle = |furniture: &mut Table| {
+            let side = |index: usize| furniture.get("size_m")?.as_array()?.get(index)?.as_float();
+            let reach_m = side(0)?.hypot(side(1)?) / 2.0;
+            Some(([number(furniture, "x_m")?, number(furniture, "y_m")?], reach_m))
+        };
+        Obstacles { room_m, body_radius_m, circles: items(scene, "furniture").filter_map(circle).collect() }
+    }
+
+    /// A place with `margin_m` between the body and whatever stands there, and the same on the straight way from `from_m`. Where there is
+    /// none the last try comes back: the scene is refused, or the robot bumps into something.
+    pub(super) fn free_place(&self, dice: &mut Dice, margin_m: f64, from_m: Option<[f64; 2]>) -> [f64; 2] {
+        /// In rooms half full of furniture nine in ten tries fail.
+        const TRIES: usize = 60;
+        let keep_m = self.body_radius_m + margin_m;
+        let mut at_m = inside(dice, self.room_m, keep_m);
+        for _ in 0..TRIES {
+            let is_clear = |(centre_m, reach_m): &([f64; 2], f64)| {
+                distance_m(from_m.unwrap_or(at_m), at_m, *centre_m) >= keep_m + reach_m
+            };
+            if self.circles.iter().all(is_clear) {
+                break;
+            }
+            at_m = inside(dice, self.room_m, keep_m);
+        }
+        at_m
+    }
+}
+
+/// Least distance of a point from a segment.
+fn distance_m(from_m: [f64; 2], to_m: [f64; 2], point_m: [f64; 2]) -> f64 {
+    let way = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
+    let off = [point_m[0] - from_m[0], point_m[1] - from_m[1]];
+    let length2 = way[0] * way[0] + way[1] * way[1];
+    let share = if length2 > 0.0 { ((off[0] * way[0] + off[1] * way[1]) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    (off[0] - share * way[0]).hypot(off[1] - share * way[1])
+}
+
+/// A place in the room, `margin_m` from its walls where it is that wide.
+pub(super) fn inside(dice: &mut Dice, room_m: [f64; 2], margin_m: f64) -> [f64; 2] {
+    room_m.map(|extent_m| {
+        let margin_m = margin_m.min(extent_m / 2.0);
+        dice.uniform(margin_m, extent_m - margin_m)
+    })
+}
+
+/// A place on one of the room's walls, the middle of something of that length, and the direction in which the wall faces.
+fn on_wall(dice: &mut Dice, [width_m, depth_m]: [f64; 2], length_m: f64) -> ([f64; 2], f64) {
+    let mut along = |extent_m: f64| {
+        let half_m = (length_m / 2.0).min(extent_m / 2.0);
+        dice.uniform(half_m, extent_m - half_m)
+    };
+    let (x_m, y_m) = (along(width_m), along(depth_m));
+    let walls = [([x_m, 0.0], 90.0), ([width_m, y_m], 180.0), ([x_m, depth_m], -90.0), ([0.0, y_m], 0.0)];
+    *dice.choose(&walls)
+}
+
+fn pair(at_m: [f64; 2]) -> Value {
+    Value::Array(at_m.map(|value_m| Value::Float(rounded(value_m, 4))).to_vec())
+}

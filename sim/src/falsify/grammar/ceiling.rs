@@ -1,0 +1,78 @@
+//! Markers of the coding, whole on the ceiling, some of them damaged.
+
+use localizer::markers;
+use toml::{Table, Value};
+
+use crate::{
+    falsify::dice::{Dice, Draws},
+    scene::{Coding, Marker, Robot},
+};
+
+use super::{
+    building::inside,
+    settled::{meaning, place, table, text},
+};
+
+/// Half the diagonal of a marker: it reaches so far about its middle in any direction.
+const REACH_M: f64 = 0.115;
+
+/// Settles `[markers]`, which only a ceiling camera sees.
+pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
+    if robot.ceiling_camera.is_none() {
+        scene.remove("markers");
+        return;
+    }
+    let markers = table(scene, "markers");
+    let mut dice = draws.dice("markers");
+    // The proof that a layout covers the room takes seconds, and most cameras drawn at random have none.
+    if dice.chance(0.1) {
+        markers.remove("marker");
+        table(markers, "layout");
+        return;
+    }
+    markers.remove("layout");
+    let coding = text(markers, "coding")
+        .and_then(|name| Value::String(name).try_into::<Coding>().ok())
+        .unwrap_or(Coding::Hexads);
+    let mut words = markers::Coding::from(coding).identities();
+    let mut places: Vec<[f64; 2]> = Vec::new();
+    let Some(list) = markers.get_mut("marker").and_then(Value::as_array_mut) else { return };
+    list.retain_mut(|marker| {
+        let Value::Table(marker) = marker else { return false };
+        let word = words.swap_remove(dice.whole(0, words.len() as i64 - 1) as usize);
+        // What was moved since the survey is still on the ceiling.
+        let moved_m = if marker.contains_key("misplaced_m") { 0.1 } else { 0.0 };
+        let Some(at_m) = free(&mut dice, room_m, moved_m, &places) else { return false };
+        places.push(at_m);
+        place(marker, at_m);
+        marker.insert("id".to_owned(), Value::Integer(i64::from(word.0)));
+        marker.remove("height_m");
+        damage(marker, &mut dice);
+        true
+    });
+    if list.is_empty() {
+        markers.remove("marker");
+    }
+}
+
+/// A place where no other marker is.
+fn free(dice: &mut Dice, room_m: [f64; 2], moved_m: f64, places: &[[f64; 2]]) -> Option<[f64; 2]> {
+    /// In a room that markers fill, most tries fail; a scene with fewer markers is as good.
+    const TRIES: usize = 40;
+    let is_free =
+        |at_m: &[f64; 2]| places.iter().all(|other| (at_m[0] - other[0]).hypot(at_m[1] - other[1]) > 2.0 * REACH_M);
+    (0..TRIES).map(|_| inside(dice, room_m, REACH_M + moved_m + 0.005)).find(is_free)
+}
+
+/// Dots that fell off, and dirt that looks like one.
+fn damage(marker: &mut Table, dice: &mut Dice) {
+    let Some(meant) = meaning::<Marker>(marker) else { return };
+    let places = (0..4_u8).flat_map(|row| (0..4_u8).map(move |column| [row, column]));
+    let (printed, bare): (Vec<[u8; 2]>, Vec<[u8; 2]>) = places.partition(|place| meant.is_printed(*place));
+    for (key, places, share) in [("missing_dots", printed, 0.1), ("extra_dots", bare, 0.05)] {
+        if dice.chance(share) && !places.is_empty() {
+            let dot = dice.choose(&places).map(|index| Value::Integer(i64::from(index)));
+            marker.insert(key.to_owned(), Value::Array(vec![Value::Array(dot.to_vec())]));
+        }
+    }
+}

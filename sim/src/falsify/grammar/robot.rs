@@ -1,0 +1,151 @@
+//! A robot with the devices that a case gets, read when they can be, and bounds that can hold.
+
+use toml::{Table, Value};
+
+use crate::{
+    falsify::dice::{Dice, Draws, rounded},
+    scene::{Bounds, Gyro, Robot, RobotPreset},
+};
+use localizer::reading::Camera;
+
+use super::settled::{meaning, number, table};
+
+/// How often a robot has a device, cameras apart.
+const FITTED: [(&str, f64); 4] = [("gyro", 0.65), ("flow", 0.5), ("range_camera", 0.55), ("proximity", 0.15)];
+
+/// The same of cameras, in scenes that have some.
+const CAMERAS: [(&str, Camera, f64); 3] = [
+    ("floor_camera", Camera::Floor, 0.5),
+    ("forward_camera", Camera::Forward, 0.35),
+    ("ceiling_camera", Camera::Ceiling, 0.4),
+];
+
+/// Settles `[robot]` and `[bounds]`; returns what the robot is with all its defaults.
+pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Robot {
+    let robot = table(scene, "robot");
+    let mut dice = draws.dice("devices that are fitted");
+    for (name, share) in FITTED {
+        fit(robot, name, dice.chance(share));
+    }
+    let mut cameras = CAMERAS.map(|(_, _, share)| has_cameras && dice.chance(share));
+    if has_cameras && cameras == [false; 3] {
+        cameras[dice.whole(0, 2) as usize] = true;
+    }
+    for ((name, ..), is_fitted) in CAMERAS.iter().zip(cameras) {
+        fit(robot, name, is_fitted);
+    }
+    for device in ["encoders", "gyro", "flow"] {
+        if let Some(Value::Table(device)) = robot.get_mut(device)
+            && let Some(period_s) = number(device, "period_s")
+        {
+            // Whatever is sampled is sampled at a step of the physics.
+            let steps = (period_s / 0.001).round().max(1.0);
+            device.insert("period_s".to_owned(), Value::Float(rounded(0.001 * steps, 6)));
+        }
+    }
+    if let Some(Value::Table(gyro)) = robot.get_mut("gyro") {
+        settle_gyro(gyro);
+    }
+    if let Some(Value::Table(camera)) = robot.get_mut("range_camera")
+        && let (Some(least_m), Some(greatest_m)) = (number(camera, "least_range_m"), number(camera, "greatest_range_m"))
+        && least_m >= greatest_m
+    {
+        camera.remove("least_range_m");
+    }
+    settle_images(robot, draws);
+    let fitted: Robot = meaning(robot).unwrap_or_default();
+    settle_bounds(table(scene, "bounds"), draws, &fitted);
+    fitted
+}
+
+/// Fits a device or leaves it away, whatever the preset has.
+fn fit(robot: &mut Table, name: &str, is_fitted: bool) {
+    if is_fitted {
+        table(robot, name);
+    } else {
+        robot.insert(name.to_owned(), Value::Boolean(false));
+    }
+}
+
+fn settle_gyro(gyro: &mut Table) {
+    let wanders = ["bias_instability_deg_per_h", "rate_random_walk_deg_per_h_per_sqrt_h"];
+    let is_restless = wanders.iter().any(|key| number(gyro, key).is_some_and(|value| value > 0.0));
+    if is_restless && number(gyro, "bias_wander_deg_per_s2").unwrap_or(0.0) == 0.0 {
+        gyro.insert("bias_wander_deg_per_s2".to_owned(), Value::Float(0.001));
+    }
+    if number(gyro, "angle_deg_per_s").is_some() && !gyro.contains_key("angle_floor_deg") {
+        gyro.remove("angle_deg_per_s");
+    }
+    let (Some(walk_deg), Some(meant)) = (number(gyro, "angle_random_walk_deg_per_sqrt_h"), meaning::<Gyro>(gyro))
+    else {
+        return;
+    };
+    let least = 3.01 * meant.deviation_deg_per_s(walk_deg);
+    if meant.noise_deg_per_s < least {
+        gyro.insert("noise_deg_per_s".to_owned(), Value::Float(rounded(least, 4)));
+    }
+}
+
+/// Exposures that end before the next image, and an optical axis that meets the image.
+fn settle_images(robot: &mut Table, draws: &Draws) {
+    for (name, ..) in CAMERAS {
+        let Some(Value::Table(camera)) = robot.get_mut(name) else { continue };
+        if name == "ceiling_camera" {
+            let mut dice = draws.dice("optical axis of the ceiling camera");
+            let size_px =
+                [("width_px", 640.0), ("height_px", 480.0)].map(|(key, usual)| number(camera, key).unwrap_or(usual));
+            let axis_px = size_px.map(|extent| Value::Float(rounded(extent * dice.uniform(0.45, 0.55), 4)));
+            camera.insert("principal_point_px".to_owned(), Value::Array(axis_px.to_vec()));
+        }
+        if let Some(Value::Table(sensor)) = camera.get_mut("sensor")
+            && sensor.contains_key("exposure_s")
+        {
+            sensor.remove("longest_exposure_s");
+        }
+        camera.remove("turning_exposure_s").filter(|_| draws.dice("turning exposure").chance(0.3)).map(|exposure| {
+            // Within the longest exposure of every preset.
+            let exposure_s = exposure.as_float().unwrap_or(0.002).min(0.002);
+            camera.insert("turning_exposure_s".to_owned(), Value::Float(exposure_s))
+        });
+    }
+    let Some(meant) = meaning::<Robot>(robot) else { return };
+    for (name, camera, _) in CAMERAS {
+        if let Some(timing) = meant.camera_timing(camera)
+            && timing.longest_s > timing.period_s
+            && let Some(Value::Table(camera)) = robot.get_mut(name)
+        {
+            camera.insert("period_s".to_owned(), Value::Float(rounded(1.2 * timing.longest_s, 3)));
+        }
+    }
+}
+
+/// Bounds of what emerges are as wide as the defaults at least, and wider for other robots than the one that they were measured on.
+fn settle_bounds(bounds: &mut Table, draws: &Draws, robot: &Robot) {
+    let usual = Bounds::default();
+    let is_usual = robot.preset == RobotPreset::P3dx && draws.dice("robot as it is").chance(0.5);
+    let mut state = |key: &str, least: f64, most: f64| {
+        let mut dice: Dice = draws.dice(&format!("bounds.{key}"));
+        bounds.insert(key.to_owned(), Value::Float(rounded(dice.log_uniform(least, most), 3)));
+    };
+    // A push or a carpet takes the robot farther than its motors do.
+    state("reach_speed_m_per_s", 1.4 * robot.max_speed_m_per_s, 4.0 * robot.max_speed_m_per_s);
+    state("reach_turn_rate_rad_per_s", 1.6 * robot.max_turn_rate_rad_per_s, 4.0 * robot.max_turn_rate_rad_per_s);
+    state("reach_acceleration_m_per_s2", 6.0 * robot.max_acceleration_m_per_s2, 60.0 * robot.max_acceleration_m_per_s2);
+    let narrowest = if is_usual { 1.0 } else { 5.0 };
+    for (key, value, widest) in [
+        ("slip_ratio", usual.slip_ratio, 60.0),
+        ("slip_floor_m", usual.slip_floor_m, 100.0),
+        ("side_slip_ratio", usual.side_slip_ratio, 60.0),
+        ("side_slip_floor_m", usual.side_slip_floor_m, 100.0),
+        ("body_tilt_deg", usual.body_tilt_deg, 60.0),
+        ("body_heave_m", usual.body_heave_m, 1_000.0),
+    ] {
+        state(key, narrowest * value, widest * value);
+    }
+    if bounds.contains_key("rest_turn_deg") {
+        bounds.insert(
+            "rest_turn_deg".to_owned(),
+            Value::Float(rounded(draws.dice("bounds.rest_turn_deg").log_uniform(0.05, 5.0), 3)),
+        );
+    }
+}

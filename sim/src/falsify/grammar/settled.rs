@@ -1,0 +1,132 @@
+//! What a schema cannot say: that what is drawn fits together. What still does not is refused and drawn again.
+
+use serde::de::DeserializeOwned;
+use toml::{Table, Value};
+
+use crate::{
+    falsify::dice::{Draws, rounded},
+    scene::{MethodName, Robot},
+};
+
+use super::{building, ceiling, drive, robot};
+
+/// Makes a drawn scene one that can be driven.
+pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cameras: bool) {
+    let room = [("width_m", room_m[0]), ("depth_m", room_m[1])];
+    scene.insert(
+        "room".to_owned(),
+        Value::Table(room.map(|(key, m)| (key.to_owned(), Value::Float(m))).into_iter().collect()),
+    );
+    // Runs with cameras are the slow ones.
+    let most_s = if has_cameras { 8.0 } else { 20.0 };
+    let duration_s = rounded(draws.dice("duration_s").uniform(most_s / 4.0, most_s), 3);
+    scene.insert("duration_s".to_owned(), Value::Float(duration_s));
+    let fitted = robot::settle(scene, draws, has_cameras);
+    methods(scene, draws, &fitted);
+    building::settle(scene, draws, room_m, &fitted);
+    drive::settle(scene, draws, room_m, &fitted);
+    ceiling::settle(scene, draws, room_m, &fitted);
+    floor(scene, draws, room_m);
+    events(scene, draws, duration_s);
+}
+
+/// Methods that have what they read. Most scenes have all of them, as what one gets wrong misleads the others.
+fn methods(scene: &mut Table, draws: &Draws, robot: &Robot) {
+    let readable = [
+        (MethodName::FloorTiles, "floor_tiles", robot.floor_camera.is_some()),
+        (MethodName::RangeLandmarks, "range_landmarks", robot.range_camera.is_some()),
+        (MethodName::CeilingMarkers, "ceiling_markers", robot.ceiling_camera.is_some()),
+        (MethodName::WallDirections, "wall_directions", robot.forward_camera.is_some()),
+    ];
+    let mut dice = draws.dice("methods that are used");
+    let used = readable.iter().filter(|(_, _, is_fitted)| *is_fitted && dice.chance(0.9));
+    let names: Vec<Value> = used.map(|(_, name, _)| Value::String((*name).to_owned())).collect();
+    let setup = table(scene, "localizer");
+    setup.insert("methods".to_owned(), Value::Array(names));
+    if robot.gyro.is_none() {
+        setup.remove("learns_gyro");
+    }
+    if robot.forward_camera.is_none() {
+        setup.remove("wall_directions");
+    }
+}
+
+/// Regions and strays within the room; regions rise gently.
+fn floor(scene: &mut Table, draws: &Draws, room_m: [f64; 2]) {
+    let Some(Value::Table(floor)) = scene.get_mut("floor") else { return };
+    for (index, region) in items(floor, "region").enumerate() {
+        let mut dice = draws.dice(&format!("place of region {index}"));
+        for (key, extent_m) in [("x_m", room_m[0]), ("y_m", room_m[1])] {
+            let from_m = dice.uniform(0.0, 0.7 * extent_m);
+            let to_m = dice.uniform(from_m + 0.1 * extent_m, extent_m);
+            let range_m = [from_m, to_m].map(|m| Value::Float(rounded(m, 3).min(extent_m)));
+            region.insert(key.to_owned(), Value::Array(range_m.to_vec()));
+        }
+        // Ramps rise by at most a half; wheels of a few centimetres want less.
+        let height_m = number(region, "height_m").unwrap_or(0.0);
+        let ramp_m = rounded((10.0 * height_m).max(0.03), 3);
+        region.insert("ramp_m".to_owned(), Value::Float(ramp_m));
+    }
+}
+
+/// What happens lies within the run and concerns what is there.
+fn events(scene: &mut Table, draws: &Draws, duration_s: f64) {
+    let regions: Vec<String> = match scene.get_mut("floor") {
+        Some(Value::Table(floor)) => items(floor, "region").filter_map(|region| text(region, "name")).collect(),
+        _ => Vec::new(),
+    };
+    for (index, event) in items(scene, "event").enumerate() {
+        let mut dice = draws.dice(&format!("time of event {index}"));
+        let lasts_s = number(event, "lasts_s").unwrap_or(0.0).min(0.5 * duration_s);
+        if event.contains_key("lasts_s") {
+            event.insert("lasts_s".to_owned(), Value::Float(rounded(lasts_s, 3)));
+        }
+        let at_s = rounded(dice.uniform(0.0, 0.95 * (duration_s - lasts_s)), 3);
+        event.insert("at_s".to_owned(), Value::Float(at_s));
+        if event.contains_key("region") {
+            match regions.is_empty() {
+                true => event.remove("region"),
+                false => event.insert("region".to_owned(), Value::String(dice.choose(&regions).clone())),
+            };
+        }
+    }
+}
+
+/// The table at `key`, created if it is not there.
+pub(super) fn table<'a>(of: &'a mut Table, key: &str) -> &'a mut Table {
+    if !of.get(key).is_some_and(Value::is_table) {
+        of.insert(key.to_owned(), Value::Table(Table::new()));
+    }
+    match of.get_mut(key) {
+        Some(Value::Table(table)) => table,
+        _ => unreachable!("a table was put at {key} just now"),
+    }
+}
+
+/// The tables of a list.
+pub(super) fn items<'a>(of: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
+    of.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten().filter_map(Value::as_table_mut)
+}
+
+/// A number that is stated.
+pub(super) fn number(of: &Table, key: &str) -> Option<f64> {
+    let value = of.get(key)?;
+    value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
+}
+
+/// A text that is stated.
+pub(super) fn text(of: &Table, key: &str) -> Option<String> {
+    of.get(key)?.as_str().map(str::to_owned)
+}
+
+/// What a table stands for with its defaults; none where it is refused, as the scene then will be.
+pub(super) fn meaning<T: DeserializeOwned>(of: &Table) -> Option<T> {
+    Value::Table(of.clone()).try_into().ok()
+}
+
+/// A place as a table states it.
+pub(super) fn place(table: &mut Table, at_m: [f64; 2]) {
+    for (key, value_m) in [("x_m", at_m[0]), ("y_m", at_m[1])] {
+        table.insert(key.to_owned(), Value::Float(rounded(value_m, 4)));
+    }
+}

@@ -1,0 +1,220 @@
+//! How often keys are stated and how far they go, where the schema says less than what can drive.
+//!
+//! A path stands for its key wherever it occurs: the longest ending of a key's path that is listed counts.
+
+use super::without_indices;
+
+/// How often a key is stated; none when it is as others of its type.
+pub(super) fn chance(path: &str) -> Option<f64> {
+    found(&CHANCES, path)
+}
+
+/// From where to where a number goes; none when the schema's own range drives.
+pub(super) fn range(path: &str) -> Option<[f64; 2]> {
+    found(&RANGES, path)
+}
+
+/// How many items a list has.
+pub(super) fn count(path: &str) -> [i64; 2] {
+    found(&COUNTS, path).unwrap_or([1, 3])
+}
+
+fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
+    let path = without_indices(path);
+    let is_ending =
+        |ending: &str| path.strip_suffix(ending).is_some_and(|before| before.is_empty() || before.ends_with('.'));
+    listed
+        .iter()
+        .filter(|(ending, _)| is_ending(ending))
+        .max_by_key(|(ending, _)| ending.len())
+        .map(|(_, value)| *value)
+}
+
+/// What is never drawn is made by `settled`, says nothing to the localizer, or names a file that is not there.
+const CHANCES: [(&str, f64); 41] = [
+    ("description", 0.0),
+    ("expect", 0.0),
+    ("navigation.map", 0.0),
+    ("duration_s", 0.0),
+    ("room", 0.0),
+    ("building.room", 0.1),
+    ("markers.layout.margin_px", 0.5),
+    ("start", 1.0),
+    ("route", 1.0),
+    ("route.waypoint", 1.0),
+    ("navigation", 0.5),
+    ("errand", 1.0),
+    ("station", 1.0),
+    ("station_spread", 1.0),
+    ("robot", 1.0),
+    ("robot.preset", 0.5),
+    ("robot.errors", 0.6),
+    ("robot.floor_camera", 1.0),
+    ("robot.forward_camera", 1.0),
+    ("robot.ceiling_camera", 1.0),
+    ("robot.range_camera", 1.0),
+    ("robot.gyro", 1.0),
+    ("robot.flow", 1.0),
+    ("robot.proximity", 0.5),
+    // A wheel worn beyond its tolerance breaks a bound from the first second on, and nothing more is learnt from the run.
+    ("robot.wheel_wear", 0.02),
+    ("floor.tiles.misplaced", 0.03),
+    ("markers.marker", 1.0),
+    ("markers.marker.misplaced_m", 0.02),
+    ("markers.marker.on_map", 0.05),
+    ("markers.marker.pasted", 0.05),
+    ("markers.marker.covered_share", 0.1),
+    ("markers.marker.mirrored", 0.02),
+    ("markers.marker.extra_dots", 0.0),
+    ("markers.marker.missing_dots", 0.0),
+    ("landmark", 1.0),
+    ("floor.region", 0.25),
+    ("furniture", 0.3),
+    ("event", 0.25),
+    ("localizer", 1.0),
+    ("localizer.methods", 1.0),
+    ("localizer.wall_directions", 1.0),
+];
+
+/// Narrower than the schema: beyond, a robot tips over, stands still, or sees nothing, and every run is the same.
+const RANGES: [(&str, [f64; 2]); 127] = [
+    ("start.tolerance_m", [0.0, 0.5]),
+    ("start.tolerance_deg", [0.0, 20.0]),
+    ("station.tolerance_m", [0.0, 0.3]),
+    ("station.tolerance_deg", [0.0, 20.0]),
+    ("station_spread.count", [1.0, 6.0]),
+    ("station_spread.tolerance_m", [0.0, 0.3]),
+    ("station_spread.tolerance_deg", [0.0, 20.0]),
+    ("route.begins_s", [0.0, 2.0]),
+    ("pause_s", [0.0, 2.0]),
+    ("speed_m_per_s", [0.05, 0.6]),
+    ("errand.tolerance_m", [0.02, 0.5]),
+    ("navigation.random_goals", [0.0, 3.0]),
+    ("navigation.margin_m", [0.0, 0.15]),
+    ("navigation.tolerance_m", [0.02, 0.3]),
+    ("navigation.patience_s", [0.2, 5.0]),
+    ("navigation.give_up_s", [1.0, 60.0]),
+    ("robot.mass_kg", [2.0, 30.0]),
+    ("robot.body_radius_m", [0.1, 0.3]),
+    ("robot.wheel_radius_m", [0.025, 0.12]),
+    ("robot.wheel_radius_tolerance", [0.0, 0.02]),
+    ("robot.track_m", [0.15, 0.45]),
+    ("robot.track_tolerance", [0.0, 0.03]),
+    ("robot.wheel_wear", [0.0, 0.02]),
+    ("robot.caster_stiffness", [0.1, 1.0]),
+    ("robot.max_speed_m_per_s", [0.1, 0.8]),
+    ("robot.max_turn_rate_rad_per_s", [0.3, 2.5]),
+    ("robot.max_acceleration_m_per_s2", [0.1, 1.5]),
+    ("robot.encoders.ticks_per_turn", [20.0, 200_000.0]),
+    ("robot.encoders.period_s", [0.001, 0.4]),
+    ("robot.delivery.dropped_share", [0.0, 0.5]),
+    ("robot.delivery.duplicated_share", [0.0, 0.5]),
+    // Mounts within the robot's body.
+    ("forward_m", [-0.3, 0.3]),
+    ("left_m", [-0.3, 0.3]),
+    // Pictures are small and rare: half of a run's time goes into them.
+    ("width_px", [96.0, 640.0]),
+    ("height_px", [96.0, 480.0]),
+    ("floor_camera.period_s", [0.05, 1.0]),
+    ("forward_camera.period_s", [0.1, 1.0]),
+    ("ceiling_camera.period_s", [0.05, 1.0]),
+    ("range_camera.period_s", [0.05, 1.0]),
+    ("latency_s", [0.0, 0.4]),
+    ("latency_tolerance_s", [0.0, 0.3]),
+    ("stamp_tolerance_s", [0.0, 0.03]),
+    ("floor_camera.height_m", [0.1, 0.5]),
+    ("floor_camera.footprint_width_m", [0.2, 1.0]),
+    ("floor_camera.q_items", [0.0, 4.0]),
+    ("forward_camera.height_m", [0.1, 0.8]),
+    ("forward_camera.horizontal_view_deg", [45.0, 110.0]),
+    ("forward_camera.tilt_up_deg", [-10.0, 30.0]),
+    ("forward_camera.turning_exposure_s", [0.0005, 0.01]),
+    ("ceiling_camera.height_m", [0.1, 0.8]),
+    ("ceiling_camera.focal_px", [150.0, 900.0]),
+    ("ceiling_camera.lean_forward_deg", [-15.0, 15.0]),
+    ("ceiling_camera.lean_left_deg", [-15.0, 15.0]),
+    ("ceiling_camera.ring_intensity_w_per_sr", [0.0, 2.0]),
+    ("forward_camera.ring_intensity_w_per_sr", [0.0, 2.0]),
+    ("position_tolerance_m", [0.0, 0.02]),
+    ("principal_point_tolerance_px", [0.0, 10.0]),
+    ("distortion_tolerance_px", [0.0, 2.0]),
+    ("lens.defocus_px", [0.0, 2.0]),
+    // Beyond, wide lenses fold the image over.
+    ("lens.distortion", [-0.03, 0.03]),
+    ("lens.row_time_s", [0.0, 5e-5]),
+    ("sensor.exposure_s", [0.0005, 0.03]),
+    ("sensor.longest_exposure_s", [0.001, 0.05]),
+    ("sensor.f_number", [1.0, 8.0]),
+    ("sensor.full_well_electrons", [2_000.0, 50_000.0]),
+    ("sensor.read_noise_electrons", [0.0, 20.0]),
+    ("sensor.dark_current_electrons_per_s", [0.0, 1_000.0]),
+    ("sensor.dsnu_electrons", [0.0, 10.0]),
+    ("sensor.prnu", [0.0, 0.03]),
+    ("sensor.black_level", [0.0, 64.0]),
+    ("sensor.max_gain_levels_per_electron", [0.01, 4.0]),
+    ("sensor.pixel_pitch_m", [1.5e-6, 1e-5]),
+    ("sensor.quantum_efficiency", [0.1, 0.9]),
+    ("sensor.highlight_share", [0.0, 0.1]),
+    ("range_camera.focal_px", [100.0, 1_000.0]),
+    ("range_camera.width_px", [160.0, 1_280.0]),
+    ("range_camera.greatest_range_m", [1.5, 20.0]),
+    ("range_camera.least_range_m", [0.0, 0.7]),
+    ("range_camera.height_m", [0.2, 1.0]),
+    ("range_camera.q_items", [0.0, 3.0]),
+    ("range_camera.wrong_items_max", [0.0, 3.0]),
+    ("range_camera.wrong_share", [0.0, 0.2]),
+    ("range_camera.wrong_spacing", [0.0, 8.0]),
+    ("gyro.period_s", [0.001, 0.1]),
+    ("gyro.angle_random_walk_deg_per_sqrt_h", [0.0, 2.0]),
+    ("markers.marker.misplaced_m", [-0.1, 0.1]),
+    ("gyro.bias_wander_deg_per_s2", [0.0, 1.0]),
+    ("gyro.noise_deg_per_s", [0.0, 5.0]),
+    ("flow.period_s", [0.001, 0.1]),
+    ("flow.greatest_speed_m_per_s", [0.2, 3.0]),
+    ("flow.scale_tolerance", [0.0, 0.2]),
+    ("flow.calibration_tolerance", [0.0, 0.1]),
+    ("floor.friction", [0.4, 1.2]),
+    ("floor.flow_dropout", [0.0, 0.9]),
+    ("tiles.edge_x_m", [0.08, 0.8]),
+    ("tiles.edge_y_m", [0.08, 0.8]),
+    ("tiles.laying_tolerance_m", [0.0, 0.004]),
+    ("tiles.corner_tolerance_m", [0.0, 0.003]),
+    ("tiles.missing_share", [0.0, 0.4]),
+    ("tiles.joint_width_m", [0.001, 0.02]),
+    ("stray.width_m", [0.0005, 0.03]),
+    ("region.friction", [0.2, 1.2]),
+    ("region.height_m", [0.0, 0.004]),
+    ("region.pile_height_m", [0.0, 0.003]),
+    ("region.drag", [0.0, 0.2]),
+    ("region.nap_drift", [0.0, 0.05]),
+    ("event.friction", [0.1, 1.2]),
+    ("event.displacement_m", [-0.4, 0.4]),
+    ("event.lasts_s", [0.2, 3.0]),
+    ("furniture.size_m", [0.05, 1.2]),
+    ("furniture.height_m", [0.1, 2.0]),
+    ("person.radius_m", [0.1, 0.3]),
+    ("lamp.size_m", [0.05, 1.0]),
+    ("lamp.lumens", [10.0, 5_000.0]),
+    ("building.ceiling_height_m", [2.0, 4.0]),
+    ("building.room.width_m", [0.8, 6.0]),
+    ("building.room.depth_m", [0.8, 6.0]),
+    ("door.height_m", [1.0, 2.0]),
+    ("picture.bottom_m", [0.1, 1.4]),
+    ("picture.height_m", [0.1, 0.6]),
+    ("markers.rotation_tolerance_deg", [0.0, 5.0]),
+    ("markers.height_tolerance_m", [0.0, 0.05]),
+    ("landmark.height_m", [0.1, 1.5]),
+    ("localizer.wall_directions.tolerance_deg", [0.01, 5.0]),
+    ("light.unevenness_ratio", [1.0, 10.0]),
+    ("illuminance_at_floor_lux", [0.1, 3_000.0]),
+    ("illuminance_at_camera_lux", [0.05, 1_000.0]),
+];
+
+const COUNTS: [(&str, [i64; 2]); 6] = [
+    ("route.waypoint", [1, 6]),
+    ("landmark", [1, 30]),
+    ("markers.marker", [1, 12]),
+    ("station", [1, 5]),
+    ("event", [1, 2]),
+    ("waypoints_m", [1, 3]),
+];

@@ -1,0 +1,138 @@
+//! What the process of one case does: reads a scene, runs it, and tells what it saw, line by line.
+
+use std::{
+    io::{self, BufRead, Read, Write},
+    process, thread,
+};
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    check::check,
+    record::Summary,
+    render::Renderer,
+    run::{RunOptions, run},
+    scene::{Scene, SceneError, SceneFile},
+};
+
+use super::wish::{Hit, hits};
+
+/// One line of what a case's process tells, as JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Told {
+    /// The scene is not valid; the key that is to blame first, without indices.
+    Refused(String),
+    /// The scene is valid and runs.
+    Began {
+        /// Simulated time that there is to run.
+        simulated_s: f64,
+        /// Pixels that all cameras take in a second of it.
+        pixels_per_s: f64,
+    },
+    /// Simulated time that has run.
+    At(f64),
+    /// No adapter, or one that failed.
+    CouldNotRun(String),
+    /// The run is over.
+    Ran(Outcome),
+}
+
+/// What a run showed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Steps judged.
+    pub steps: usize,
+    /// Simulated time.
+    pub simulated_s: f64,
+    /// Whether images were rendered.
+    pub has_cameras: bool,
+    /// Bounds that were exceeded.
+    pub broken: Vec<String>,
+    /// Wishes that came true.
+    pub hits: Vec<Hit>,
+    /// Digest of truth, readings and estimates.
+    pub digest: String,
+}
+
+/// Reads a scene from standard input, the number of its bytes in a line before it, runs it with `seed` and tells of it on standard
+/// output. Ends the process when standard input does: whoever waited for it is gone.
+pub fn probe(seed: u64, adapter: Option<&str>) -> io::Result<()> {
+    let mut input = io::stdin().lock();
+    let mut line = String::new();
+    input.read_line(&mut line)?;
+    let length = line.trim().parse().map_err(io::Error::other)?;
+    let mut text = vec![0; length];
+    input.read_exact(&mut text)?;
+    drop(input);
+    thread::spawn(|| {
+        // Nothing more is sent, so that this returns when the other end is closed.
+        let _ = io::stdin().lock().read(&mut [0]);
+        process::exit(2);
+    });
+    let text = String::from_utf8(text).map_err(io::Error::other)?;
+    tell(&run_told(text, seed, adapter))
+}
+
+fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
+    let scene = match Scene::parse(&text, "drawn.toml") {
+        Ok(scene) => scene,
+        Err(error) => return Told::Refused(reason(&error)),
+    };
+    let pixels_per_s = pixels_per_s(&scene);
+    // Whoever does not listen any more has ended, and so does this process.
+    let _ = tell(&Told::Began { simulated_s: scene.simulated_s(), pixels_per_s });
+    let mut renderer = match scene.has_camera().then(|| Renderer::on_adapter(adapter)).transpose() {
+        Ok(renderer) => renderer,
+        Err(error) => return Told::CouldNotRun(error.to_string()),
+    };
+    let has_cameras = renderer.is_some();
+    let mut progress = |simulated_s: f64| drop(tell(&Told::At(simulated_s)));
+    let record = match run(&scene, seed, renderer.as_mut(), &RunOptions::default(), &mut progress) {
+        Ok(record) => record,
+        Err(error) => return Told::CouldNotRun(error.to_string()),
+    };
+    let verdict = check(&scene, &record);
+    let mut broken: Vec<String> = verdict.violations.iter().map(|broken| broken.bound.clone()).collect();
+    broken.sort();
+    broken.dedup();
+    let hits = hits(&scene, &record, &verdict);
+    let file = SceneFile { name: "drawn".to_owned(), path: "drawn.toml".into(), scene, text, settings: Vec::new() };
+    let summary = Summary::of(&file, &record, &verdict);
+    let digest = format!("{} {} {}", summary.digest.truth, summary.digest.readings, summary.digest.estimates);
+    Told::Ran(Outcome {
+        steps: verdict.containment.checks,
+        simulated_s: summary.duration_s,
+        has_cameras,
+        broken,
+        hits,
+        digest,
+    })
+}
+
+/// The first key that was refused, whatever its place in a list.
+fn reason(error: &SceneError) -> String {
+    match error {
+        SceneError::Invalid { problems, .. } => problems.0.first().map_or_else(String::new, |problem| {
+            let is_digit = |c: char| c.is_ascii_digit();
+            problem.key.replace(is_digit, "").replace("[]", "")
+        }),
+        other => other.to_string(),
+    }
+}
+
+fn pixels_per_s(scene: &Scene) -> f64 {
+    let robot = &scene.robot;
+    let floor = robot.floor_camera.as_ref().map(|camera| (camera.width_px, camera.height_px, camera.period_s));
+    let forward = robot.forward_camera.as_ref().map(|camera| (camera.width_px, camera.height_px, camera.period_s));
+    let ceiling = robot.ceiling_camera.as_ref().map(|camera| (camera.width_px, camera.height_px, camera.period_s));
+    let fitted = [floor, forward, ceiling].into_iter().flatten();
+    fitted.map(|(width, height, period_s)| f64::from(width) * f64::from(height) / period_s).sum()
+}
+
+fn tell(told: &Told) -> io::Result<()> {
+    let mut output = io::stdout().lock();
+    serde_json::to_writer(&mut output, told)?;
+    output.write_all(b"\n")?;
+    output.flush()
+}

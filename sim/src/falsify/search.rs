@@ -1,0 +1,252 @@
+//! The search itself: cases by their numbers, several at a time, each done when it stands in the journal.
+
+use std::{
+    ops::Range,
+    path::PathBuf,
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+        mpsc,
+    },
+    thread,
+    time::Instant,
+};
+
+use toml::Table;
+
+use super::{
+    FalsifyError, Profile,
+    child::{Ending, Run},
+    drawn,
+    finding::Finding,
+    journal::{Done, Journal},
+    probe::Outcome,
+    shrink::shrink,
+    wish::{Hit, Wish},
+};
+
+/// What a search is asked.
+#[derive(Clone, Debug)]
+pub struct Search {
+    /// Seed of all scenes.
+    pub seed: u64,
+    /// Numbers of the cases.
+    pub cases: Range<u64>,
+    /// Which scenes are drawn.
+    pub profile: Profile,
+    /// Runs at the same time.
+    pub jobs: usize,
+    /// When no more cases begin, and shrinking ends.
+    pub deadline: Option<Instant>,
+    /// Wishes whose scenes are shrunk and written.
+    pub wishes: Vec<Wish>,
+    /// How many smaller scenes are tried for each of them.
+    pub tries: usize,
+    /// Every so many cases one runs twice; 0 for none.
+    pub twice_every: u64,
+    /// Where the journal and the scenes found go.
+    pub out: PathBuf,
+    /// Graphics adapter to render with.
+    pub adapter: Option<String>,
+}
+
+/// What a search tells while it goes on.
+#[derive(Clone, Debug)]
+pub enum Progress {
+    /// So many cases were done by an earlier process.
+    Resumed(usize),
+    /// A case is done.
+    Done(Done),
+}
+
+/// Scenes of one case that may be refused one after the other. Of a grammar worth its name less than half are, so that so many in a row
+/// have a chance of 10⁻¹².
+const ATTEMPTS: u64 = 40;
+
+/// Smaller scenes tried of a run that does not end: each that hangs as well takes all the time that a run is allowed.
+const HANG_TRIES: usize = 60;
+
+/// Runs every case that is not done yet; returns all that are done, in order. `progress` is told of each.
+pub fn search(search: &Search, progress: &mut dyn FnMut(Progress)) -> Result<Vec<Done>, FalsifyError> {
+    let (journal, earlier) = Journal::open(&search.out, search.seed, search.profile, search.adapter.as_deref())?;
+    let mut done: Vec<Done> = earlier.into_values().filter(|case| search.cases.contains(&case.case)).collect();
+    progress(Progress::Resumed(done.len()));
+    let is_done = |number: &u64| done.binary_search_by_key(number, |case| case.case).is_ok();
+    let todo: Vec<u64> = search.cases.clone().filter(|number| !is_done(number)).collect();
+    let (next, stop, journal) = (AtomicU64::new(0), AtomicBool::new(false), Mutex::new(journal));
+    let (sender, receiver) = mpsc::channel();
+    let mut first_error = None;
+    thread::scope(|scope| {
+        for _ in 0..search.jobs.clamp(1, todo.len().max(1)) {
+            let (sender, next, stop, journal, todo) = (sender.clone(), &next, &stop, &journal, &todo);
+            scope.spawn(move || {
+                while !stop.load(Ordering::Relaxed) && !search.is_over() {
+                    let Some(number) = todo.get(next.fetch_add(1, Ordering::Relaxed) as usize) else { break };
+                    let outcome = search.case(*number).and_then(|case| {
+                        journal.lock().unwrap_or_else(PoisonError::into_inner).add(&case)?;
+                        Ok(case)
+                    });
+                    if outcome.is_err() {
+                        stop.store(true, Ordering::Relaxed);
+                    }
+                    // The receiver lives until every worker has ended.
+                    let _ = sender.send(outcome);
+                }
+            });
+        }
+        drop(sender);
+        for outcome in receiver {
+            match outcome {
+                Ok(case) => {
+                    progress(Progress::Done(case.clone()));
+                    done.push(case);
+                }
+                Err(error) => first_error = first_error.take().or(Some(error)),
+            }
+        }
+    });
+    done.sort_by_key(|case| case.case);
+    first_error.map_or(Ok(done), Err)
+}
+
+/// What one run showed.
+struct Seen {
+    outcome: Option<Outcome>,
+    hits: Vec<Hit>,
+}
+
+impl Search {
+    fn is_over(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// One case: a scene that is accepted, its run, and what is found made small.
+    fn case(&self, number: u64) -> Result<Done, FalsifyError> {
+        let mut refused = Vec::new();
+        for attempt in 0..ATTEMPTS {
+            let (scene, run_seed) = drawn(self.seed, self.profile, number, attempt);
+            match self.seen(number, &scene, run_seed, self.runs_twice(number))? {
+                Err(reason) => refused.push(reason),
+                Ok(seen) => return self.done(number, run_seed, scene, seen, refused),
+            }
+        }
+        let reason = refused.pop().unwrap_or_default();
+        Err(FalsifyError::AllRefused { case: number, attempts: ATTEMPTS, reason })
+    }
+
+    fn runs_twice(&self, number: u64) -> bool {
+        self.twice_every > 0 && number.is_multiple_of(self.twice_every)
+    }
+
+    fn done(
+        &self,
+        case: u64,
+        run_seed: u64,
+        scene: Table,
+        seen: Seen,
+        refused: Vec<String>,
+    ) -> Result<Done, FalsifyError> {
+        let gravest =
+            seen.hits.iter().filter(|hit| self.wishes.contains(&hit.wish)).min_by_key(|hit| hit.wish).cloned();
+        let found = gravest.map(|hit| self.found(case, run_seed, scene, hit)).transpose()?;
+        let outcome = seen.outcome;
+        Ok(Done {
+            case,
+            run_seed,
+            refused,
+            steps: outcome.as_ref().map_or(0, |outcome| outcome.steps),
+            simulated_s: outcome.as_ref().map_or(0.0, |outcome| outcome.simulated_s),
+            has_cameras: outcome.as_ref().is_some_and(|outcome| outcome.has_cameras),
+            broken: outcome.map(|outcome| outcome.broken).unwrap_or_default(),
+            hits: seen.hits,
+            found,
+        })
+    }
+
+    /// Makes the scene of a hit small and writes it.
+    fn found(&self, case: u64, run_seed: u64, scene: Table, hit: Hit) -> Result<PathBuf, FalsifyError> {
+        let mut error = None;
+        let mut last = hit.clone();
+        let tries = if hit.wish == Wish::Hang { self.tries.min(HANG_TRIES) } else { self.tries };
+        let small = shrink(scene, hit.at_s, tries, &mut |smaller| {
+            if error.is_some() || self.is_over() {
+                return false;
+            }
+            let seen = match self.seen(case, smaller, run_seed, hit.wish == Wish::DigestDiffers) {
+                Ok(seen) => seen,
+                Err(failed) => {
+                    error = Some(failed);
+                    return false;
+                }
+            };
+            let again = seen.ok().and_then(|seen| seen.hits.into_iter().find(|other| is_same(&hit, other)));
+            let is_again = again.is_some();
+            last = again.unwrap_or_else(|| last.clone());
+            is_again
+        });
+        if let Some(error) = error {
+            return Err(error);
+        }
+        let finding = Finding { seed: self.seed, case, run_seed, hit: &last, scene: &small };
+        Ok(finding.write(&self.out)?)
+    }
+
+    /// Runs a scene in a process of its own; the key for which it was refused instead.
+    fn seen(&self, case: u64, scene: &Table, seed: u64, is_twice: bool) -> Result<Result<Seen, String>, FalsifyError> {
+        let text = scene.to_string();
+        let run = |driver_threads| {
+            let run = Run { text: &text, seed, adapter: self.adapter.as_deref(), driver_threads };
+            run.run().map_err(|source| FalsifyError::Process { case, source })
+        };
+        let outcome = match run(None)? {
+            Ending::Refused(reason) => return Ok(Err(reason)),
+            Ending::CouldNotRun(reason) => return Err(FalsifyError::CouldNotRun { case, reason }),
+            Ending::Ran(outcome) => outcome,
+            ended => return Ok(Ok(Seen { outcome: None, hits: ended_early(&ended).into_iter().collect() })),
+        };
+        let mut hits = outcome.hits.clone();
+        if is_twice {
+            // Other threads in the driver, where it has any, must not change a byte.
+            match run(Some(1))? {
+                Ending::Ran(second) if second.digest == outcome.digest => {}
+                other => hits.push(differs(&outcome, &other)),
+            }
+        }
+        Ok(Ok(Seen { outcome: Some(outcome), hits }))
+    }
+}
+
+/// The hit that a process shows which ended before its run did.
+fn ended_early(ending: &Ending) -> Option<Hit> {
+    match ending {
+        Ending::Crashed { at_s, place, said } => {
+            // The first line names the place.
+            let message = said.lines().skip_while(|line| !line.contains("panicked at")).nth(1).unwrap_or(place);
+            let seen = format!("{place}: {message}, after {at_s:.1} s");
+            Some(Hit { wish: Wish::Crash, at_s: *at_s, signature: place.clone(), seen })
+        }
+        Ending::Hung { at_s, took_s } => {
+            let seen = format!("ended at {at_s:.1} s of simulated time, after {took_s:.0} s of processor time");
+            Some(Hit { wish: Wish::Hang, at_s: *at_s, signature: "hang".to_owned(), seen })
+        }
+        _ => None,
+    }
+}
+
+fn differs(first: &Outcome, second: &Ending) -> Hit {
+    let names = ["truth", "readings", "estimates"];
+    let seen = match second {
+        Ending::Ran(second) => {
+            let pairs = first.digest.split(' ').zip(second.digest.split(' ')).zip(names);
+            let differing: Vec<&str> = pairs.filter(|((one, other), _)| one != other).map(|(_, name)| name).collect();
+            format!("the second run has other {}", differing.join(", "))
+        }
+        other => format!("the second run did not end as the first: {other:?}"),
+    };
+    Hit { wish: Wish::DigestDiffers, at_s: 0.0, signature: seen.clone(), seen }
+}
+
+/// Whether a smaller scene shows what the whole one did; of a crash, in the same place.
+fn is_same(one: &Hit, other: &Hit) -> bool {
+    one.wish == other.wish && (one.wish != Wish::Crash || one.signature == other.signature)
+}

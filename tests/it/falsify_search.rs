@@ -1,0 +1,94 @@
+use std::{
+    fs,
+    io::Write,
+    process::{Output, Stdio},
+    thread,
+    time::Duration,
+};
+
+use serde_json::Value;
+
+use crate::command::{blind_scene, folder, outcome, wherein};
+
+/// A search into `out` of its folder that prints JSON.
+fn searched(place: &std::path::Path, more: &[&str]) -> (i32, Value, String) {
+    let (code, output, errors) = outcome(&mut wherein(place, &[&["falsify", "--json", "--out", "out"], more].concat()));
+    (code, serde_json::from_str(&output).unwrap_or_else(|error| panic!("{error}: {output}{errors}")), errors)
+}
+
+#[test]
+fn a_search_goes_on_where_it_stopped_and_sums_up_all_of_it() {
+    let place = folder("falsify_resumed");
+    let part = ["--seed", "1", "--without-cameras", "--tries", "0"];
+    let (_, first, errors) = searched(&place, &[&part[..], &["--cases", "0..4"]].concat());
+    assert!(errors.contains("4 cases run"), "{errors}");
+    // What a killed process leaves of its last line is not taken for a case.
+    let journal = fs::read_dir(place.join("out")).unwrap().map(|entry| entry.unwrap().path());
+    let journal = journal.into_iter().find(|path| path.to_string_lossy().contains("journal_")).unwrap();
+    fs::OpenOptions::new().append(true).open(journal).unwrap().write_all(b"{\"case\":4,\"run_s").unwrap();
+    let (_, second, errors) = searched(&place, &[&part[..], &["--cases", "0..6", "--jobs", "1"]].concat());
+    assert!(errors.contains("2 cases run") && errors.contains("4 recorded earlier"), "{errors}");
+    assert_eq!((&first["summary"]["runs"], &second["summary"]["runs"]), (&Value::from(4), &Value::from(6)));
+    // The same in one go, by more workers.
+    let whole = folder("falsify_whole");
+    let (_, whole, _) = searched(&whole, &[&part[..], &["--cases", "0..6", "--jobs", "3"]].concat());
+    assert_eq!(whole["summary"], second["summary"]);
+}
+
+#[test]
+fn a_process_that_nobody_waits_for_ends() {
+    let place = folder("falsify_orphan");
+    let text = blind_scene(30_000.0, "[localizer]\nmethods = []\n");
+    let mut command = wherein(&place, &["falsify", "--probe", "0"]);
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    let mut input = child.stdin.take().unwrap();
+    write!(input, "{}\n{text}", text.len()).unwrap();
+    input.flush().unwrap();
+    // Ten hours of driving take minutes.
+    thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none(), "it waits for the end of its input");
+    drop(input);
+    thread::sleep(Duration::from_secs(5));
+    let ended = child.try_wait().unwrap();
+    let _ = child.kill();
+    assert_eq!(ended.and_then(|status| status.code()), Some(2));
+}
+
+#[test]
+fn what_a_process_tells_of_a_scene_ends_with_the_run() {
+    let place = folder("falsify_probe");
+    for (text, told) in [(blind_scene(1.0, "[localizer]\nmethods = []\n"), "ran"), ("[room]\n".to_owned(), "refused")] {
+        let mut command = wherein(&place, &["falsify", "--probe", "0"]);
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let mut input = child.stdin.take().unwrap();
+        write!(input, "{}\n{text}", text.len()).unwrap();
+        input.flush().unwrap();
+        let status = child.wait().unwrap();
+        let Output { stdout, .. } = child.wait_with_output().unwrap();
+        let last: Value =
+            serde_json::from_slice(stdout.split(|byte| *byte == b'\n').rfind(|line| !line.is_empty()).unwrap())
+                .unwrap();
+        assert!(status.success() && last.get(told).is_some(), "{last}");
+    }
+}
+
+#[test]
+fn what_cannot_be_searched_is_told_with_code_2() {
+    let place = folder("falsify_refused");
+    for (wrong, told) in
+        [(["--cases", "5..5"], "A less than B"), (["--minutes", "0"], "above 0"), (["--wish", "luck"], "perception")]
+    {
+        let (code, _, errors) = outcome(&mut wherein(&place, &[&["falsify"], &wrong[..]].concat()));
+        assert!(code == 2 && errors.contains(told), "{wrong:?}: {errors}");
+    }
+}
+
+/// A minute of the search on two cores. The numbers were fixed before anybody ran them.
+#[test]
+fn random_scenes_keep_the_promise() {
+    let place = folder("falsify_random");
+    for (profile, cases) in [("--without-cameras", "0..250"), ("--with-cameras", "0..12")] {
+        let (code, told, errors) = searched(&place, &["--seed", "2026", profile, "--cases", cases]);
+        assert_eq!(code, 0, "{profile}: {told:#}\n{errors}");
+    }
+}

@@ -1,0 +1,94 @@
+use localizer::{Estimate, Interval, Pose, PoseBox, PoseUnion, Status};
+use sim::{
+    check::check,
+    drawn::Drawn,
+    falsify::{Wish, hits},
+    run::RunRecord,
+    scene::Scene,
+    truth::Truth,
+};
+
+use crate::command::blind_scene;
+
+fn scene() -> Scene {
+    Scene::parse(&blind_scene(4.0, "[localizer]\nmethods = []\n"), "scene.toml").unwrap()
+}
+
+/// A robot that rests for four seconds, in a box that is `half_m` wide to either side and as much as `off_m` says off along x.
+fn record(scene: &Scene, half_m: f64, off_m: impl Fn(f64) -> f64) -> RunRecord {
+    let mut record = RunRecord::new(1, None, Drawn::draw(scene, 1));
+    for step in 0..=400 {
+        let time_s = f64::from(step) * 0.01;
+        let pose = Pose { x_m: 0.6, y_m: 0.6, heading_rad: 0.0 };
+        record.truths.push(Truth { time_s, pose, ..Truth::default() });
+        let about = [0.6 + off_m(time_s), 0.6, 0.0].map(|value| Interval::centred(value, half_m));
+        let pose_box = PoseUnion::single(PoseBox::from(about));
+        record.estimates.push(Estimate {
+            time_s,
+            pose: pose_box,
+            status: Status::Sound,
+            relies_on: vec!["wheels.slip"],
+        });
+        record.odometry.push(pose);
+    }
+    record
+}
+
+fn wishes(scene: &Scene, record: &RunRecord) -> Vec<Wish> {
+    hits(scene, record, &check(scene, record)).into_iter().map(|hit| hit.wish).collect()
+}
+
+#[test]
+fn a_truth_inside_grants_no_wish() {
+    let scene = scene();
+    assert_eq!(wishes(&scene, &record(&scene, 0.01, |_| 0.0)), []);
+}
+
+#[test]
+fn outside_for_half_a_second_is_unsound_and_for_longer_than_one_it_is_sound_but_outside_too() {
+    let scene = scene();
+    let outside_until = |end_s: f64| move |time_s: f64| if (1.0..end_s).contains(&time_s) { 0.05 } else { 0.0 };
+    assert_eq!(wishes(&scene, &record(&scene, 0.01, outside_until(1.5))), [Wish::Unsound]);
+    assert_eq!(wishes(&scene, &record(&scene, 0.01, outside_until(2.5))), [Wish::Unsound, Wish::SoundButOutside]);
+}
+
+#[test]
+fn a_localizer_that_says_that_it_recovers_is_not_sound_but_outside() {
+    let scene = scene();
+    let mut record = record(&scene, 0.01, |time_s| if time_s > 1.0 { 0.05 } else { 0.0 });
+    record.estimates.iter_mut().for_each(|estimate| estimate.status = Status::Recovering);
+    assert_eq!(wishes(&scene, &record), [Wish::Unsound]);
+}
+
+#[test]
+fn a_bound_excuses_only_where_an_estimate_relies_on_it() {
+    let scene = scene();
+    let mut record = record(&scene, 0.01, |time_s| if time_s > 1.0 { 0.05 } else { 0.0 });
+    // At half a second the left wheel spins by far more than its bound.
+    for truth in &mut record.truths {
+        truth.wheel_angle_rad[0] += 10.0 * ((truth.time_s - 0.5) / 0.1).clamp(0.0, 1.0);
+    }
+    assert_eq!(wishes(&scene, &record), []);
+    record.estimates.iter_mut().for_each(|estimate| estimate.relies_on.clear());
+    assert_eq!(wishes(&scene, &record), [Wish::Unsound, Wish::SoundButOutside]);
+}
+
+#[test]
+fn a_box_wider_than_the_room_and_its_start_is_one_only_while_sound() {
+    let scene = scene();
+    // The room is 2 m deep and the start known to 0.01 m: 2.02 m are allowed.
+    assert_eq!(wishes(&scene, &record(&scene, 1.005, |_| 0.0)), []);
+    let mut wide = record(&scene, 1.015, |_| 0.0);
+    assert_eq!(wishes(&scene, &wide), [Wish::WiderThanRoom]);
+    wide.estimates.iter_mut().for_each(|estimate| estimate.status = Status::Recovering);
+    assert_eq!(wishes(&scene, &wide), []);
+}
+
+#[test]
+fn a_box_of_no_pose_is_empty_whatever_the_status() {
+    let scene = scene();
+    let mut record = record(&scene, 0.01, |_| 0.0);
+    record.estimates[300].pose = PoseUnion { branches: Vec::new() };
+    record.estimates[300].status = Status::Recovering;
+    assert!(wishes(&scene, &record).contains(&Wish::EmptyBox));
+}

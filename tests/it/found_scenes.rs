@@ -1,0 +1,53 @@
+use std::{fs, path::PathBuf};
+
+use sim::scene::Scene;
+
+use crate::command::{folder, outcome, root, wherein};
+
+/// Every scene that broke something once.
+fn found() -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join("scenes/found")).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> =
+        entries.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
+    files.sort();
+    files
+}
+
+/// The seeds of a line `# seeds: 0 1 2`; seed 0 where there is none.
+fn seeds(text: &str) -> Vec<u64> {
+    let stated = text.lines().find_map(|line| line.strip_prefix("# seeds:"));
+    stated.map_or_else(|| vec![0], |listed| listed.split_whitespace().map(|seed| seed.parse().unwrap()).collect())
+}
+
+#[test]
+fn seeds_are_read_from_a_comment() {
+    assert_eq!(seeds("# what it showed\n# seeds: 3 14\nduration_s = 1.0\n"), [3, 14]);
+    assert_eq!(seeds("# what it showed\n"), [0]);
+}
+
+#[test]
+fn every_scene_that_broke_something_says_what_it_showed() {
+    for path in found() {
+        let text = fs::read_to_string(&path).unwrap();
+        let first = text.lines().next().unwrap_or_default();
+        assert!(
+            first.starts_with("# ") && first.len() > 20,
+            "{}: the first line has to say what it showed",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn every_scene_that_broke_something_keeps_its_promise_now() {
+    let out = folder("found_scenes");
+    for path in found() {
+        let text = fs::read_to_string(&path).unwrap();
+        Scene::parse(&text, &path.display().to_string()).unwrap_or_else(|error| panic!("failed to {error}"));
+        for seed in seeds(&text) {
+            let (file, seed) = (path.display().to_string(), seed.to_string());
+            let (code, _, errors) = outcome(&mut wherein(&out, &["run", &file, "--seed", &seed, "--out", "out"]));
+            assert_eq!(code, 0, "{file} --seed {seed}: {errors}");
+        }
+    }
+}
