@@ -11,6 +11,7 @@ mod bounds;
 mod building;
 mod cameras;
 mod conform;
+mod declared;
 mod error;
 mod events;
 mod expect;

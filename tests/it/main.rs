@@ -3,6 +3,8 @@
 
 /// Runs the `wherein` command in folders of its own.
 mod command;
+/// Judges a run that a test has made.
+mod judging;
 
 /// Contractors and pavings on problems worked out by hand.
 mod contractor_by_hand;
@@ -125,7 +127,7 @@ mod golden_images;
 mod cli_render;
 /// What the renderer's tests share.
 mod render_studio;
-/// Who is at fault when the truth is outside, on records made by hand.
+/// Who is at fault when the truth is outside: on records made by hand, and on runs with a fault planted in them.
 mod blame;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;

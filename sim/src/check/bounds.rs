@@ -116,17 +116,24 @@ fn deliveries(
 /// Joints that lie off their place, while they are in view.
 fn tiles(scene: &Scene, camera: &FloorCamera, record: &RunRecord) -> Vec<Violation> {
     let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &record.drawn.tiles) else { return Vec::new() };
-    let mut laying = Monitor::new("floor_tiles.laying");
+    let names = ["floor_tiles.laying", "floor_tiles.laying_angle", "floor_tiles.straightness"];
+    let mut monitors = names.map(Monitor::new);
+    let shortest_m = scene.room.width_m.min(scene.room.depth_m);
+    let declared = [
+        tiles.laying_tolerance_m + tiles.corner_tolerance_m,
+        2.0 * tiles.laying_tolerance_m / shortest_m,
+        tiles.corner_tolerance_m,
+    ];
     for image in images(record) {
         let Some(centre_m) = view_centre(image, record) else { continue };
-        let offset_m = laid.max_offset_near(tiles, &scene.room, centre_m, half_diagonal_m(camera));
-        laying.watch(
-            [image.truth.time_s, image.arrived_s],
-            tiles.laying_tolerance_m + tiles.corner_tolerance_m,
-            offset_m,
-        );
+        let errors = laid.errors_near(tiles, &scene.room, centre_m, half_diagonal_m(camera));
+        let span_s = [image.truth.time_s, image.arrived_s];
+        let off = [errors.offset_m, errors.angle_rad, errors.bend_m];
+        for ((monitor, declared), off) in monitors.iter_mut().zip(declared).zip(off) {
+            monitor.watch(span_s, declared, off);
+        }
     }
-    laying.finish()
+    monitors.into_iter().flat_map(Monitor::finish).collect()
 }
 
 /// The images of the floor camera.

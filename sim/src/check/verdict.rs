@@ -10,11 +10,11 @@ use serde::Serialize;
 pub enum Judgement {
     /// The truth is in the union.
     Contained,
-    /// The truth is outside, and a declared bound on which the estimate relies was exceeded.
+    /// The truth is outside because a declared bound on which the estimate relies was exceeded: with the bound kept it is inside.
     BoundBroken,
-    /// The truth is outside because more claims were false than declared.
+    /// The truth is outside because more claims were false than declared: without those it is inside.
     Perception,
-    /// The truth is outside though every bound held and the claims were true.
+    /// The truth is outside though every bound held and the claims were true, or would be outside if they were.
     Unsound,
 }
 
@@ -73,6 +73,8 @@ pub struct Containment {
     pub perception: usize,
     /// Steps outside without a cause.
     pub unsound: usize,
+    /// How many times the run was simulated again to find whose fault they are.
+    pub replays: usize,
     /// The first step that was not contained.
     pub first_failure: Option<FirstFailure>,
 }
@@ -90,6 +92,8 @@ pub struct FirstFailure {
     pub outcome: Judgement,
     /// Name of the broken bound, or what was false.
     pub blame: String,
+    /// How much was exceeded, and without what the truth is held.
+    pub because: String,
 }
 
 /// A time range in which a quantity exceeded its declared bound.
@@ -109,6 +113,18 @@ pub struct Violation {
     /// True value at that moment.
     #[serde(rename = "true")]
     pub true_value: f64,
+}
+
+impl Violation {
+    /// True value over declared bound; infinite where that is 0.
+    pub fn ratio(&self) -> f64 {
+        self.true_value / self.declared
+    }
+
+    /// By how much the true value is beyond.
+    pub(super) fn excess(&self) -> f64 {
+        self.true_value - self.declared
+    }
 }
 
 /// What another method made of the same readings: points have errors, boxes contain the truth or not and have widths.

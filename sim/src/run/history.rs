@@ -2,7 +2,7 @@
 
 use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, reading::LandmarkId};
 
-use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth};
+use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
 
 use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
 
@@ -16,6 +16,8 @@ pub struct RunRecord {
     pub drawn: Drawn,
     /// Truth at each step.
     pub truths: Vec<Truth>,
+    /// The command over the 10 ms before each step but the first of a drive.
+    pub commands: Vec<WheelCommand>,
     /// Indices of the steps at which the robot was put at a station: nothing carries over from the step before.
     pub restarts: Vec<usize>,
     /// Estimate at each step, same times.
@@ -125,6 +127,7 @@ impl RunRecord {
             adapter,
             drawn,
             truths: Vec::new(),
+            commands: Vec::new(),
             restarts: Vec::new(),
             estimates: Vec::new(),
             images: Vec::new(),

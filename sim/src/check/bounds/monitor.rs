@@ -53,7 +53,7 @@ impl Monitor {
 impl Violation {
     /// Keeps the greater excess.
     fn deepen(&mut self, declared: f64, true_value: f64) {
-        if true_value - declared > self.true_value - self.declared {
+        if true_value - declared > self.excess() {
             (self.true_value, self.declared) = (true_value, declared);
         }
     }
