@@ -11,7 +11,7 @@ mod statistics;
 mod verdict;
 mod wall_directions;
 
-pub use bounds::violations;
+pub use bounds::{violations, watched};
 pub use claims::{is_true, wall_line_deg};
 pub use errands::{distance_to_way_m, true_distance_m};
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};

@@ -129,6 +129,8 @@ mod cli_render;
 mod render_studio;
 /// Who is at fault when the truth is outside: on records made by hand, and on runs with a fault planted in them.
 mod blame;
+/// Every bound that an estimate stands on is watched, and the other way round.
+mod bounds_watched;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
 /// Recordings as the `mcap` crate reads them, and the localizer on them.

@@ -26,7 +26,7 @@ enum Widens {
 
 impl Scene {
     /// Widens the bound of this name so that `true_value` keeps it, where the scene declares `declared`. A bound that holds stays.
-    pub(crate) fn widen(&mut self, bound: &str, declared: f64, true_value: f64) {
+    pub fn widen(&mut self, bound: &str, declared: f64, true_value: f64) {
         self.state_defaults();
         self.widen_others(bound, declared, true_value);
         for key in keys(self).0.into_iter().filter(|key| key.bounds.contains(&bound)) {
@@ -68,7 +68,9 @@ impl Scene {
 
     /// Moves back to its bound what the scene itself places beyond the bound of this name.
     pub(crate) fn clip_placed(&mut self, bound: &str) {
-        let Some(camera) = self.robot.range_camera.as_ref().filter(|_| bound == "range_camera.height_span") else { return };
+        let Some(camera) = self.robot.range_camera.as_ref().filter(|_| bound == "range_camera.height_span") else {
+            return;
+        };
         let [low_m, high_m] = [-1.0, 1.0].map(|side| camera.height_m + side * camera.height_span_m);
         self.landmarks.iter_mut().for_each(|landmark| landmark.height_m = landmark.height_m.clamp(low_m, high_m));
     }

@@ -16,6 +16,11 @@ impl Monitor {
         Monitor { bound, found: Vec::new() }
     }
 
+    /// The bound's name.
+    pub(super) fn bound(&self) -> &'static str {
+        self.bound
+    }
+
     /// Looks at a value over a span of time; spans come in the order of their ends.
     pub(super) fn watch(&mut self, span_s: [f64; 2], declared: f64, true_value: f64) {
         // A drawn value at the very corner of its bound is inside, whatever the rounding of the comparison.
