@@ -17,8 +17,9 @@ pub use errands::{distance_to_way_m, true_distance_m};
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use statistics::midpoint;
 pub use verdict::{
-    AxisError, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable, FirstFailure,
-    FixWidth, Halvings, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
+    AxisError, AxisPower, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable,
+    FirstFailure, FixWidth, Halvings, Judgement, MethodCounts, Passed, PositionError, Power, PowerTable, Verdict,
+    Violation, WidthTable,
 };
 
 use std::collections::BTreeMap;
@@ -57,6 +58,7 @@ pub fn check(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
             ..statistics::errors(&midpoints, &truths)
         },
         width: statistics::widths(record),
+        power: statistics::power(record),
         availability: availability(scene, record),
         methods: methods::counts(record, &false_claims),
         baselines,
@@ -100,13 +102,13 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
     baselines
 }
 
-/// Share of steps that are sound and narrower than the scene declares.
+/// Share of steps that are sound, hold the truth and are narrower than the scene declares.
 fn availability(scene: &Scene, record: &RunRecord) -> f64 {
     let (width_m, width_rad) = (scene.localizer.declared_width_m, scene.localizer.declared_width_deg.to_radians());
-    let available = record.estimates.iter().filter(|estimate| {
+    let available = record.estimates.iter().zip(&record.truths).filter(|(estimate, truth)| {
         let hull = estimate.pose.hull();
         estimate.status == Status::Sound
-            && !hull.is_empty()
+            && estimate.pose.contains(truth.pose)
             && hull[0].width() <= width_m
             && hull[1].width() <= width_m
             && hull[2].width() <= width_rad

@@ -131,6 +131,8 @@ mod render_studio;
 mod blame;
 /// Every bound that an estimate stands on is watched, and the other way round.
 mod bounds_watched;
+/// How much of the boxes is used, what counts as available, and what was not measured.
+mod power;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
 /// Recordings as the `mcap` crate reads them, and the localizer on them.

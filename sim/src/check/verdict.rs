@@ -32,7 +32,9 @@ pub struct Verdict {
     pub error: ErrorTable,
     /// Full widths of the hull, over all steps.
     pub width: WidthTable,
-    /// Share of steps that are sound and narrower than declared.
+    /// |error| over half the width: how much narrower the boxes could have been.
+    pub power: PowerTable,
+    /// Share of steps that are sound, hold the truth and are narrower than declared.
     pub availability: f64,
     /// By method, what it read and said.
     pub methods: BTreeMap<String, MethodCounts>,
@@ -155,6 +157,37 @@ pub struct BaselineContainment {
 pub struct BaselineWidth {
     /// Over all problems it answered.
     pub at_fix: FixWidth,
+}
+
+/// |error of the hull's midpoint| over half the hull's width. At 1 the truth is at a face of the box; boxes 1 / max times as wide would
+/// have held it too. Not a number where no step had a box with sides.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct PowerTable {
+    /// Over all steps.
+    #[serde(flatten)]
+    pub over_all: Power,
+    /// Over those from 5 s of each drive on, when the start is forgotten.
+    pub after_5_s: Power,
+}
+
+/// |error| over half the width along each axis.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Power {
+    /// World x.
+    pub x_m: AxisPower,
+    /// World y.
+    pub y_m: AxisPower,
+    /// Heading.
+    pub heading_rad: AxisPower,
+}
+
+/// |error| over half the width along one axis.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct AxisPower {
+    /// Greatest.
+    pub max: f64,
+    /// Only one step in a thousand has more.
+    pub p999: f64,
 }
 
 /// Errors of x, y, heading and position.
