@@ -133,6 +133,8 @@ mod blame;
 mod bounds_watched;
 /// How much of the boxes is used, what counts as available, and what was not measured.
 mod power;
+/// Runs whose localizer is told narrower bounds than hold.
+mod weakened;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
 /// Recordings as the `mcap` crate reads them, and the localizer on them.

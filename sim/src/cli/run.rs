@@ -97,14 +97,8 @@ fn run_one(
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
     let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));
-    let run_record = run_witnessed(
-        &file.scene,
-        seed,
-        renderer.as_deref_mut(),
-        &options,
-        &mut witnesses,
-        &mut progress,
-    )?;
+    let run_record =
+        run_witnessed(&file.scene, seed, renderer.as_deref_mut(), &options, &mut witnesses, &mut progress)?;
     let (recording, _) = witnesses;
     bar.set_position(start + milliseconds(file.scene.simulated_s()));
     let mut n_replays = 0;

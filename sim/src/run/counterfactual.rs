@@ -13,6 +13,8 @@ pub struct Counterfactual {
     pub changes: Vec<Change>,
     /// The run ends after the first step at or after this time.
     pub until_s: Option<f64>,
+    /// The run ends at the first step at which the truth is outside or an assumption doubted.
+    pub until_lost: bool,
 }
 
 /// One thing that is otherwise.
@@ -57,8 +59,7 @@ pub(super) struct Otherwise<'a> {
 impl Counterfactual {
     /// Applies the changes to a scene and to what its seed has drawn.
     pub(super) fn of<'a>(&self, scene: &'a Scene, drawn: &Drawn) -> Otherwise<'a> {
-        let mut otherwise =
-            Otherwise { world: Cow::Borrowed(scene), told: Cow::Borrowed(scene), drawn: drawn.clone() };
+        let mut otherwise = Otherwise { world: Cow::Borrowed(scene), told: Cow::Borrowed(scene), drawn: drawn.clone() };
         for change in &self.changes {
             match change {
                 Change::Told { bound, declared, true_value } => {
@@ -78,9 +79,8 @@ impl Counterfactual {
 
     /// Takes wrong matches beyond their bound out of a reading of the range camera; `q_items` of one may be wrong.
     pub(super) fn clip_matches(&self, observation: &mut Observation, q_items: usize) {
-        let clips = |name: &str| {
-            self.changes.iter().any(|change| matches!(change, Change::Clipped { bound } if bound == name))
-        };
+        let clips =
+            |name: &str| self.changes.iter().any(|change| matches!(change, Change::Clipped { bound } if bound == name));
         // Wrong matches too near to each other: without any there are none.
         let most = match (clips("range_landmarks.wrong_spacing"), clips("range_landmarks.q_items")) {
             (true, _) => 0,

@@ -1,6 +1,6 @@
 //! What a run leaves for the check and the record.
 
-use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, reading::LandmarkId};
+use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, Status, reading::LandmarkId};
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
 
@@ -109,6 +109,14 @@ impl RunRecord {
         bounds.extend(self.restarts.iter().copied().filter(|&index| index > 0));
         bounds.push(self.truths.len());
         (1..bounds.len()).map(move |index| &self.truths[bounds[index - 1]..bounds[index]])
+    }
+
+    /// Whether the truth is outside at the last step so far, or an assumption doubted.
+    pub fn lost_at_last_step(&self) -> bool {
+        let last = self.truths.last().zip(self.estimates.last());
+        last.is_some_and(|(truth, estimate)| {
+            estimate.status == Status::Recovering || !estimate.pose.contains(truth.pose)
+        })
     }
 
     /// Keeps the next image of `images` if it leaves a wider box than all before it.
