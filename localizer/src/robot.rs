@@ -98,8 +98,6 @@ pub struct FloorCameraModel {
     pub tilt_rad: f64,
     /// Greatest error of an image's stamp, `floor_camera.stamp`.
     pub stamp_error_s: f64,
-    /// Time from mid-exposure to delivery, `floor_camera.latency`.
-    pub latency_s: Interval,
     /// At most this many wrong lines in one image, `floor_tiles.q_items`.
     pub q_items: usize,
 }
@@ -135,8 +133,6 @@ pub struct CeilingCameraModel {
     pub tilt_rad: f64,
     /// Greatest error of an image's stamp, `ceiling_camera.stamp`.
     pub stamp_error_s: f64,
-    /// Time from mid-exposure to delivery, `ceiling_camera.latency`.
-    pub latency_s: Interval,
     /// Photoelectrons of one step of grey level, at least: how noisy bright pixels are.
     pub electrons_per_grey: f64,
     /// At most this many markers of one image are not what the map says, `ceiling_markers.q_items`.

@@ -1,4 +1,4 @@
-//! Compares a run's estimates with its truth and names what was broken. Pure.
+//! Compares a run's estimates with its truth and names what was broken. Pure but for the replays that it is given.
 
 mod bounds;
 mod claims;
@@ -11,36 +11,40 @@ mod statistics;
 mod verdict;
 mod wall_directions;
 
-pub use bounds::violations;
+pub use bounds::{violations, watched};
 pub use claims::{is_true, wall_line_deg};
 pub use errands::{distance_to_way_m, true_distance_m};
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use statistics::midpoint;
 pub use verdict::{
-    AxisError, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable, FirstFailure,
-    FixWidth, Halvings, Judgement, MethodCounts, Passed, PositionError, Verdict, Violation, WidthTable,
+    AxisError, AxisPower, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable,
+    FirstFailure, FixWidth, Halvings, Judgement, MethodCounts, Passed, PositionError, Power, PowerTable, Verdict,
+    Violation, WidthTable,
 };
 
 use std::collections::BTreeMap;
 
 use localizer::{Pose, Status};
 
-use crate::{run::RunRecord, scene::Scene};
+use crate::{
+    render::RenderError,
+    run::{Counterfactual, RunRecord},
+    scene::Scene,
+};
 use claims::FalseClaims;
 
+/// Simulates the judged run again with something otherwise, by its recorded commands: [`run_otherwise`](crate::run::run_otherwise).
+pub type Replay<'a> = dyn FnMut(&Counterfactual) -> Result<RunRecord, RenderError> + 'a;
+
 /// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
-pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
+///
+/// `replay` is asked only when the truth was outside: a cause is to blame if the run without it holds the truth. Errors when it does.
+pub fn check(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Result<Verdict, RenderError> {
     let violations = violations(scene, record);
-    let judged: Vec<FalseClaims> = record.images.iter().map(|image| FalseClaims::of(scene, record, image)).collect();
+    let judged = methods::false_claims(scene, record);
+    let misperceived = methods::misperceived(scene, record, &judged);
     let false_claims: Vec<usize> = judged.iter().map(|judged| judged.total()).collect();
-    let (containment, judgements) = judge::containment(
-        record,
-        &violations,
-        &methods::misperceived(scene, record, &judged),
-        &false_claims,
-        &landmarks::misled(scene, record),
-        scene.localizer.learns_gyro,
-    );
+    let (containment, judgements) = judge::containment(scene, record, &violations, &misperceived, replay)?;
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
@@ -54,6 +58,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
             ..statistics::errors(&midpoints, &truths)
         },
         width: statistics::widths(record),
+        power: statistics::power(record),
         availability: availability(scene, record),
         methods: methods::counts(record, &false_claims),
         baselines,
@@ -63,7 +68,7 @@ pub fn check(scene: &Scene, record: &RunRecord) -> Verdict {
     // A verdict of numbers and strings always has a value; were it otherwise, every expectation would be told as unmet.
     let failed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default());
     verdict.verdict = Passed { passed: failed.is_empty(), failed };
-    verdict
+    Ok(verdict)
 }
 
 /// Odometry alone, and what others made of the range readings.
@@ -97,13 +102,13 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
     baselines
 }
 
-/// Share of steps that are sound and narrower than the scene declares.
+/// Share of steps that are sound, hold the truth and are narrower than the scene declares.
 fn availability(scene: &Scene, record: &RunRecord) -> f64 {
     let (width_m, width_rad) = (scene.localizer.declared_width_m, scene.localizer.declared_width_deg.to_radians());
-    let available = record.estimates.iter().filter(|estimate| {
+    let available = record.estimates.iter().zip(&record.truths).filter(|(estimate, truth)| {
         let hull = estimate.pose.hull();
         estimate.status == Status::Sound
-            && !hull.is_empty()
+            && estimate.pose.contains(truth.pose)
             && hull[0].width() <= width_m
             && hull[1].width() <= width_m
             && hull[2].width() <= width_rad

@@ -45,8 +45,10 @@ fn list(items: &[Value], name: String, figures: &mut Figures) {
     }
     if let Some(stem) = name.strip_suffix("_by_third") {
         let thirds = items.iter().map(|item| item.as_f64().unwrap_or(f64::NAN));
-        // `f64::max` would drop a NaN, and a third without a figure must not pass for a good one.
+        // `f64::max` would drop a NaN, and a third without a figure must not pass for a good one: then there is no worst.
         let worst = thirds.fold(f64::NEG_INFINITY, |worst, third| if third <= worst { worst } else { third });
-        figures.insert(format!("{stem}_worst_third"), worst);
+        if !worst.is_nan() {
+            figures.insert(format!("{stem}_worst_third"), worst);
+        }
     }
 }

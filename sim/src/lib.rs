@@ -25,6 +25,7 @@ pub mod navigation;
 pub mod driver;
 pub mod run;
 pub mod check;
+pub mod weaken;
 pub mod figures;
 pub mod frames;
 pub mod record;

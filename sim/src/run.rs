@@ -1,6 +1,7 @@
 //! The closed loop: the one screen where everything meets.
 
 mod clearance;
+mod counterfactual;
 mod forward_baselines;
 mod history;
 mod marker_baselines;
@@ -23,10 +24,11 @@ use crate::{
     scene::Scene,
     sensors::{Sensors, Stage},
     truth::Truth,
-    world::World,
+    world::{WheelCommand, World},
 };
 
 pub use clearance::Clearance;
+pub use counterfactual::{Change, Counterfactual};
 pub use forward_baselines::ForwardBaselines;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
@@ -36,6 +38,7 @@ pub use range_baselines::{Answers, RangeBaselines};
 pub(crate) use setup::localizer;
 pub use witness::Witness;
 
+use counterfactual::Otherwise;
 use recorder::Recorder;
 
 /// Time between two estimates, two commands and two checks.
@@ -72,94 +75,177 @@ pub fn run_witnessed(
     witness: &mut dyn Witness,
     progress: &mut dyn FnMut(f64),
 ) -> Result<RunRecord, RenderError> {
-    let began = Instant::now();
     let drawn = Drawn::draw(scene, seed);
-    let adapter = renderer.as_deref().map(Renderer::adapter);
-    let mut record = Recorder::new(scene, seed, drawn.clone(), adapter, options, witness);
-    let mut localizer = localizer(scene);
-    let built = scene.as_built(&drawn);
-    let mut stage = renderer.map(|renderer| Stage::new(&built, &drawn, renderer)).transpose()?;
-    if scene.stations.is_empty() {
-        record.witness.start(0.0, None);
-        drive(scene, seed, &drawn, stage.as_mut(), &mut localizer, &mut record, progress)?;
-    }
-    for (index, station) in scene.stations.iter().enumerate() {
-        let here = scene.at_station(station);
-        // The robot and the floor are the same at every station; where in its box it stands and the noise are not.
-        let noise_seed = seed.wrapping_add((index as u64 + 1) << 32);
-        let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
-        record.restart(index, here.duration_s, &here);
-        localizer.restart(here.start_box());
-        drive(&here, noise_seed, &drawn_here, stage.as_mut(), &mut localizer, &mut record, progress)?;
-    }
-    Ok(record.finish(began))
+    let asked = Counterfactual::default();
+    let as_it_is = Simulation { seed, otherwise: asked.of(scene, &drawn), asked: &asked, commands: None };
+    as_it_is.run(renderer, options, witness, progress)
 }
 
-/// One uninterrupted drive.
-fn drive(
+/// Simulates a recorded run again, by its commands, with something otherwise; it keeps no images and asks no baselines.
+///
+/// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
+pub fn run_otherwise(
     scene: &Scene,
-    seed: u64,
-    drawn: &Drawn,
-    mut stage: Option<&mut Stage<'_>>,
-    localizer: &mut Localizer,
-    record: &mut Recorder<'_>,
+    record: &RunRecord,
+    asked: &Counterfactual,
+    renderer: Option<&mut Renderer>,
     progress: &mut dyn FnMut(f64),
-) -> Result<(), RenderError> {
-    let built = scene.as_built(drawn);
-    let mut world = World::new(&built, drawn);
-    let mut sensors = Sensors::new(&built, seed, drawn, stage.as_deref());
-    let mut pilot = Pilot::new(scene, drawn);
-    look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
-    record.step(&world.truth(), localizer);
-    record.room_left(&built, &world);
-    for step in 0..(scene.duration_s / STEP_S).round() as usize {
-        let time_s = step as f64 * STEP_S;
+) -> Result<RunRecord, RenderError> {
+    let otherwise = asked.of(scene, &record.drawn);
+    let again = Simulation { seed: record.seed, otherwise, asked, commands: Some(&record.commands) };
+    again.run(renderer, &RunOptions::default(), &mut (), progress)
+}
+
+/// One run: what is simulated, what the localizer is told, and who drives.
+struct Simulation<'a> {
+    seed: u64,
+    otherwise: Otherwise<'a>,
+    asked: &'a Counterfactual,
+    /// The commands that were given; the scene's own driver gives them unless they are recorded.
+    commands: Option<&'a [WheelCommand]>,
+}
+
+/// What is driven without interruption: the scene's route or errands, or one of its stations.
+struct Drive<'a> {
+    scene: &'a Scene,
+    seed: u64,
+    drawn: &'a Drawn,
+}
+
+impl Simulation<'_> {
+    fn run(
+        &self,
+        renderer: Option<&mut Renderer>,
+        options: &RunOptions,
+        witness: &mut dyn Witness,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<RunRecord, RenderError> {
+        let began = Instant::now();
+        let Otherwise { world: scene, told, drawn } = &self.otherwise;
+        let adapter = renderer.as_deref().map(Renderer::adapter);
+        let mut record = Recorder::new(scene, self.seed, drawn.clone(), adapter, options, witness);
+        record.asks_baselines = self.commands.is_none();
+        let mut localizer = localizer(told);
+        let built = scene.as_built(drawn);
+        let mut stage = renderer.map(|renderer| Stage::new(&built, drawn, renderer)).transpose()?;
+        if scene.stations.is_empty() {
+            record.witness.start(0.0, None);
+            let all = Drive { scene, seed: self.seed, drawn };
+            self.drive(&all, stage.as_mut(), &mut localizer, &mut record, progress)?;
+        }
+        for (index, station) in scene.stations.iter().enumerate() {
+            let here = scene.at_station(station);
+            // The robot and the floor are the same at every station; where in its box it stands and the noise are not.
+            let noise_seed = self.seed.wrapping_add((index as u64 + 1) << 32);
+            let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
+            record.restart(index, here.duration_s, &here);
+            if self.has_ended(&record, 0.0) {
+                break;
+            }
+            localizer.restart(here.start_box());
+            let one = Drive { scene: &here, seed: noise_seed, drawn: &drawn_here };
+            self.drive(&one, stage.as_mut(), &mut localizer, &mut record, progress)?;
+        }
+        Ok(record.finish(began))
+    }
+
+    /// One uninterrupted drive.
+    fn drive(
+        &self,
+        &Drive { scene, seed, drawn }: &Drive<'_>,
+        mut stage: Option<&mut Stage<'_>>,
+        localizer: &mut Localizer,
+        record: &mut Recorder<'_>,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(), RenderError> {
+        let built = scene.as_built(drawn);
+        let mut world = World::new(&built, drawn);
+        let mut sensors = Sensors::new(&built, seed, drawn, stage.as_deref());
+        let mut pilot = Pilot::new(scene, drawn);
+        self.look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
+        record.step(&world.truth(), localizer);
+        record.room_left(&built, &world);
+        for step in 0..(scene.duration_s / STEP_S).round() as usize {
+            let time_s = step as f64 * STEP_S;
+            let command = match self.commands {
+                Some(commands) => commands.get(record.history.commands.len()).copied(),
+                None => self.ask(&mut pilot, scene, &world, &mut sensors, localizer, time_s),
+            };
+            let Some(command) = command.filter(|_| !self.has_ended(record, time_s)) else { break };
+            record.history.commands.push(command);
+            for _ in 0..PHYSICS_STEPS {
+                record.timed(|timing| &mut timing.world_s, || world.step(command));
+                self.look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
+            }
+            record.step(&world.truth(), localizer);
+            record.room_left(&built, &world);
+            if step % 50 == 0 {
+                progress(record.offset_s + time_s);
+            }
+        }
+        record.history.errands = pilot.into_log(world.truth().time_s);
+        Ok(())
+    }
+
+    /// What the driver commands; nothing more when the errands are done.
+    fn ask(
+        &self,
+        pilot: &mut Pilot,
+        scene: &Scene,
+        world: &World,
+        sensors: &mut Sensors,
+        localizer: &Localizer,
+        time_s: f64,
+    ) -> Option<WheelCommand> {
         if pilot.is_done(time_s) {
-            break;
+            return None;
         }
         let fan = sensors.look_out(&world.truth(), &world.people());
         let believed = if scene.is_led() { seen(&world.truth()) } else { localizer.estimate_at(world.truth().time_s) };
-        let command = pilot.command(&believed, fan.as_ref(), time_s);
-        for _ in 0..PHYSICS_STEPS {
-            record.timed(|timing| &mut timing.world_s, || world.step(command));
-            look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
-        }
-        record.step(&world.truth(), localizer);
-        record.room_left(&built, &world);
-        if step % 50 == 0 {
-            progress(record.offset_s + time_s);
-        }
+        Some(pilot.command(&believed, fan.as_ref(), time_s))
     }
-    record.history.errands = pilot.into_log(world.truth().time_s);
-    Ok(())
+
+    /// Whether no more of the run is asked for.
+    fn has_ended(&self, record: &Recorder<'_>, time_s: f64) -> bool {
+        // Half a step of slack, as times are sums of decimals.
+        self.asked.until_s.is_some_and(|until_s| record.offset_s + time_s > until_s + 0.5 * STEP_S)
+            || self.asked.until_lost && record.history.lost_at_last_step()
+    }
+
+    /// Hands what arrives at one instant to the localizer.
+    fn look(
+        &self,
+        world: &World,
+        sensors: &mut Sensors,
+        stage: Option<&mut Stage<'_>>,
+        localizer: &mut Localizer,
+        record: &mut Recorder<'_>,
+    ) -> Result<(), RenderError> {
+        let arrived =
+            record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), stage))?;
+        for mut observation in arrived {
+            if let Some(camera) = &self.otherwise.world.robot.range_camera {
+                self.asked.clip_matches(&mut observation, camera.q_items);
+            }
+            record.sense(&observation);
+            if self.asked.withholds(&observation.reading, observation.reading.measured_s() + record.offset_s) {
+                continue;
+            }
+            let accounts = record.timed(
+                |timing| match observation.reading {
+                    Reading::Camera { .. } => &mut timing.vision_s,
+                    _ => &mut timing.localizer_s,
+                },
+                || localizer.observe(&observation.reading),
+            );
+            record.images(observation, accounts);
+        }
+        Ok(())
+    }
 }
 
 /// What somebody who leads the robot sees of it.
 fn seen(truth: &Truth) -> Estimate {
     let pose = PoseUnion::single(PoseBox::from(truth.pose.to_array().map(Interval::point)));
     Estimate { time_s: truth.time_s, pose, status: Status::Sound, relies_on: Vec::new() }
-}
-
-/// Hands what arrives at one instant to the localizer.
-fn look(
-    world: &World,
-    sensors: &mut Sensors,
-    stage: Option<&mut Stage<'_>>,
-    localizer: &mut Localizer,
-    record: &mut Recorder<'_>,
-) -> Result<(), RenderError> {
-    let arrived =
-        record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), stage))?;
-    for observation in arrived {
-        record.sense(&observation);
-        let accounts = record.timed(
-            |timing| match observation.reading {
-                Reading::Camera { .. } => &mut timing.vision_s,
-                _ => &mut timing.localizer_s,
-            },
-            || localizer.observe(&observation.reading),
-        );
-        record.images(observation, accounts);
-    }
-    Ok(())
 }

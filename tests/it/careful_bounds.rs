@@ -2,13 +2,13 @@
 
 use serde_json::Value;
 use sim::{
-    check::{Verdict, check},
+    check::Verdict,
     render::Renderer,
     run::{RunOptions, run},
     scene::{Scene, SceneTemplate, Setting},
 };
 
-use crate::command::root;
+use crate::{command::root, judging::verdict_of};
 
 fn parse(top: &str, more: &str) -> Scene {
     let text = format!(
@@ -116,7 +116,7 @@ fn careful(path: &str, duration_s: f64, errors: &str) -> Scene {
 fn judged(scene: &Scene, seed: u64) -> Verdict {
     let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
     let record = run(scene, seed, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
-    check(scene, &record)
+    verdict_of(scene, &record)
 }
 
 fn assert_sound(path: &str, duration_s: f64) {

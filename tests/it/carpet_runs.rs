@@ -1,11 +1,12 @@
 //! Whole runs by wheels, gyroscope and flow sensor: what goes wrong is contained, or told by its right name.
 
 use sim::{
-    check::{Verdict, check},
+    check::Verdict,
     run::{RunOptions, run},
     scene::Scene,
 };
 
+use crate::judging::verdict_of;
 use crate::world_setup::scene;
 
 /// A blind vacuum robot that is led round a rectangle for 30 s, with these events and floor regions.
@@ -29,7 +30,7 @@ fn led_round(event: serde_json::Value, region: serde_json::Value, flow: bool) ->
 fn judged(scene: &Scene, seed: u64) -> (Verdict, f64) {
     let record = run(scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
     let hull = record.estimates.last().unwrap().pose.hull();
-    (check(scene, &record), hull.width(0).max(hull.width(1)))
+    (verdict_of(scene, &record), hull.width(0).max(hull.width(1)))
 }
 
 #[test]

@@ -46,7 +46,6 @@ fn camera() -> CeilingCameraModel {
         lean_rad: [0.0; 2],
         tilt_rad: TILT_RAD,
         stamp_error_s: 0.0,
-        latency_s: Interval::point(0.03),
         electrons_per_grey: 40.0,
         q_items: 0,
     }

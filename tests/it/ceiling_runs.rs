@@ -99,7 +99,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
     let mut tight = with(
         calibration(0.003, 0.3, 0.003, 1.5, 0.6),
         "placement_tolerance_m = 0.003\nrotation_tolerance_deg = 0.3\nprint_tolerance_m = 0.0004\n",
-        "latency_tolerance_s = 0.003\nstamp_tolerance_s = 0.001\n",
+        "stamp_tolerance_s = 0.001\n",
     );
     tight.markers.as_mut().unwrap().height_tolerance_m = 0.003;
     let found: Vec<String> = violations(&tight, &record).into_iter().map(|violation| violation.bound).collect();
@@ -112,7 +112,6 @@ fn every_bound_of_camera_and_markers_is_watched() {
         "ceiling_camera.centre",
         "ceiling_camera.distortion",
         "ceiling_camera.stamp",
-        "ceiling_camera.latency",
         "markers.placement",
         "markers.rotation",
         "markers.print",

@@ -1,12 +1,12 @@
 use localizer::Status;
 use sim::{
-    check::{Verdict, check},
+    check::Verdict,
     render::Renderer,
     run::{RunOptions, RunRecord, run},
     scene::{Event, Scene, SceneFile},
 };
 
-use crate::command::root;
+use crate::{command::root, judging::verdict_of};
 
 fn scene(path: &str) -> Scene {
     SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene
@@ -15,7 +15,7 @@ fn scene(path: &str) -> Scene {
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     let mut renderer = Renderer::new().unwrap();
     let record = run(scene, seed, Some(&mut renderer), &RunOptions::default(), &mut |_| {}).unwrap();
-    let verdict = check(scene, &record);
+    let verdict = verdict_of(scene, &record);
     (record, verdict)
 }
 

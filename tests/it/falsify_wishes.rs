@@ -1,6 +1,5 @@
 use localizer::{Estimate, Interval, Pose, PoseBox, PoseUnion, Status};
 use sim::{
-    check::check,
     drawn::Drawn,
     falsify::{Wish, hits},
     run::RunRecord,
@@ -8,7 +7,7 @@ use sim::{
     truth::Truth,
 };
 
-use crate::command::blind_scene;
+use crate::{command::blind_scene, judging::verdict_of};
 
 fn scene() -> Scene {
     Scene::parse(&blind_scene(4.0, "[localizer]\nmethods = []\n"), "scene.toml").unwrap()
@@ -35,7 +34,7 @@ fn record(scene: &Scene, half_m: f64, off_m: impl Fn(f64) -> f64) -> RunRecord {
 }
 
 fn wishes(scene: &Scene, record: &RunRecord) -> Vec<Wish> {
-    hits(scene, record, &check(scene, record)).into_iter().map(|hit| hit.wish).collect()
+    hits(scene, record, &verdict_of(scene, record)).into_iter().map(|hit| hit.wish).collect()
 }
 
 #[test]

@@ -68,7 +68,6 @@ fn robot() -> RobotModel {
             yaw_rad: Interval::centred(0.0, TILT_RAD),
             tilt_rad: TILT_RAD,
             stamp_error_s: 0.0,
-            latency_s: Interval::point(0.03),
             q_items: 0,
         }),
         forward_camera: None,

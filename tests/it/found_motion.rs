@@ -3,13 +3,13 @@
 use std::{sync::mpsc, thread, time::Duration};
 
 use sim::{
-    check::{Verdict, check},
+    check::Verdict,
     render::Renderer,
     run::{RunOptions, run},
     scene::SceneFile,
 };
 
-use crate::command::root;
+use crate::{command::root, judging::verdict_of};
 
 /// A run that takes longer than this on any machine never ends: the slowest takes seconds.
 const PATIENCE: Duration = Duration::from_secs(400);
@@ -22,7 +22,7 @@ fn verdict(name: &'static str, seed: u64) -> (Verdict, Vec<String>) {
         let scene = SceneFile::load_all(&[path]).unwrap().remove(0).scene;
         let mut renderer = scene.robot.floor_camera.is_some().then(|| Renderer::new().unwrap());
         let record = run(&scene, seed, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
-        let verdict = check(&scene, &record);
+        let verdict = verdict_of(&scene, &record);
         let missed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap());
         let _ = sender.send((verdict, missed));
     });

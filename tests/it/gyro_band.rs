@@ -2,7 +2,6 @@
 
 use localizer::Pose;
 use sim::{
-    check::check,
     drawn::Drawn,
     run::{RunOptions, run},
     scene::Scene,
@@ -10,7 +9,7 @@ use sim::{
     truth::Truth,
 };
 
-use crate::world_setup::scene;
+use crate::{judging::verdict_of, world_setup::scene};
 
 /// White noise of 0.005 °/s/√Hz that is not drawn again, at 200 Hz, with a band of this floor and 0.005 °/s.
 fn noisy(floor_deg: f64) -> Scene {
@@ -69,7 +68,7 @@ fn a_run_that_leaves_its_band_has_a_broken_bound() {
     for (floor_deg, is_broken) in [(0.002, true), (0.06, false)] {
         let scene = noisy(floor_deg);
         let record = run(&scene, 1, None, &RunOptions::default(), &mut |_| {}).unwrap();
-        let verdict = check(&scene, &record);
+        let verdict = verdict_of(&scene, &record);
         let named = verdict.violations.iter().any(|violation| violation.bound == "gyro.angle");
         assert_eq!(named, is_broken, "{:?}", verdict.violations);
         assert_eq!(verdict.containment.unsound, 0);

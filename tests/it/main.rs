@@ -3,6 +3,8 @@
 
 /// Runs the `wherein` command in folders of its own.
 mod command;
+/// Judges a run that a test has made.
+mod judging;
 
 /// Contractors and pavings on problems worked out by hand.
 mod contractor_by_hand;
@@ -133,10 +135,16 @@ mod golden_images;
 mod cli_render;
 /// What the renderer's tests share.
 mod render_studio;
-/// Who is at fault when the truth is outside, on records made by hand.
+/// Who is at fault when the truth is outside: on records made by hand, and on runs with a fault planted in them.
 mod blame;
 /// What is doubted, how soon, and when the truth is in the box again.
 mod doubts;
+/// Every bound that an estimate stands on is watched, and the other way round.
+mod bounds_watched;
+/// How much of the boxes is used, what counts as available, and what was not measured.
+mod power;
+/// Runs whose localizer is told narrower bounds than hold.
+mod weakened;
 /// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
 mod whole_runs;
 /// Recordings as the `mcap` crate reads them, and the localizer on them.

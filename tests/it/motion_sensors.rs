@@ -2,7 +2,6 @@
 
 use localizer::{Pose, Reading};
 use sim::{
-    check::check,
     drawn::{Drawn, DrawnFlow},
     run::{RunOptions, run},
     scene::Scene,
@@ -10,6 +9,7 @@ use sim::{
     truth::Truth,
 };
 
+use crate::judging::verdict_of;
 use crate::{command::root, world_setup::scene};
 
 /// Rates that a gyroscope at rest reads, one per period, with its drawn bias taken off.
@@ -350,7 +350,7 @@ fn late_lost_and_doubled_readings_leave_the_truth_in_the_box() {
         let mut widest_m = 0.0_f64;
         for seed in 0..3 {
             let record = run(&scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
-            let verdict = check(&scene, &record);
+            let verdict = verdict_of(&scene, &record);
             let counts = &verdict.containment;
             assert_eq!(counts.contained, counts.checks, "seed {seed}: {:?} {:?}", counts, verdict.violations);
             let hull = record.estimates.last().unwrap().pose.hull();

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use localizer::{Estimate, Interval, Pose, PoseUnion, Status};
 use sim::{
-    check::{Verdict, check, distance_to_way_m},
+    check::{Verdict, distance_to_way_m},
     drawn::Drawn,
     driver::{ErrandDriver, ErrandLog, Outcome, bearing},
     run::{Clearance, RunOptions, RunRecord, run},
@@ -14,6 +14,7 @@ use sim::{
     world::{Bystander, WheelCommand, World},
 };
 
+use crate::judging::verdict_of;
 use crate::world_setup::{estimate, hold, nominal, scene};
 
 /// The plain 8 × 6 m room with goals, and more keys of the scene.
@@ -40,7 +41,7 @@ fn drive_by(scene: &Scene, lasts_s: f64, mut see: impl FnMut(&Truth, usize) -> E
 
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     let record = run(scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
-    let verdict = check(scene, &record);
+    let verdict = verdict_of(scene, &record);
     (record, verdict)
 }
 
@@ -364,7 +365,7 @@ fn arrivals_are_held_against_the_truth() {
     for truth in &mut record.truths {
         truth.pose.y_m += 0.5;
     }
-    let verdict = check(&scene, &record);
+    let verdict = verdict_of(&scene, &record);
     assert_eq!(verdict.metrics["arrivals_off"], 1.0);
     assert!((verdict.metrics["arrival_error_greatest_m"] - 0.5).abs() < 0.05, "{:?}", verdict.metrics);
     assert!((verdict.metrics["path_deviation_p95_m"] - 0.5).abs() < 0.05, "{:?}", verdict.metrics);

@@ -2,12 +2,13 @@
 
 use localizer::Status;
 use sim::{
-    check::{Verdict, check},
+    check::Verdict,
     run::{RunOptions, RunRecord, run},
     scene::{Event, Scene, SceneFile},
 };
 
 use crate::command::root;
+use crate::judging::verdict_of;
 
 fn scene(name: &str, duration_s: f64) -> Scene {
     let path = root().join(format!("scenes/papers/rigid_transform_{name}.toml"));
@@ -18,7 +19,7 @@ fn scene(name: &str, duration_s: f64) -> Scene {
 
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     let record = run(scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
-    let verdict = check(scene, &record);
+    let verdict = verdict_of(scene, &record);
     (record, verdict)
 }
 
@@ -118,11 +119,11 @@ fn a_landmark_that_grows_or_leaves_its_box_is_counted() {
     let shrunk = early.iter().filter(|(code, place)| late[code] != *place).count();
     record.images[n - 1].landmarks = early;
     assert!(shrunk > 0);
-    assert_eq!(check(&scene, &record).metrics["landmarks_grown"], shrunk as f64);
+    assert_eq!(verdict_of(&scene, &record).metrics["landmarks_grown"], shrunk as f64);
     for (_, place) in &mut record.images[n - 1].landmarks {
         place[0] += 1.0;
     }
-    let metrics = check(&scene, &record).metrics;
+    let metrics = verdict_of(&scene, &record).metrics;
     assert_eq!(metrics["landmarks_outside"], record.images[n - 1].landmarks.len() as f64);
 }
 

@@ -64,6 +64,7 @@ fn a_summary_lists_its_parts_in_the_order_of_the_contract() {
         "violations",
         "error",
         "width",
+        "power",
         "availability",
         "methods",
         "baselines",

@@ -93,8 +93,8 @@ fn a_misplaced_tile_shows_near_itself_and_nowhere_else() {
     let tiles = Tiles { misplaced: vec![misplaced], laying_tolerance_m: 0.0, ..Tiles::default() };
     let laid = LaidTiles::draw(&tiles, &ROOM, Distribution::Uniform, 0);
     // The tile covers x 1.5 to 1.8 and y 0.9 to 1.2.
-    assert!((laid.max_offset_near(&tiles, &ROOM, [1.65, 1.05], 0.3) - 0.008).abs() < 1e-12);
-    assert!(laid.max_offset_near(&tiles, &ROOM, [0.6, 0.6], 0.3) < 1e-12);
+    assert!((laid.errors_near(&tiles, &ROOM, [1.65, 1.05], 0.3).offset_m - 0.008).abs() < 1e-12);
+    assert!(laid.errors_near(&tiles, &ROOM, [0.6, 0.6], 0.3).offset_m < 1e-12);
     // Its left joint stands 8 mm to the right, along its whole edge.
     let at_edge = laid.joint_distance(&tiles, [1.508, 1.05]).unwrap();
     assert!(at_edge.distance_m < 1e-12 && at_edge.axis == 0 && at_edge.visible);

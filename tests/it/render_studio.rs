@@ -6,7 +6,7 @@ use image::GrayImage;
 use localizer::Pose;
 use nalgebra::Isometry3;
 use sim::{
-    check::{Verdict, check},
+    check::Verdict,
     drawn::{Drawn, DrawnFloorCamera},
     frames::FramesPolicy,
     render::{NoiseKey, Renderer, Shows, View},
@@ -18,6 +18,8 @@ use sim::{
     },
     truth::Truth,
 };
+
+use crate::judging::verdict_of;
 
 /// A room with even light, a scene's worth of drawn errors, and a camera that is mounted as a test wants it.
 pub(crate) struct Studio {
@@ -147,6 +149,6 @@ fn rotated(p: [f64; 3], vector: [f64; 3]) -> [f64; 3] {
 pub(crate) fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     let options = RunOptions { keep_images: FramesPolicy::All };
     let record = run(scene, seed, Some(&mut renderer()), &options, &mut |_| {}).unwrap();
-    let verdict = check(scene, &record);
+    let verdict = verdict_of(scene, &record);
     (record, verdict)
 }

@@ -470,6 +470,23 @@ fn a_range_camera_that_cannot_be_is_refused() {
 }
 
 #[test]
+fn a_declared_width_that_the_room_itself_implies_is_refused() {
+    // The room is 3 m by 2 m: nothing in it is wider than 2 m along y.
+    let scene = |key: &str| blind_scene(10.0, &format!("[localizer]\n{key}\n"));
+    assert_refused(
+        "declared_width",
+        scene("declared_width_m = 2.0"),
+        &["`localizer.declared_width_m = 2.0`", "expected less than its 2 m"],
+    );
+    assert_refused(
+        "declared_heading",
+        scene("declared_width_deg = 360"),
+        &["`localizer.declared_width_deg = 360`", "expected less than 360"],
+    );
+    Scene::parse(&scene("declared_width_m = 1.99\ndeclared_width_deg = 359.0"), "scene.toml").unwrap();
+}
+
+#[test]
 fn a_sensor_that_cannot_be_is_refused() {
     let with = |keys: &str| edited("floor_camera = false\n", &format!("[robot.floor_camera]\n{keys}\n"));
     let cases = [

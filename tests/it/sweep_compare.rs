@@ -7,7 +7,6 @@ use localizer::{Interval, PoseUnion, pose::PoseBox};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
-    check::check,
     compare::{Comparison, Finding, Side, compare, quantile},
     record,
     run::{RunOptions, run},
@@ -15,6 +14,7 @@ use sim::{
 };
 
 use crate::command::{blind_scene, folder, outcome, wherein};
+use crate::judging::verdict_of;
 
 /// Ten seeds of a drive whose errors are all in a corner of what is declared, with every box `scale` times as wide as the
 /// localizer answered: a localizer with a bound that is too wide or too tight.
@@ -34,7 +34,7 @@ fn planted(folder: &Path, name: &str, scale: f64) -> PathBuf {
             });
             estimate.pose = PoseUnion::single(PoseBox::from(scaled));
         }
-        let verdict = check(&file.scene, &run_record);
+        let verdict = verdict_of(&file.scene, &run_record);
         record::write(&out, &file, &run_record, &verdict).unwrap();
     }
     out

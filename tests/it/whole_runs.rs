@@ -4,13 +4,14 @@ use std::fs;
 
 use serde_json::Value;
 use sim::{
-    check::{Verdict, check},
+    check::Verdict,
     render::Renderer,
     run::{RunOptions, RunRecord, run},
     scene::{Scene, SceneFile},
 };
 
 use crate::command::{folder, outcome, root, wherein};
+use crate::judging::verdict_of;
 
 /// A scene of the repository, cut to `duration_s`.
 fn scene(path: &str, duration_s: f64) -> Scene {
@@ -22,7 +23,7 @@ fn scene(path: &str, duration_s: f64) -> Scene {
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     let mut renderer = Renderer::new().unwrap();
     let record = run(scene, seed, Some(&mut renderer), &RunOptions::default(), &mut |_| {}).unwrap();
-    let verdict = check(scene, &record);
+    let verdict = verdict_of(scene, &record);
     (record, verdict)
 }
 
@@ -104,6 +105,8 @@ fn a_tile_laid_off_its_place_is_told_while_it_is_in_view() {
     let (record, verdict) = judged(&scene, 37);
     assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
     let told = verdict.violations.iter().find(|violation| violation.bound == "floor_tiles.laying").unwrap();
+    let first = verdict.containment.first_failure.as_ref().map(|first| first.blame.as_str());
+    assert!(first.is_none_or(|blame| blame.starts_with("floor_tiles.")), "{first:?}");
     // The tile is [7, 2], moved by 8 mm along x on top of what its four corners drew.
     let laid = record.drawn.tiles.as_ref().unwrap();
     let corner = |i: i32, j: i32| {

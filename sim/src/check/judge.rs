@@ -1,106 +1,295 @@
-//! Containment and blame, step by step.
+//! Containment, step by step, and blame by counterfactual: what was broken is to blame only if the run without it holds the truth.
 
-use crate::run::RunRecord;
+use crate::{
+    render::RenderError,
+    run::{Change, Counterfactual, RunRecord},
+    scene::Scene,
+};
 
-use super::verdict::{Containment, FirstFailure, Judgement, Violation};
+use super::{
+    Replay, methods,
+    verdict::{Containment, FirstFailure, Judgement, Violation},
+};
 
-/// A cause may lie so long before the step at which the truth is found outside: as long as the localizer remembers.
-const CAUSE_WITHIN_S: f64 = 3.0;
+/// Rounds in which readings with too many false claims are withheld: what others claim may depend on them.
+const MOST_ROUNDS: usize = 3;
 
-/// The judgement of every step, their counts, and the first step outside.
-///
-/// A step outside inherits the cause of the step before it: a box that went wrong stays wrong until something resolves it. What was
-/// learnt wrongly misleads for as long as it is believed: in one of the spans `misled`, whatever was broken before it is a cause. What is
-/// learnt of the gyroscope is believed to the end: at rest, and from headings, which mislead where they were outside themselves.
+/// A span of steps in a row at which the truth is outside.
+struct Span {
+    first: usize,
+    last: usize,
+    cause: Option<Cause>,
+}
+
+/// Whose fault a span is.
+#[derive(Clone, Debug)]
+struct Cause {
+    judgement: Judgement,
+    blame: String,
+    because: String,
+}
+
+/// A declared bound that was exceeded, with the excess that is the greatest.
+struct Candidate {
+    violation: Violation,
+    first_s: f64,
+}
+
+/// The judgement of every step, their counts, and the first step outside. Only a run that lost the truth is simulated again, and only as
+/// far as its last step outside: with n candidates, perception among them, 2·n times at most, and twice more where withheld readings let
+/// others go wrong.
 pub(super) fn containment(
+    scene: &Scene,
     record: &RunRecord,
     violations: &[Violation],
     misperceived: &[bool],
-    false_claims: &[usize],
-    misled: &[[f64; 2]],
-    learns_gyro: bool,
-) -> (Containment, Vec<Judgement>) {
-    let mut judgements = Vec::with_capacity(record.truths.len());
-    let mut counts = Containment { checks: record.truths.len().min(record.estimates.len()), ..Containment::default() };
-    let mut last_contained_s = 0.0;
-    let mut standing: Option<(Judgement, String)> = None;
-    let rests: Vec<Violation> = violations.iter().filter(|broken| broken.bound == "wheels.rest").cloned().collect();
-    // Why the truth was outside before.
-    let mut earlier: Option<(Judgement, String)> = None;
-    for (truth, estimate) in record.truths.iter().zip(&record.estimates) {
-        if estimate.pose.contains(truth.pose) {
-            counts.contained += 1;
-            judgements.push(Judgement::Contained);
-            last_contained_s = truth.time_s;
-            standing = None;
-            continue;
-        }
-        let explained = standing.as_ref().is_some_and(|(judgement, _)| *judgement != Judgement::Unsound);
-        if !explained {
-            let span_s = [last_contained_s - CAUSE_WITHIN_S, truth.time_s];
-            let found = blame(record, violations, misperceived, false_claims, &estimate.relies_on, span_s);
-            let learnt = misled.iter().find(|span_s| span_s[0] <= truth.time_s && truth.time_s <= span_s[1]);
-            standing = Some(match (found, learnt) {
-                ((Judgement::Unsound, _), Some([from_s, _])) => {
-                    let relied_on = relied_on_at(record, *from_s);
-                    // Key frames keep the way since the start of the drive: a push hides in them until a landmark comes into view again.
-                    blame(record, violations, misperceived, false_claims, relied_on, [0.0, *from_s])
+    replay: &mut Replay<'_>,
+) -> Result<(Containment, Vec<Judgement>), RenderError> {
+    let mut spans = spans_outside(record);
+    if !spans.is_empty() {
+        let mut trial = Trial { record, candidates: candidates(violations), spans: &mut spans, replay, n_replays: 0 };
+        trial.blame_bounds()?;
+        trial.blame_perception(scene, misperceived)?;
+        let n_replays = trial.n_replays;
+        return Ok(judged(record, &spans, n_replays));
+    }
+    Ok(judged(record, &spans, 0))
+}
+
+/// Everything that was exceeded, each bound once, the most exceeded first.
+fn candidates(violations: &[Violation]) -> Vec<Candidate> {
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for violation in violations {
+        match candidates.iter_mut().find(|candidate| candidate.violation.bound == violation.bound) {
+            Some(candidate) => {
+                candidate.first_s = candidate.first_s.min(violation.from_s);
+                if violation.excess() > candidate.violation.excess() {
+                    candidate.violation = violation.clone();
                 }
-                ((Judgement::Unsound, _), None) if learns_gyro => earlier
-                    .clone()
-                    .unwrap_or_else(|| blame(record, &rests, &[], &[], &estimate.relies_on, [0.0, truth.time_s])),
-                (found, _) => found,
-            });
-            earlier = standing.clone().filter(|(judgement, _)| *judgement != Judgement::Unsound).or(earlier);
-        }
-        let Some((judgement, cause)) = &standing else { continue };
-        judgements.push(*judgement);
-        match judgement {
-            Judgement::Contained => {}
-            Judgement::BoundBroken => counts.bound_broken += 1,
-            Judgement::Perception => counts.perception += 1,
-            Judgement::Unsound => counts.unsound += 1,
-        }
-        if counts.first_failure.is_none() {
-            let (axis, margin) = farthest_axis(&estimate.pose.hull(), truth.pose);
-            counts.first_failure =
-                Some(FirstFailure { time_s: truth.time_s, axis, margin, outcome: *judgement, blame: cause.clone() });
+            }
+            None => candidates.push(Candidate { violation: violation.clone(), first_s: violation.from_s }),
         }
     }
+    candidates.sort_by(|a, b| b.violation.ratio().total_cmp(&a.violation.ratio()));
+    candidates
+}
+
+impl Candidate {
+    /// The run with the bound kept: what the simulator draws or the scene places is moved back, what emerges is told.
+    fn change(&self) -> Change {
+        let Violation { bound, declared, true_value, .. } = &self.violation;
+        if Scene::places(bound) {
+            Change::Clipped { bound: bound.clone() }
+        } else {
+            Change::Told { bound: bound.clone(), declared: *declared, true_value: *true_value }
+        }
+    }
+
+    fn because(&self) -> String {
+        let Violation { bound, declared, true_value, .. } = &self.violation;
+        let how = if Scene::places(bound) { "moved back to its bound" } else { "told as it was" };
+        let ratio = self.violation.ratio();
+        let times = if ratio.is_finite() { format!(", {ratio:.2} times as much") } else { String::new() };
+        format!("{bound} was {true_value:.6} where {declared:.6} is declared{times}; {how}")
+    }
+}
+
+/// A run under trial.
+struct Trial<'a, 'r> {
+    record: &'a RunRecord,
+    candidates: Vec<Candidate>,
+    spans: &'a mut [Span],
+    replay: &'a mut Replay<'r>,
+    n_replays: usize,
+}
+
+impl Trial<'_, '_> {
+    /// Each candidate alone, then one more at a time.
+    fn blame_bounds(&mut self) -> Result<(), RenderError> {
+        let n_candidates = self.candidates.len();
+        let alone = (0..n_candidates).map(|index| index..index + 1);
+        let together = (2..=n_candidates).map(|count| 0..count);
+        for set in alone.chain(together) {
+            // The newest of a set is what it adds; where no open span could be its fault, it adds nothing.
+            let adds = self.open().any(|span| self.may_have(set.end - 1, span));
+            if !adds {
+                continue;
+            }
+            let changes = self.candidates[set.clone()].iter().map(Candidate::change).collect();
+            let again = self.again(changes)?;
+            for index in 0..self.spans.len() {
+                let blamed: Vec<usize> =
+                    set.clone().filter(|candidate| self.may_have(*candidate, &self.spans[index])).collect();
+                if self.spans[index].cause.is_none() && !blamed.is_empty() && holds(&again, &self.spans[index]) {
+                    self.spans[index].cause = Some(self.cause(Judgement::BoundBroken, &blamed, None));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Readings with more false claims than declared withheld, alone and with every bound kept.
+    fn blame_perception(&mut self, scene: &Scene, misperceived: &[bool]) -> Result<(), RenderError> {
+        for with_bounds in [false, true] {
+            if with_bounds && self.candidates.is_empty() {
+                return Ok(());
+            }
+            let mut withheld = misread(self.record, misperceived);
+            for _ in 0..MOST_ROUNDS {
+                let is_early = |span: &&Span| withheld.iter().any(|misread| misread.arrived_s <= self.end_s(span));
+                if !self.open().any(|span| is_early(&span)) {
+                    return Ok(());
+                }
+                let readings = withheld.iter().map(|misread| (misread.method, misread.measured_s)).collect();
+                let mut changes = vec![Change::Withheld { readings }];
+                if with_bounds {
+                    changes.extend(self.candidates.iter().map(Candidate::change));
+                }
+                let again = self.again(changes)?;
+                for index in 0..self.spans.len() {
+                    let end_s = self.end_s(&self.spans[index]);
+                    let first = withheld.iter().find(|misread| misread.arrived_s <= end_s).map(Misread::because);
+                    if self.spans[index].cause.is_none() && first.is_some() && holds(&again, &self.spans[index]) {
+                        let with = |candidate: &usize| with_bounds && self.may_have(*candidate, &self.spans[index]);
+                        let blamed: Vec<usize> = (0..self.candidates.len()).filter(with).collect();
+                        self.spans[index].cause = Some(self.cause(Judgement::Perception, &blamed, first));
+                    }
+                }
+                let before = withheld.len();
+                let judged = methods::false_claims(scene, &again);
+                withheld.extend(misread(&again, &methods::misperceived(scene, &again, &judged)));
+                if withheld.len() == before {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Spans without a cause so far.
+    fn open(&self) -> impl Iterator<Item = &Span> {
+        self.spans.iter().filter(|span| span.cause.is_none())
+    }
+
+    fn end_s(&self, span: &Span) -> f64 {
+        self.record.truths[span.last].time_s
+    }
+
+    /// Whether an estimate of the span, or one before it, stands on the candidate's bound, and that was exceeded by its end.
+    fn may_have(&self, candidate: usize, span: &Span) -> bool {
+        let candidate = &self.candidates[candidate];
+        let bound = candidate.violation.bound.as_str();
+        candidate.first_s <= self.end_s(span)
+            && self.record.estimates[..=span.last].iter().rev().any(|estimate| estimate.relies_on.contains(&bound))
+    }
+
+    fn again(&mut self, changes: Vec<Change>) -> Result<RunRecord, RenderError> {
+        self.n_replays += 1;
+        // Only as far as something is left to explain.
+        let until_s = self.open().map(|span| self.end_s(span)).reduce(f64::max);
+        (self.replay)(&Counterfactual { changes, until_s, until_lost: false })
+    }
+
+    /// A cause as the verdict tells it.
+    fn cause(&self, judgement: Judgement, blamed: &[usize], misread: Option<[String; 2]>) -> Cause {
+        let candidates = || blamed.iter().map(|index| &self.candidates[*index]);
+        let names = candidates().map(|candidate| candidate.violation.bound.clone());
+        let reasons = candidates().map(Candidate::because);
+        let (told, why) = misread.map_or((None, None), |[told, why]| (Some(told), Some(why)));
+        let blame = told.into_iter().chain(names).collect::<Vec<_>>().join(" and ");
+        let because = why.into_iter().chain(reasons).collect::<Vec<_>>().join(", and ");
+        Cause { judgement, blame, because: format!("{because}, the same commands hold the truth") }
+    }
+}
+
+/// A reading with which its method's declaration of wrong claims is broken.
+struct Misread {
+    method: &'static str,
+    measured_s: f64,
+    arrived_s: f64,
+    number: usize,
+}
+
+impl Misread {
+    fn because(&self) -> [String; 2] {
+        let Misread { method, number, measured_s, .. } = self;
+        [
+            format!("{method}: false claims in image {number}"),
+            format!(
+                "{method} claimed more falsely than declared, first in image {number} at {measured_s:.2} s; without such images"
+            ),
+        ]
+    }
+}
+
+fn misread(record: &RunRecord, misperceived: &[bool]) -> Vec<Misread> {
+    let wrong = record.images.iter().zip(misperceived).filter(|(_, is_misread)| **is_misread);
+    wrong
+        .map(|(image, _)| Misread {
+            method: image.method,
+            measured_s: image.measured_s,
+            arrived_s: image.arrived_s,
+            number: image.number,
+        })
+        .collect()
+}
+
+/// Steps outside that follow each other.
+fn spans_outside(record: &RunRecord) -> Vec<Span> {
+    let mut spans: Vec<Span> = Vec::new();
+    for (step, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
+        if estimate.pose.contains(truth.pose) {
+            continue;
+        }
+        match spans.last_mut() {
+            Some(span) if span.last + 1 == step => span.last = step,
+            _ => spans.push(Span { first: step, last: step, cause: None }),
+        }
+    }
+    spans
+}
+
+/// Whether a run holds the truth at every step of a span.
+fn holds(record: &RunRecord, span: &Span) -> bool {
+    let steps = span.first..span.last + 1;
+    let (truths, estimates) = (record.truths.get(steps.clone()), record.estimates.get(steps));
+    let (Some(truths), Some(estimates)) = (truths, estimates) else { return false };
+    truths.iter().zip(estimates).all(|(truth, estimate)| estimate.pose.contains(truth.pose))
+}
+
+/// Every step's judgement, and what they come to.
+fn judged(record: &RunRecord, spans: &[Span], n_replays: usize) -> (Containment, Vec<Judgement>) {
+    let checks = record.truths.len().min(record.estimates.len());
+    let mut judgements = vec![Judgement::Contained; checks];
+    let mut counts = Containment { checks, contained: checks, replays: n_replays, ..Containment::default() };
+    for span in spans {
+        let (steps, n_steps) = (span.first..=span.last, span.last + 1 - span.first);
+        let judgement = span.cause.as_ref().map_or(Judgement::Unsound, |cause| cause.judgement);
+        judgements[steps].fill(judgement);
+        counts.contained -= n_steps;
+        match judgement {
+            Judgement::Contained => {}
+            Judgement::BoundBroken => counts.bound_broken += n_steps,
+            Judgement::Perception => counts.perception += n_steps,
+            Judgement::Unsound => counts.unsound += n_steps,
+        }
+    }
+    counts.first_failure = spans.first().map(|span| first_failure(record, span, n_replays));
     (counts, judgements)
 }
 
-/// The cause of a truth outside: a bound that the estimate relies on, exceeded in `span_s`; else too many false claims; else our own.
-fn blame(
-    record: &RunRecord,
-    violations: &[Violation],
-    misperceived: &[bool],
-    false_claims: &[usize],
-    relies_on: &[&str],
-    span_s: [f64; 2],
-) -> (Judgement, String) {
-    let overlaps = |from_s: f64, to_s: f64| from_s <= span_s[1] && to_s >= span_s[0];
-    let broken = violations
-        .iter()
-        .filter(|violation| relies_on.contains(&violation.bound.as_str()) && overlaps(violation.from_s, violation.to_s))
-        .max_by(|a, b| (a.true_value / a.declared).total_cmp(&(b.true_value / b.declared)));
-    if let Some(violation) = broken {
-        return (Judgement::BoundBroken, violation.bound.clone());
-    }
-    let mut images = record.images.iter().zip(false_claims).zip(misperceived);
-    let misread = images.find(|((image, _), wrong)| **wrong && overlaps(image.measured_s, image.arrived_s));
-    match misread {
-        Some(((image, n_false), _)) => {
-            (Judgement::Perception, format!("{}: {n_false} false claims in image {}", image.method, image.number))
-        }
-        None => (Judgement::Unsound, "no declared bound was exceeded and no claim was false".to_string()),
-    }
-}
-
-/// What the estimate relied on just before a time.
-fn relied_on_at(record: &RunRecord, time_s: f64) -> &[&'static str] {
-    let before = record.estimates.iter().rev().find(|estimate| estimate.time_s < time_s);
-    before.map_or(&[], |estimate| &estimate.relies_on)
+fn first_failure(record: &RunRecord, span: &Span, n_replays: usize) -> FirstFailure {
+    let (truth, estimate) = (&record.truths[span.first], &record.estimates[span.first]);
+    let (axis, margin) = farthest_axis(&estimate.pose.hull(), truth.pose);
+    let nobody = || {
+        let because = match n_replays {
+            0 => "no declared bound was exceeded and no claim was false".to_owned(),
+            n => format!("none of {n} runs without what was exceeded or falsely claimed holds the truth"),
+        };
+        Cause { judgement: Judgement::Unsound, blame: because.clone(), because }
+    };
+    let Cause { judgement, blame, because } = span.cause.clone().unwrap_or_else(nobody);
+    FirstFailure { time_s: truth.time_s, axis, margin, outcome: judgement, blame, because }
 }
 
 /// The axis along which a pose lies farthest outside of a box, and how far; between branches the distance is 0.

@@ -35,29 +35,6 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
     ])
 }
 
-/// Spans in which some landmark was believed to be where it is not.
-pub(super) fn misled(scene: &Scene, record: &RunRecord) -> Vec<[f64; 2]> {
-    let mut spans: Vec<[f64; 2]> = Vec::new();
-    let mut is_open = false;
-    for reading in record.images.iter().filter(|reading| !reading.landmarks.is_empty()) {
-        let is_false = reading.landmarks.iter().any(|(landmark, place)| {
-            let truth = scene.landmarks.get(landmark.0 as usize);
-            truth.is_some_and(|truth| !(place[0].contains(truth.x_m) && place[1].contains(truth.y_m)))
-        });
-        match (is_open, spans.last_mut()) {
-            // What is believed after one reading is believed until the next one arrives.
-            (true, Some(span_s)) => span_s[1] = reading.arrived_s,
-            _ if is_false => spans.push([reading.measured_s, reading.arrived_s]),
-            _ => {}
-        }
-        is_open = is_false;
-    }
-    if is_open && let Some(span_s) = spans.last_mut() {
-        span_s[1] = f64::INFINITY;
-    }
-    spans
-}
-
 /// Whether an assumption was doubted in the second before.
 fn was_in_doubt(record: &RunRecord, time_s: f64) -> bool {
     let recent = record.estimates.iter().rev().skip_while(|estimate| estimate.time_s > time_s + 0.5);

@@ -4,7 +4,9 @@ use localizer::{Pose, PoseBox};
 
 use crate::run::RunRecord;
 
-use super::verdict::{AxisError, AxisWidth, ErrorTable, FixWidth, PositionError, WidthTable};
+use super::verdict::{
+    AxisError, AxisPower, AxisWidth, ErrorTable, FixWidth, PositionError, Power, PowerTable, WidthTable,
+};
 
 /// Midpoint of a box; not a number when the box is empty.
 pub(crate) fn midpoint(hull: &PoseBox) -> Pose {
@@ -58,13 +60,52 @@ pub(super) fn fix_width(hulls: &[PoseBox]) -> FixWidth {
     FixWidth { x_m, y_m, heading_rad }
 }
 
+/// From this time of a drive on, what the localizer knows comes from its sensors rather than from its start.
+const SETTLED_S: f64 = 5.0;
+
+/// |error of the midpoint| over half the width, step by step, over the run and from 5 s of each drive on.
+pub(super) fn power(record: &RunRecord) -> PowerTable {
+    let mut drive_began_s = 0.0;
+    let (mut all, mut settled): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (Vec::new(), Vec::new());
+    for (step, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
+        if record.restarts.contains(&step) {
+            drive_began_s = truth.time_s;
+        }
+        let (hull, truth_at) = (estimate.pose.hull(), truth.pose.to_array());
+        let middle = midpoint(&hull).to_array();
+        // A box without width that errs by nothing is exact.
+        let ratio = |axis: usize| (middle[axis] - truth_at[axis]).abs() / (0.5 * hull.width(axis)).max(1e-12);
+        let ratios = [0, 1, 2].map(ratio);
+        all.push(ratios);
+        if truth.time_s - drive_began_s >= SETTLED_S {
+            settled.push(ratios);
+        }
+    }
+    let table = |ratios: &[[f64; 3]]| {
+        let [x_m, y_m, heading_rad] =
+            [0, 1, 2].map(|axis| axis_power(ratios.iter().map(|ratios| ratios[axis]).collect()));
+        Power { x_m, y_m, heading_rad }
+    };
+    PowerTable { over_all: table(&all), after_5_s: table(&settled) }
+}
+
+/// Greatest ratio, and the least that at most one in a thousand exceeds. Empty and unbounded boxes have none.
+fn axis_power(mut ratios: Vec<f64>) -> AxisPower {
+    ratios.retain(|ratio| ratio.is_finite());
+    ratios.sort_by(f64::total_cmp);
+    let Some(&max) = ratios.last() else { return AxisPower { max: f64::NAN, p999: f64::NAN } };
+    let rank = (0.999 * ratios.len() as f64).ceil() as usize;
+    AxisPower { max, p999: ratios[rank.clamp(1, ratios.len()) - 1] }
+}
+
+/// Figures of nothing are not a number, which JSON writes as null: what was not measured meets no expectation.
 fn axis_error(errors: &[f64]) -> AxisError {
     let n_steps = errors.len();
     let third = |index: usize| rmse(&errors[index * n_steps / 3..(index + 1) * n_steps / 3]);
     AxisError {
         rmse: rmse(errors),
         mean: mean_magnitude(errors),
-        max: errors.iter().filter(|error| error.is_finite()).fold(0.0, |max, error| error.abs().max(max)),
+        max: errors.iter().filter(|error| error.is_finite()).fold(f64::NAN, |max, error| error.abs().max(max)),
         rmse_by_third: [third(0), third(1), third(2)],
     }
 }
@@ -72,17 +113,17 @@ fn axis_error(errors: &[f64]) -> AxisError {
 fn rmse(errors: &[f64]) -> f64 {
     let finite = errors.iter().filter(|error| error.is_finite());
     let (sum, count) = finite.fold((0.0, 0_usize), |(sum, count), error| (sum + error * error, count + 1));
-    if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
+    if count == 0 { f64::NAN } else { (sum / count as f64).sqrt() }
 }
 
 fn mean_magnitude(errors: &[f64]) -> f64 {
     let finite: Vec<f64> = errors.iter().filter(|error| error.is_finite()).map(|error| error.abs()).collect();
-    finite.iter().sum::<f64>() / finite.len().max(1) as f64
+    finite.iter().sum::<f64>() / finite.len() as f64
 }
 
 fn position_error(distances: &[f64]) -> PositionError {
     if distances.is_empty() {
-        return PositionError::default();
+        return PositionError { mean: f64::NAN, sd: f64::NAN, max: f64::NAN };
     }
     let mean = distances.iter().sum::<f64>() / distances.len() as f64;
     let variance = distances.iter().map(|distance| (distance - mean).powi(2)).sum::<f64>() / distances.len() as f64;
@@ -94,10 +135,11 @@ fn axis_width(hulls: &[PoseBox], axis: usize) -> AxisWidth {
     let mut widths: Vec<f64> =
         hulls.iter().filter(|hull| !hull.is_empty()).map(|hull| hull[axis].width().min(f64::MAX)).collect();
     if widths.is_empty() {
-        return AxisWidth::default();
+        let none = f64::NAN;
+        return AxisWidth { mean: none, p95: none, max: none, mean_by_third: [none; 3], growth: none };
     }
     let n_widths = widths.len();
-    let mean = |widths: &[f64]| widths.iter().sum::<f64>() / widths.len().max(1) as f64;
+    let mean = |widths: &[f64]| widths.iter().sum::<f64>() / widths.len() as f64;
     let third = |index: usize| mean(&widths[index * n_widths / 3..(index + 1) * n_widths / 3]);
     let mean_by_third = [third(0), third(1), third(2)];
     widths.sort_by(f64::total_cmp);

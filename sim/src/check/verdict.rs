@@ -10,11 +10,11 @@ use serde::Serialize;
 pub enum Judgement {
     /// The truth is in the union.
     Contained,
-    /// The truth is outside, and a declared bound on which the estimate relies was exceeded.
+    /// The truth is outside because a declared bound on which the estimate relies was exceeded: with the bound kept it is inside.
     BoundBroken,
-    /// The truth is outside because more claims were false than declared.
+    /// The truth is outside because more claims were false than declared: without those it is inside.
     Perception,
-    /// The truth is outside though every bound held and the claims were true.
+    /// The truth is outside though every bound held and the claims were true, or would be outside if they were.
     Unsound,
 }
 
@@ -32,7 +32,9 @@ pub struct Verdict {
     pub error: ErrorTable,
     /// Full widths of the hull, over all steps.
     pub width: WidthTable,
-    /// Share of steps that are sound and narrower than declared.
+    /// |error| over half the width: how much narrower the boxes could have been.
+    pub power: PowerTable,
+    /// Share of steps that are sound, hold the truth and are narrower than declared.
     pub availability: f64,
     /// By method, what it read and said.
     pub methods: BTreeMap<String, MethodCounts>,
@@ -73,6 +75,8 @@ pub struct Containment {
     pub perception: usize,
     /// Steps outside without a cause.
     pub unsound: usize,
+    /// How many times the run was simulated again to find whose fault they are.
+    pub replays: usize,
     /// The first step that was not contained.
     pub first_failure: Option<FirstFailure>,
 }
@@ -90,6 +94,8 @@ pub struct FirstFailure {
     pub outcome: Judgement,
     /// Name of the broken bound, or what was false.
     pub blame: String,
+    /// How much was exceeded, and without what the truth is held.
+    pub because: String,
 }
 
 /// A time range in which a quantity exceeded its declared bound.
@@ -109,6 +115,18 @@ pub struct Violation {
     /// True value at that moment.
     #[serde(rename = "true")]
     pub true_value: f64,
+}
+
+impl Violation {
+    /// True value over declared bound; infinite where that is 0.
+    pub fn ratio(&self) -> f64 {
+        self.true_value / self.declared
+    }
+
+    /// By how much the true value is beyond.
+    pub(super) fn excess(&self) -> f64 {
+        self.true_value - self.declared
+    }
 }
 
 /// What another method made of the same readings: points have errors, boxes contain the truth or not and have widths.
@@ -139,6 +157,37 @@ pub struct BaselineContainment {
 pub struct BaselineWidth {
     /// Over all problems it answered.
     pub at_fix: FixWidth,
+}
+
+/// |error of the hull's midpoint| over half the hull's width. At 1 the truth is at a face of the box; boxes 1 / max times as wide would
+/// have held it too. Not a number where no step had a box with sides.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct PowerTable {
+    /// Over all steps.
+    #[serde(flatten)]
+    pub over_all: Power,
+    /// Over those from 5 s of each drive on, when the start is forgotten.
+    pub after_5_s: Power,
+}
+
+/// |error| over half the width along each axis.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Power {
+    /// World x.
+    pub x_m: AxisPower,
+    /// World y.
+    pub y_m: AxisPower,
+    /// Heading.
+    pub heading_rad: AxisPower,
+}
+
+/// |error| over half the width along one axis.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct AxisPower {
+    /// Greatest.
+    pub max: f64,
+    /// Only one step in a thousand has more.
+    pub p999: f64,
 }
 
 /// Errors of x, y, heading and position.

@@ -12,7 +12,7 @@ use crate::{
     render::Renderer,
     report::Overview,
     results::{CaseResult, Results, program, quoted},
-    run::{RunOptions, run_witnessed},
+    run::{RunOptions, run_otherwise, run_witnessed},
     scene::{SceneFile, SceneTemplate},
     sweep,
     table::{Outcome, as_text, lines},
@@ -47,12 +47,13 @@ pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Res
     for file in &files {
         for seed in seeds.clone() {
             bar.set_message(format!("{} seed {seed}", file.name));
-            let start = bar.position();
+            let (start, length) = (bar.position(), bar.length().unwrap_or(0));
             let one = match resumed(arguments, file, seed)? {
                 Some(earlier) => earlier,
                 None => run_one(arguments, file, seed, renderer.as_mut(), live.as_ref(), &bar)?,
             };
-            bar.set_position(start + milliseconds(file.scene.simulated_s()));
+            let replayed = bar.length().unwrap_or(length) - length;
+            bar.set_position(start + replayed + milliseconds(file.scene.simulated_s()));
             recorded.push(one);
         }
     }
@@ -91,14 +92,27 @@ fn run_one(
     bar: &ProgressBar,
 ) -> Result<Recorded, CommandError> {
     let start = bar.position();
-    let renderer = renderer.filter(|_| file.scene.has_camera());
+    let mut renderer = renderer.filter(|_| file.scene.has_camera());
     let options = RunOptions { keep_images: arguments.frames };
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
     let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));
-    let run_record = run_witnessed(&file.scene, seed, renderer, &options, &mut witnesses, &mut progress)?;
+    let run_record =
+        run_witnessed(&file.scene, seed, renderer.as_deref_mut(), &options, &mut witnesses, &mut progress)?;
     let (recording, _) = witnesses;
-    let verdict = check(&file.scene, &run_record);
+    bar.set_position(start + milliseconds(file.scene.simulated_s()));
+    let mut n_replays = 0;
+    let verdict = check(&file.scene, &run_record, &mut |asked| {
+        // Each takes as long as the run up to its last failure.
+        n_replays += 1;
+        bar.set_message(format!("{} seed {seed}: whose fault? replay {n_replays}", file.name));
+        let (start, lasts_s) = (bar.position(), asked.until_s.unwrap_or(file.scene.simulated_s()));
+        bar.inc_length(milliseconds(lasts_s));
+        let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
+        let again = run_otherwise(&file.scene, &run_record, asked, renderer.as_deref_mut(), &mut progress);
+        bar.set_position(start + milliseconds(lasts_s));
+        again
+    })?;
     let folder = record::write_with(&arguments.out, file, &run_record, &verdict, recording)?;
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
 }
@@ -182,6 +196,9 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
             "  first outside at {time_s:.2} s: {axis} by {margin:.6}, {}: {blame}\n",
             outcome.replace('_', " ")
         );
+        if let Some(because) = first["because"].as_str().filter(|because| *because != blame) {
+            text += &format!("  {because}\n");
+        }
     }
     let program = program().iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");
     text += &format!("  recorded in {}\n", one.folder.display());

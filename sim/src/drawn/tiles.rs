@@ -21,6 +21,8 @@ pub struct LaidTiles {
     pub count: [usize; 2],
     /// Displacement of each corner from its nominal place, grid frame; `count[0] × count[1]`, row-major in `(i, j)`.
     pub corner_offset_m: Vec<[f64; 2]>,
+    /// The straight line that each joint of each axis was laid along: displacement where the other grid coordinate is 0, and slope.
+    pub lines: [Vec<[f64; 2]>; 2],
     /// Contrast of each joint segment, 1 as new and 0 not to be seen; `[0]`: from corner `(i, j)` to `(i, j + 1)`,
     /// `[1]`: to `(i + 1, j)`; indexed as the corners.
     pub contrast: [Vec<f32>; 2],
@@ -39,6 +41,17 @@ pub struct NearestJoint {
     pub axis: usize,
     /// Whether there is anything to be seen of the joint at its nearest segment.
     pub visible: bool,
+}
+
+/// By how much joints are off at most.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointErrors {
+    /// Distance of a centre line from its nominal line.
+    pub offset_m: f64,
+    /// Distance of a centre line from the straight line that it was laid along.
+    pub bend_m: f64,
+    /// Angle of such a straight line to its nominal direction.
+    pub angle_rad: f64,
 }
 
 /// Contrast to which a worn joint fades, by the scene's definition of `worn_share`.
@@ -64,10 +77,12 @@ impl LaidTiles {
             let last = index_of(high_m[axis]).ceil() as i32 + MARGIN_JOINTS;
             count[axis] = (last - first[axis] + 1) as usize;
         }
+        let lines = draw_lines(tiles, distribution, seed, count, [low_m, high_m]);
         let mut laid = LaidTiles {
             first,
             count,
-            corner_offset_m: laid_straight(tiles, distribution, seed, first, count, [low_m, high_m]),
+            corner_offset_m: laid_straight(tiles, first, &lines),
+            lines,
             contrast: contrasts(tiles, seed, count[0] * count[1]),
             tile_albedo: albedos(tiles, seed, count[0] * count[1]),
             pattern_seed: randomness::stream(seed, "tiles.pattern").next_u32(),
@@ -115,17 +130,41 @@ impl LaidTiles {
         joints
     }
 
-    /// Largest distance of a joint's centre line from its nominal line, in the room and within a radius of a place in the world.
-    pub fn max_offset_near(&self, tiles: &Tiles, room: &Room, place_in_world_m: [f64; 2], radius_m: f64) -> f64 {
+    /// By how much the joints are off at most, in the room and within a radius of a place in the world.
+    pub fn errors_near(&self, tiles: &Tiles, room: &Room, place_in_world_m: [f64; 2], radius_m: f64) -> JointErrors {
         let grid_from_world = grid_from_world(tiles);
         let place = grid_from_world * Vector2::from(place_in_world_m);
         let reach = vector![radius_m + 2.0 * tiles.edge_x_m, radius_m + 2.0 * tiles.edge_y_m];
-        self.segments_within(tiles, place, reach)
-            .filter_map(|segment| {
-                let in_room = segment.within(&grid_from_world, room)?;
-                segment.largest_offset_m(place, radius_m, in_room)
-            })
-            .fold(0.0, f64::max)
+        let mut greatest = JointErrors::default();
+        for segment in self.segments_within(tiles, place, reach) {
+            let Some(in_room) = segment.within(&grid_from_world, room) else { continue };
+            let Some(part) = segment.in_disc(place, radius_m, in_room) else { continue };
+            let largest = |ends: [f64; 2]| part.map(|share| (ends[0] + (ends[1] - ends[0]) * share).abs());
+            let [from_m, to_m] = largest(segment.offset_m);
+            greatest.offset_m = greatest.offset_m.max(from_m).max(to_m);
+            let [from_m, to_m] = largest(segment.bend_m);
+            greatest.bend_m = greatest.bend_m.max(from_m).max(to_m);
+            greatest.angle_rad = greatest.angle_rad.max(segment.slope.atan().abs());
+        }
+        greatest
+    }
+
+    /// Moves every corner back until no joint is farther than this from its nominal line.
+    pub(super) fn clip_offsets(&mut self, tolerance_m: f64) {
+        for offset in &mut self.corner_offset_m {
+            *offset = offset.map(|off_m| off_m.clamp(-tolerance_m, tolerance_m));
+        }
+    }
+
+    /// Moves every corner back until no joint is farther than this from its own straight line.
+    pub(super) fn clip_bends(&mut self, tiles: &Tiles, tolerance_m: f64) {
+        let straight = laid_straight(tiles, self.first, &self.lines);
+        let steepest = self.lines.iter().flatten().map(|[_, slope]| slope.abs()).fold(0.0, f64::max);
+        let tolerance_m = tolerance_m / (1.0 + steepest);
+        for (offset, straight) in self.corner_offset_m.iter_mut().zip(&straight) {
+            *offset =
+                [0, 1].map(|axis| straight[axis] + (offset[axis] - straight[axis]).clamp(-tolerance_m, tolerance_m));
+        }
     }
 
     /// Index of corner `(i, j)` in the tables, counted from the first corner.
@@ -164,9 +203,16 @@ impl LaidTiles {
                 }
                 let (nominal, from_offset) = corner(i, j);
                 let (next_nominal, to_offset) = corner(next_i, next_j);
+                let [shift_m, slope] = self.lines[axis][[i, j][axis]];
+                // Across the joint from its straight line; a line's slope is so small that its cosine is 1.
+                let bend_m = |nominal: Vector2<f64>, offset: Vector2<f64>| {
+                    offset[axis] - shift_m - slope * (nominal[1 - axis] + offset[1 - axis])
+                };
                 Some(Segment {
                     axis,
                     index: self.first[axis] + [i, j][axis] as i32,
+                    bend_m: [bend_m(nominal, from_offset), bend_m(next_nominal, to_offset)],
+                    slope,
                     from: nominal + from_offset,
                     to: next_nominal + to_offset,
                     offset_m: [from_offset[axis], to_offset[axis]],
@@ -220,6 +266,10 @@ struct Segment {
     to: Vector2<f64>,
     /// Displacement across the joint at both ends.
     offset_m: [f64; 2],
+    /// Distance across from the straight line that the joint was laid along, at both ends.
+    bend_m: [f64; 2],
+    /// Of that line.
+    slope: f64,
     contrast: f32,
 }
 
@@ -249,8 +299,8 @@ impl Segment {
         (low <= high).then_some([low, high])
     }
 
-    /// Largest displacement across the joint on the part of `range` that lies in a disc, if any does.
-    fn largest_offset_m(&self, centre: Vector2<f64>, radius_m: f64, range: [f64; 2]) -> Option<f64> {
+    /// The part of `range`, in shares of the length, that lies in a disc, if any does.
+    fn in_disc(&self, centre: Vector2<f64>, radius_m: f64, range: [f64; 2]) -> Option<[f64; 2]> {
         // |from + s·reach − centre|² = radius², a quadratic in s.
         let reach = self.to - self.from;
         let start = self.from - centre;
@@ -261,8 +311,7 @@ impl Segment {
         }
         let low = ((-half_b - root.sqrt()) / a).max(range[0]);
         let high = ((-half_b + root.sqrt()) / a).min(range[1]);
-        let offset_at = |share: f64| self.offset_m[0] + (self.offset_m[1] - self.offset_m[0]) * share;
-        (low <= high).then(|| offset_at(low).abs().max(offset_at(high).abs()))
+        (low <= high).then_some([low, high])
     }
 }
 
@@ -279,27 +328,22 @@ fn room_in_grid(tiles: &Tiles, room: &Room) -> [[f64; 2]; 2] {
     [low.into(), high.into()]
 }
 
-/// Displacements of the corners of straight joints, both ends of each drawn within the laying tolerance.
+/// Straight joints, both ends of each drawn within the laying tolerance: displacement where the other coordinate is 0, and slope.
 ///
 /// The ends are at the room's extent in the grid frame, which is never less than its shorter side, so that a joint's
-/// angle keeps within 2·tolerance / shorter side and every point of it in the room within the tolerance. A corner is the
-/// exact crossing of its two joints: x = a(y) and y = b(x), both linear.
-fn laid_straight(
+/// angle keeps within 2·tolerance / shorter side and every point of it in the room within the tolerance.
+fn draw_lines(
     tiles: &Tiles,
     distribution: Distribution,
     seed: u64,
-    first: [i32; 2],
     count: [usize; 2],
     room: [[f64; 2]; 2],
-) -> Vec<[f64; 2]> {
+) -> [Vec<[f64; 2]>; 2] {
     let mut rng = randomness::stream(seed, "tiles.laying");
-    let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
-    let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
     // In a drift all joints of a family are off alike, shifted or turned: no number of them tells.
     let alike_m = (distribution == Distribution::Drift)
         .then(|| [0; 2].map(|_| [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng))));
-    // Of each joint: displacement where the other coordinate is 0, and slope.
-    let lines: [Vec<[f64; 2]>; 2] = [0, 1].map(|axis| {
+    [0, 1].map(|axis| {
         let [low_m, high_m] = [room[0][1 - axis], room[1][1 - axis]];
         (0..count[axis])
             .map(|_| {
@@ -309,8 +353,14 @@ fn laid_straight(
                 [at_low - slope * low_m, slope]
             })
             .collect()
-    });
-    let mut offsets = Vec::with_capacity(count[0] * count[1]);
+    })
+}
+
+/// Displacements of the corners of straight joints: the exact crossings x = a(y) and y = b(x) of two linear functions.
+fn laid_straight(tiles: &Tiles, first: [i32; 2], lines: &[Vec<[f64; 2]>; 2]) -> Vec<[f64; 2]> {
+    let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
+    let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
+    let mut offsets = Vec::with_capacity(lines[0].len() * lines[1].len());
     for (i, &[shift_x, slope_x]) in (first[0]..).zip(&lines[0]) {
         for (j, &[shift_y, slope_y]) in (first[1]..).zip(&lines[1]) {
             let x = f64::from(i) * edge_m[0] + phase_m[0];

@@ -11,7 +11,7 @@ use crate::{
     check::check,
     record::Summary,
     render::Renderer,
-    run::{RunOptions, run},
+    run::{RunOptions, run, run_otherwise},
     scene::{Scene, SceneError, SceneFile},
 };
 
@@ -92,7 +92,17 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
         Ok(record) => record,
         Err(error) => return Told::CouldNotRun(error.to_string()),
     };
-    let verdict = check(&scene, &record);
+    let mut all_s = scene.simulated_s();
+    let verdict = check(&scene, &record, &mut |asked| {
+        // To find whose fault it is takes as long as the run, several times.
+        all_s += asked.until_s.unwrap_or(scene.simulated_s());
+        let _ = tell(&Told::Began { simulated_s: all_s, pixels_per_s });
+        run_otherwise(&scene, &record, asked, renderer.as_mut(), &mut |_| {})
+    });
+    let verdict = match verdict {
+        Ok(verdict) => verdict,
+        Err(error) => return Told::CouldNotRun(error.to_string()),
+    };
     let mut broken: Vec<String> = verdict.violations.iter().map(|broken| broken.bound.clone()).collect();
     broken.sort();
     broken.dedup();

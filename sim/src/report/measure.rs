@@ -1,6 +1,6 @@
 //! The few figures that a report shows of every combination.
 
-use crate::figures::Figures;
+use crate::{figures::Figures, table::greatest_power};
 
 /// A figure as people read it.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +17,9 @@ pub struct Measure {
     pub digits: usize,
 }
 
-/// What is contained, how wide the boxes are, how far off their midpoints, how often they are good enough, and what came of errands.
-pub const MEASURES: [Measure; 5] = [
+/// What is contained, how wide the boxes are, how far off their midpoints, how often they are good enough, how much of them is used, and what
+/// came of errands.
+pub const MEASURES: [Measure; 6] = [
     Measure {
         name: "contained",
         unit: "%",
@@ -46,8 +47,15 @@ pub const MEASURES: [Measure; 5] = [
     Measure {
         name: "available",
         unit: "%",
-        meaning: "share of steps that are sound and narrower than the scene declares",
+        meaning: "share of steps that are sound, hold the truth and are narrower than the scene declares",
         value: |figures| scaled(figures, "availability", 1e2),
+        digits: 2,
+    },
+    Measure {
+        name: "error / half width",
+        unit: "greatest",
+        meaning: "greatest error over half the width after 5 s, of x, y and heading: at 0.5 boxes half as wide had held the truth",
+        value: greatest_power,
         digits: 2,
     },
     Measure {

@@ -1,8 +1,8 @@
 //! What a run leaves for the check and the record.
 
-use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, reading::LandmarkId};
+use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, Status, reading::LandmarkId};
 
-use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth};
+use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
 
 use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
 
@@ -16,6 +16,8 @@ pub struct RunRecord {
     pub drawn: Drawn,
     /// Truth at each step.
     pub truths: Vec<Truth>,
+    /// The command over the 10 ms before each step but the first of a drive.
+    pub commands: Vec<WheelCommand>,
     /// Indices of the steps at which the robot was put at a station: nothing carries over from the step before.
     pub restarts: Vec<usize>,
     /// Estimate at each step, same times.
@@ -109,6 +111,14 @@ impl RunRecord {
         (1..bounds.len()).map(move |index| &self.truths[bounds[index - 1]..bounds[index]])
     }
 
+    /// Whether the truth is outside at the last step so far, or an assumption doubted.
+    pub fn lost_at_last_step(&self) -> bool {
+        let last = self.truths.last().zip(self.estimates.last());
+        last.is_some_and(|(truth, estimate)| {
+            estimate.status == Status::Recovering || !estimate.pose.contains(truth.pose)
+        })
+    }
+
     /// Keeps the next image of `images` if it leaves a wider box than all before it.
     pub(super) fn keep_widest(&mut self, reading: &Reading, posterior: &PoseUnion) {
         let widest = self.widest_image.as_ref().and_then(|(index, _)| self.images.get(*index));
@@ -125,6 +135,7 @@ impl RunRecord {
             adapter,
             drawn,
             truths: Vec::new(),
+            commands: Vec::new(),
             restarts: Vec::new(),
             estimates: Vec::new(),
             images: Vec::new(),

@@ -17,6 +17,8 @@ pub(super) struct Recorder<'a> {
     robot: RobotModel,
     readings: Sha256,
     keep_images: FramesPolicy,
+    /// Whether others are asked what they make of the readings.
+    pub(super) asks_baselines: bool,
     /// Time at which the present drive began.
     pub(super) offset_s: f64,
     /// Where the localizer is told that it began, in the middle.
@@ -45,6 +47,7 @@ impl<'a> Recorder<'a> {
             robot: scene.robot_model(),
             readings: Sha256::new(),
             keep_images: options.keep_images,
+            asks_baselines: true,
             offset_s: 0.0,
             witness,
             start: scene.nominal_start(),
@@ -74,7 +77,9 @@ impl<'a> Recorder<'a> {
     pub(super) fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
         self.witness.sense(reading);
-        self.history.motion_baselines.sense(reading);
+        if self.asks_baselines {
+            self.history.motion_baselines.sense(reading);
+        }
         self.history.motion_sensors.note(observation, self.offset_s);
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
@@ -108,10 +113,11 @@ impl<'a> Recorder<'a> {
         self.witness.account(&reading, &accounts);
         truth.time_s += self.offset_s;
         let number = self.history.images.last().map_or(0, |image| image.number + 1);
-        if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, false) = (&reading, accounts.is_empty()) {
+        let asks = self.asks_baselines && !accounts.is_empty();
+        if let (Reading::Camera { camera: Camera::Ceiling, image, .. }, true) = (&reading, asks) {
             self.history.marker_baselines.observe(image, &self.map, &self.robot, truth.pose);
         }
-        if let (Reading::Camera { camera: Camera::Forward, image, .. }, false) = (&reading, accounts.is_empty()) {
+        if let (Reading::Camera { camera: Camera::Forward, image, .. }, true) = (&reading, asks) {
             let heading_rad = truth.pose.heading_rad;
             let seen_rad = self.history.forward_baselines.observe(image, &self.map, &self.robot, heading_rad);
             if let Some(seen_rad) = seen_rad {
@@ -119,7 +125,7 @@ impl<'a> Recorder<'a> {
             }
         }
         for account in accounts {
-            if matches!(reading, Reading::Range { .. }) {
+            if asks && matches!(reading, Reading::Range { .. }) {
                 // Odometry stands still until the stamp's own step has been recorded.
                 let step = (self.history.odometry.len() as f64 - 1.0).min((truth.time_s / STEP_S).round());
                 let odometry = self.history.odometry.get(step.max(0.0) as usize).copied().unwrap_or(self.start);
@@ -162,8 +168,10 @@ impl<'a> Recorder<'a> {
         self.history.truths.push(truth);
         self.history.estimates.push(estimate);
         self.history.odometry.push(self.odometry.pose());
-        self.history.motion_baselines.step(truth.time_s);
-        self.history.range_baselines.step(self.odometry.pose());
+        if self.asks_baselines {
+            self.history.motion_baselines.step(truth.time_s);
+            self.history.range_baselines.step(self.odometry.pose());
+        }
     }
 
     /// Notes how much room the true robot has on an errand.

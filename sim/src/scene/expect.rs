@@ -136,6 +136,7 @@ fn blank_summary() -> Value {
         violations: Vec::new(),
         error: ErrorTable { at_fix: Some(Default::default()), ..Default::default() },
         width: Default::default(),
+        power: Default::default(),
         availability: 0.0,
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
         baselines: BTreeMap::from([(ANY_NAME.to_owned(), baseline)]),

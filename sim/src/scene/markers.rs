@@ -155,6 +155,14 @@ impl Markers {
         marker.height_m.unwrap_or(scene.building.ceiling_height_m - UNDER_CEILING_M - self.height_tolerance_m)
     }
 
+    /// States every marker's nominal height, so that it stays whatever becomes of the tolerance.
+    pub(super) fn state_heights(&mut self, scene: &Scene) {
+        let nominal = self.clone();
+        for marker in self.markers.iter_mut().chain(&mut self.laid_out) {
+            marker.height_m = Some(nominal.height_m(marker, scene));
+        }
+    }
+
     /// The keys that state all markers of the map one by one, as a scene has them.
     pub fn keys(&self) -> Result<String, toml::ser::Error> {
         #[derive(Serialize)]

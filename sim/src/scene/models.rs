@@ -145,7 +145,6 @@ fn floor_camera_model(camera: &FloorCamera) -> FloorCameraModel {
         yaw_rad: Interval::centred(0.0, camera.yaw_tolerance_deg.to_radians()),
         tilt_rad: camera.tilt_tolerance_deg.to_radians(),
         stamp_error_s: camera.stamp_tolerance_s,
-        latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s),
         q_items: camera.q_items,
     }
 }
@@ -188,7 +187,6 @@ fn ceiling_camera_model(camera: &CeilingCamera) -> CeilingCameraModel {
         lean_rad: [-camera.lean_forward_deg.to_radians(), -camera.lean_left_deg.to_radians()],
         tilt_rad: angle_rad,
         stamp_error_s: camera.stamp_tolerance_s,
-        latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s),
         electrons_per_grey: sensor.bits.levels_per_byte_level() / gain,
         q_items: camera.q_items,
     }

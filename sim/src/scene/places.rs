@@ -20,6 +20,7 @@ pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     floor_places(scene, &mut found);
     things::contradictions(scene, &mut found);
     methods(scene, &mut found);
+    declared_widths(scene, &mut found);
     events(scene, &mut found);
     building::contradictions(scene, &mut found);
     cameras::contradictions(scene, &mut found);
@@ -96,6 +97,20 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     for (index, station) in scene.stations.iter().enumerate() {
         let tolerance_m = station.tolerance_m.unwrap_or(0.0);
         place(format!("station[{index}]"), [station.x_m, station.y_m], radius_m + tolerance_m, &body);
+    }
+}
+
+/// An estimate that says no more than the room itself is not available.
+fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
+    let setup = &scene.localizer;
+    let shortest_m = scene.room.width_m.min(scene.room.depth_m);
+    let mut refuse =
+        |key: &str, expected: String| found.push(Contradiction { key: format!("localizer.{key}"), expected });
+    if setup.declared_width_m >= shortest_m {
+        refuse("declared_width_m", format!("no estimate in the room is wider, expected less than its {shortest_m} m"));
+    }
+    if setup.declared_width_deg >= 360.0 {
+        refuse("declared_width_deg", "every heading is within it, expected less than 360".to_owned());
     }
 }
 

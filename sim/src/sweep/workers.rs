@@ -14,7 +14,7 @@ use crate::{
     check::check,
     frames::FramesPolicy,
     render::Renderer,
-    run::{RunOptions, run},
+    run::{RunOptions, run, run_otherwise},
 };
 
 use super::{Case, Store, SweepError};
@@ -104,7 +104,10 @@ fn run_case(
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let used = renderer.as_mut().filter(|_| scene.has_camera());
         let record = run(scene, case.planned.seed, used, &options, &mut |_| {})?;
-        let verdict = check(scene, &record);
+        let verdict = check(scene, &record, &mut |asked| {
+            let used = renderer.as_mut().filter(|_| scene.has_camera());
+            run_otherwise(scene, &record, asked, used, &mut |_| {})
+        })?;
         Ok::<_, SweepError>((record, verdict))
     }));
     match attempt {

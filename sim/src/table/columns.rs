@@ -25,9 +25,9 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 }
 
 /// All columns, from left to right. Errors are those of the worst third of a run; widths are full widths, the wider of
-/// x and y, averaged over the run and just after a fix. A method's
+/// x and y, averaged over the run and just after a fix. The greatest |error| over half the width is that after 5 s. A method's
 /// share of position and heading is of how often widths were halved.
-pub(super) const COLUMNS: [Column; 26] = [
+pub(super) const COLUMNS: [Column; 27] = [
     text("scene", |line| line.scene.clone()),
     text(RUN, |line| line.run.clone()),
     number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
@@ -40,8 +40,11 @@ pub(super) const COLUMNS: [Column; 26] = [
     number("rmse heading", "°", |line| show(line, "error.heading_rad.rmse_worst_third", DEGREES, 3)),
     number("width", "mm", |line| wider(&line.figures, "width")),
     number("width", "°", |line| show(line, "width.heading_rad.mean", DEGREES, 2)),
-    number("at fix", "mm", |line| fixed(line, wider(&line.figures, "width.at_fix"))),
-    number("at fix", "°", |line| fixed(line, show(line, "width.at_fix.heading_rad.mean", DEGREES, 2))),
+    number("at fix", "mm", |line| wider(&line.figures, "width.at_fix")),
+    number("at fix", "°", |line| show(line, "width.at_fix.heading_rad.mean", DEGREES, 2)),
+    number("error / half width", "", |line| {
+        greatest_power(&line.figures).map(|ratio| format!("{ratio:.2}")).unwrap_or_default()
+    }),
     number("available", "%", |line| share(line.figures.get("availability"))),
     number("readings", "", |line| show(line, "method.readings", 1.0, 0)),
     number("fixes", "", |line| show(line, "method.constraints", 1.0, 0)),
@@ -73,10 +76,10 @@ fn goals_reached(figures: &Figures) -> Option<f64> {
     (*errands > 0.0).then(|| reached / errands)
 }
 
-/// The cell of a run that had a fix; without one its widths are 0, which no box is.
-fn fixed(line: &Line, cell: String) -> String {
-    let has_fix = line.figures.get("width.at_fix.heading_rad.mean").is_some_and(|width| *width > 0.0);
-    if has_fix { cell } else { String::new() }
+/// Greatest |error| over half the width after 5 s, the greatest of all axes.
+pub(crate) fn greatest_power(figures: &Figures) -> Option<f64> {
+    let axes = ["x_m", "y_m", "heading_rad"];
+    axes.iter().filter_map(|axis| figures.get(&format!("power.after_5_s.{axis}.max"))).copied().reduce(f64::max)
 }
 
 fn wider(figures: &Figures, width: &str) -> String {

@@ -4,20 +4,22 @@ use localizer::{Claim, markers::dot_in_marker_m};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::{
-    check::verdict::Violation,
     drawn::{DrawnCamera, DrawnMarker},
     run::RunRecord,
-    scene::{Marker, Scene},
+    scene::{Marker, MethodName, Scene},
     sensors::lens::Lens,
 };
 
-use super::{Monitor, constant, deliveries};
+use super::{Monitor, constant, stamps};
 
-/// Violations of the bounds of mount, lens, clock and markers.
-pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+/// The bounds of mount, lens, clock and markers.
+pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let (Some(camera), Some(drawn)) = (&scene.robot.ceiling_camera, &record.drawn.ceiling_camera) else {
         return Vec::new();
     };
+    if !scene.localizer.methods.contains(&MethodName::CeilingMarkers) {
+        return Vec::new();
+    }
     let (calibration, nominal) = (&camera.calibration, DrawnCamera::ceiling(camera));
     let shift_m = drawn.body_from_camera.translation.vector - nominal.body_from_camera.translation.vector;
     let (tilt_rad, yaw_rad) =
@@ -26,7 +28,7 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     let focal_share = [0, 1].map(|axis| drawn.focal_px[axis] / nominal.focal_px[axis]);
     let position_m = calibration.position_tolerance_m;
-    let mut found: Vec<Violation> = [
+    let mut all = vec![
         constant(record, "ceiling_camera.position", position_m, shift_m.x.abs().max(shift_m.y.abs())),
         constant(record, "ceiling_camera.height", position_m, shift_m.z.abs()),
         constant(record, "ceiling_camera.yaw", angle_rad, yaw_rad.abs()),
@@ -44,14 +46,10 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
             calibration.distortion_tolerance_px,
             bent_px(&Lens::ceiling(camera, drawn), camera.lens.distortion),
         ),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    let names = ["ceiling_camera.stamp", "ceiling_camera.latency"];
-    found.extend(markers(scene, record));
-    found.extend(deliveries(record, "ceiling_markers", names, &camera.timing()));
-    found
+        stamps(record, "ceiling_markers", "ceiling_camera.stamp", &camera.timing()),
+    ];
+    all.extend(markers(scene, record));
+    all
 }
 
 /// Greatest distance, along u or v, between what the true coefficients and the declared ones make of the same ray: at a corner, as the error
@@ -66,7 +64,7 @@ pub(super) fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
 }
 
 /// Markers that are claimed in an image: where they were pasted, how they were turned, printed and hung.
-fn markers(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+fn markers(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let Some(markers) = &scene.markers else { return Vec::new() };
     let names = ["markers.placement", "markers.rotation", "markers.print", "markers.height"];
     let mut monitors = names.map(Monitor::new);
@@ -90,7 +88,7 @@ fn markers(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
             }
         }
     }
-    monitors.into_iter().flat_map(Monitor::finish).collect()
+    monitors.into()
 }
 
 /// Distance, angle, farthest dot and height by which a marker is off.

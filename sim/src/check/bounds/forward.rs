@@ -1,7 +1,6 @@
 //! The forward camera, and the walls before it, against what was drawn and what stands there.
 
 use crate::{
-    check::verdict::Violation,
     drawn::DrawnCamera,
     run::RunRecord,
     scene::{MethodName, Scene},
@@ -9,12 +8,13 @@ use crate::{
 };
 
 use super::{
+    Monitor,
     ceiling::{bent_px, tilt_and_yaw},
-    constant, deliveries,
+    constant, stamps,
 };
 
-/// Violations of the bounds of mount, lens, clock and mapped directions.
-pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+/// The bounds of mount, lens, clock and mapped directions.
+pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let (Some(camera), Some(drawn)) = (&scene.robot.forward_camera, &record.drawn.forward_camera) else {
         return Vec::new();
     };
@@ -28,7 +28,7 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let farthest = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
     let focal_share = [0, 1].map(|axis| drawn.focal_px[axis] / nominal.focal_px[axis]);
     let principal_px = farthest(drawn.principal_point_px, nominal.principal_point_px);
-    let mut found: Vec<Violation> = [
+    vec![
         constant(record, "forward_camera.yaw", angle_rad, yaw_rad.abs()),
         constant(record, "forward_camera.tilt", angle_rad, tilt_rad),
         constant(record, "forward_camera.focal", calibration.focal_tolerance, farthest(focal_share, [1.0; 2])),
@@ -40,17 +40,12 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
             bent_px(&Lens::forward(camera, drawn), camera.lens.distortion),
         ),
         mapped_directions(scene, record),
+        stamps(record, "wall_directions", "forward_camera.stamp", &camera.timing()),
     ]
-    .into_iter()
-    .flatten()
-    .collect();
-    let names = ["forward_camera.stamp", "forward_camera.latency"];
-    found.extend(deliveries(record, "wall_directions", names, &camera.timing()));
-    found
 }
 
 /// The mapped direction that is farthest from every wall's, or the wall's that is farthest from every mapped one, modulo quarter turns.
-fn mapped_directions(scene: &Scene, record: &RunRecord) -> Option<Violation> {
+fn mapped_directions(scene: &Scene, record: &RunRecord) -> Monitor {
     let true_deg = scene.true_wall_directions_deg();
     let mapped_deg = scene.mapped_wall_directions_deg();
     let farthest_deg = |some_deg: &[f64], others_deg: &[f64]| {

@@ -16,6 +16,11 @@ impl Monitor {
         Monitor { bound, found: Vec::new() }
     }
 
+    /// The bound's name.
+    pub(super) fn bound(&self) -> &'static str {
+        self.bound
+    }
+
     /// Looks at a value over a span of time; spans come in the order of their ends.
     pub(super) fn watch(&mut self, span_s: [f64; 2], declared: f64, true_value: f64) {
         // A drawn value at the very corner of its bound is inside, whatever the rounding of the comparison.
@@ -53,7 +58,7 @@ impl Monitor {
 impl Violation {
     /// Keeps the greater excess.
     fn deepen(&mut self, declared: f64, true_value: f64) {
-        if true_value - declared > self.true_value - self.declared {
+        if true_value - declared > self.excess() {
             (self.true_value, self.declared) = (true_value, declared);
         }
     }

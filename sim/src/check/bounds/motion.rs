@@ -1,18 +1,18 @@
 //! Slip, side slip, reach, posture and walls against the true motion.
 
-use crate::{check::verdict::Violation, run::RunRecord, scene::Scene, truth::Truth};
+use crate::{run::RunRecord, scene::Scene, truth::Truth};
 
 use super::Monitor;
 
-/// Violations of the bounds of emergent motion, drive by drive: nothing rolls from one station to the next.
-pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
-    let mut found = Vec::new();
+/// The bounds of emergent motion, drive by drive: nothing rolls from one station to the next.
+pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
+    let mut all = Vec::new();
     for truths in record.drives() {
-        found.extend(slip(scene, truths, record.drawn.wheel_radius_m));
-        found.extend(reach(scene, truths));
-        found.extend(posture(scene, truths));
+        all.extend(slip(scene, truths, record.drawn.wheel_radius_m));
+        all.extend(reach(scene, truths));
+        all.extend(posture(scene, truths));
     }
-    found
+    all
 }
 
 /// Rolled path and error of travel since the start: wheels left and right, then the axle middle's lateral travel.
@@ -22,7 +22,7 @@ struct Rolled {
 }
 
 /// Both slip bounds hold over any window up to the declared one, short ones included: the localizer relies on all of them.
-fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Violation> {
+fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monitor> {
     let bounds = &scene.bounds;
     let rolled = rolled(truths, wheel_radius_m);
     let step_s = truths.get(1).map_or(0.01, |second| second.time_s - truths[0].time_s);
@@ -37,9 +37,7 @@ fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Violat
         }
         watch_windows(&mut side, truths, &rolled, 2, side_bound, starts, end);
     }
-    let mut found = slip.finish();
-    found.extend(side.finish());
-    found
+    vec![slip, side]
 }
 
 /// Watches all windows of one channel that end at `end`.
@@ -100,7 +98,7 @@ fn rolled(truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Rolled> {
         .collect()
 }
 
-fn reach(scene: &Scene, truths: &[Truth]) -> Vec<Violation> {
+fn reach(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
     let bounds = &scene.bounds;
     let mut speed = Monitor::new("reach.speed");
     let mut turn_rate = Monitor::new("reach.turn_rate");
@@ -118,10 +116,10 @@ fn reach(scene: &Scene, truths: &[Truth]) -> Vec<Violation> {
             acceleration.watch(span_s, bounds.reach_acceleration_m_per_s2, change);
         }
     }
-    [speed, turn_rate, acceleration].into_iter().flat_map(Monitor::finish).collect()
+    vec![speed, turn_rate, acceleration]
 }
 
-fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Violation> {
+fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
     let (bounds, room) = (&scene.bounds, &scene.room);
     let keep_m = scene.robot_model().body.clearance_m;
     let (mut tilt, mut heave, mut walls) =
@@ -136,5 +134,5 @@ fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Violation> {
         // Declared is how close the robot origin may come to a wall, so the bound is on how much closer it is.
         walls.watch(span_s, 0.0, keep_m - to_wall_m);
     }
-    [tilt, heave, walls].into_iter().flat_map(Monitor::finish).collect()
+    vec![tilt, heave, walls]
 }

@@ -1,33 +1,38 @@
 //! The gyroscope and the flow sensor against what was drawn and what was true.
 
-use crate::{check::verdict::Violation, run::RunRecord, scene::Scene};
+use crate::{run::RunRecord, scene::Scene};
 
 use super::{Monitor, constant};
 
-/// Violations of the bounds of both sensors.
-pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
-    let mut found = gyro(scene, record);
-    found.extend(flow(scene, record));
-    found.extend(rests(scene, record));
-    found
+/// The bounds of both sensors, and of rest.
+pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
+    let mut all = gyro(scene, record);
+    // Nothing is made of the flow without a gyroscope beside it.
+    if scene.robot.gyro.is_some() {
+        all.extend(flow(scene, record));
+    }
+    if scene.localizer.learns_gyro && scene.bounds.rest_turn_deg.is_some() {
+        all.push(rests(scene, record));
+    }
+    all
 }
 
-fn rests(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+fn rests(scene: &Scene, record: &RunRecord) -> Monitor {
     let mut monitor = Monitor::new("wheels.rest");
     let declared_rad = scene.bounds.rest_turn_deg.map_or(f64::INFINITY, f64::to_radians);
     for rest in &record.motion_sensors.rests {
         monitor.watch(rest.span_s, declared_rad, rest.turned_rad);
     }
-    monitor.finish()
+    monitor
 }
 
-fn gyro(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+fn gyro(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let (Some(gyro), Some(drawn)) = (&scene.robot.gyro, &record.drawn.gyro) else { return Vec::new() };
     let truth = &record.motion_sensors;
     let greatest_bias_rad_per_s = truth.greatest_gyro_bias_rad_per_s.max(drawn.bias_rad_per_s.abs());
     // Stamps 5 ms apart have lost some digits of their difference.
     const ROUNDING: f64 = 1.0 - 1e-6;
-    [
+    let mut all = vec![
         constant(record, "gyro.bias", gyro.bias_tolerance_deg_per_s.to_radians(), greatest_bias_rad_per_s),
         constant(record, "gyro.scale", gyro.scale_tolerance, (drawn.scale - 1.0).abs()),
         constant(
@@ -37,36 +42,29 @@ fn gyro(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
             truth.greatest_gyro_angle_rad * ROUNDING,
         ),
         constant(record, "gyro.noise", gyro.noise_deg_per_s.to_radians(), truth.greatest_gyro_noise_rad_per_s),
-        constant(
-            record,
-            "gyro.wander",
-            gyro.bias_wander_deg_per_s2.to_radians(),
-            truth.greatest_gyro_wander_rad_per_s2 * ROUNDING,
-        ),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    ];
+    // Only what is learnt of the bias has to hold from one fix to the next, and where `gyro.angle` is declared, that tells it.
+    if scene.localizer.learns_gyro && gyro.angle_floor_deg.is_none() {
+        let wander_rad_per_s2 = truth.greatest_gyro_wander_rad_per_s2 * ROUNDING;
+        all.push(constant(record, "gyro.wander", gyro.bias_wander_deg_per_s2.to_radians(), wander_rad_per_s2));
+    }
+    all
 }
 
-fn flow(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+fn flow(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let (Some(flow), Some(mount)) = (&scene.robot.flow, &record.drawn.flow) else { return Vec::new() };
     let position_error_m = (mount.position_m[0] - flow.forward_m).abs().max((mount.position_m[1] - flow.left_m).abs());
-    let mut found: Vec<Violation> = [
-        constant(record, "flow.position", flow.position_tolerance_m, position_error_m),
-        constant(record, "flow.yaw", flow.yaw_tolerance_deg.to_radians(), mount.yaw_rad.abs()),
-        constant(record, "flow.calibration", flow.calibration_share(), (mount.scale - 1.0).abs()),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
     let (mut scale, mut back_and_forth) = (Monitor::new("flow.scale"), Monitor::new("flow.back_and_forth"));
     for sight in &record.motion_sensors.flow {
         let span_s = [sight.measured_s - flow.period_s, sight.measured_s];
         scale.watch(span_s, flow.varying_share(), sight.truth.scale_change);
         back_and_forth.watch(span_s, flow.back_and_forth_m, sight.truth.back_and_forth_m);
     }
-    found.extend(scale.finish());
-    found.extend(back_and_forth.finish());
-    found
+    vec![
+        constant(record, "flow.position", flow.position_tolerance_m, position_error_m),
+        constant(record, "flow.yaw", flow.yaw_tolerance_deg.to_radians(), mount.yaw_rad.abs()),
+        constant(record, "flow.calibration", flow.calibration_share(), (mount.scale - 1.0).abs()),
+        scale,
+        back_and_forth,
+    ]
 }

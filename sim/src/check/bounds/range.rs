@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use localizer::reading::LandmarkId;
 
 use crate::{
-    check::verdict::Violation,
     run::RunRecord,
-    scene::{RangeCamera, Scene},
+    scene::{MethodName, RangeCamera, Scene},
 };
 
 use super::{Monitor, constant};
@@ -15,11 +14,14 @@ use super::{Monitor, constant};
 /// The difference of two times of minutes has lost some digits.
 const ROUNDING_S: f64 = 1e-9;
 
-/// Violations of the bounds of the range camera.
-pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
+/// The bounds of the range camera.
+pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let (Some(camera), Some(mount)) = (&scene.robot.range_camera, &record.drawn.range_camera) else {
         return Vec::new();
     };
+    if !scene.localizer.methods.contains(&MethodName::RangeLandmarks) {
+        return Vec::new();
+    }
     let position_error_m =
         (mount.position_m[0] - camera.forward_m).abs().max((mount.position_m[1] - camera.left_m).abs());
     let farthest_m =
@@ -28,7 +30,7 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let baseline_error_m = (mount.baseline_m - camera.baseline_m).abs();
     let yaw_error_rad = (mount.yaw_rad - camera.yaw_deg.to_radians()).abs();
     let tilt_rad = mount.tilt_rad[0].hypot(mount.tilt_rad[1]);
-    let mut found: Vec<Violation> = [
+    let mut all = vec![
         constant(record, "range_camera.focal", camera.focal_px * camera.focal_tolerance, focal_error_px),
         constant(record, "range_camera.baseline", camera.baseline_m * camera.baseline_tolerance, baseline_error_m),
         constant(record, "range_camera.position", camera.position_tolerance_m, position_error_m),
@@ -36,10 +38,7 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
         constant(record, "range_camera.tilt", camera.tilt_tolerance_deg.to_radians(), tilt_rad),
         constant(record, "range_camera.height_span", camera.height_span_m, farthest_m),
         constant(record, "range_camera.columns", camera.column_noise_px, record.motion_sensors.greatest_range_noise_px),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
     let (mut stamp, mut latency) = (Monitor::new("range_camera.stamp"), Monitor::new("range_camera.latency"));
     for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
         let span_s = [reading.truth.time_s, reading.arrived_s];
@@ -47,14 +46,13 @@ pub(super) fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
         let late_s = reading.arrived_s - reading.truth.time_s - camera.latency_s;
         latency.watch(span_s, camera.latency_tolerance_s + ROUNDING_S, late_s.abs());
     }
-    found.extend(stamp.finish());
-    found.extend(latency.finish());
-    found.extend(wrong_codes(record, camera));
-    found
+    all.extend([stamp, latency]);
+    all.extend(wrong_codes(record, camera));
+    all
 }
 
 /// Codes given wrongly: how many in a reading, and how many right uses of a code are missing between two wrong ones; none is the bound.
-fn wrong_codes(record: &RunRecord, camera: &RangeCamera) -> Vec<Violation> {
+fn wrong_codes(record: &RunRecord, camera: &RangeCamera) -> [Monitor; 2] {
     let (q_items, wrong_spacing) = (camera.q_items, camera.wrong_spacing);
     let (mut items, mut spacing) =
         (Monitor::new("range_landmarks.q_items"), Monitor::new("range_landmarks.wrong_spacing"));
@@ -83,12 +81,11 @@ fn wrong_codes(record: &RunRecord, camera: &RangeCamera) -> Vec<Violation> {
         for (code, is_own) in &reading.codes {
             if *is_own {
                 right_since.entry(*code).and_modify(|count| *count += 1);
-            } else if let Some(count) = right_since.insert(*code, 0) {
+            // Where no match is said to be wrong, nothing is said of how far apart wrong ones are.
+            } else if let Some(count) = right_since.insert(*code, 0).filter(|_| q_items > 0) {
                 spacing.watch(span_s, 0.0, wrong_spacing.saturating_sub(count) as f64);
             }
         }
     }
-    // Where no match is said to be wrong, nothing is said of how far apart wrong ones are.
-    let spacing = if q_items > 0 { spacing.finish() } else { Vec::new() };
-    items.finish().into_iter().chain(spacing).collect()
+    [items, spacing]
 }

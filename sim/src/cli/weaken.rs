@@ -1,0 +1,72 @@
+//! `wherein weaken`: how tight the bounds of scenes are.
+
+use std::process::ExitCode;
+
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+
+use crate::{
+    render::Renderer,
+    run::{RunOptions, run},
+    scene::{SceneFile, SceneTemplate},
+    sweep::Seeds,
+    weaken::{Weakened, weaken},
+};
+
+use super::{CommandError, WeakenArguments, print};
+
+/// Weakens every run asked for and prints what it takes; a figure, no verdict: exit code 0.
+pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
+    let mut files = SceneFile::load_all(&arguments.paths)?;
+    if !arguments.set.is_empty() {
+        files =
+            files.iter().map(|file| SceneTemplate::load(&file.path)?.with(&arguments.set)).collect::<Result<_, _>>()?;
+    }
+    let needs_renderer = files.iter().any(|file| file.scene.has_camera());
+    let mut renderer = needs_renderer.then(|| Renderer::on_adapter(adapter)).transpose()?;
+    let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
+    let bar = ProgressBar::new_spinner();
+    let mut rows = Vec::new();
+    for file in &files {
+        for seed in seeds.clone() {
+            let scene = &file.scene;
+            let mut used = renderer.as_mut().filter(|_| scene.has_camera());
+            let mut progress = |share: f64, simulated_s: f64| {
+                bar.set_message(format!(
+                    "{} seed {seed}: told {share:.1} of its bounds, {simulated_s:.0} s",
+                    file.name
+                ));
+                bar.tick();
+            };
+            let recorded =
+                run(scene, seed, used.as_deref_mut(), &RunOptions::default(), &mut |at_s| progress(1.0, at_s))?;
+            let weakened = weaken(scene, &recorded, used, &mut progress)?;
+            rows.push((file.name.clone(), seed, weakened));
+        }
+    }
+    bar.finish_and_clear();
+    print(&if arguments.json { as_json(&rows) } else { as_table(&rows) })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+type Row = (String, u64, Weakened);
+
+fn as_json(rows: &[Row]) -> String {
+    let one = |(scene, seed, weakened): &Row| json!({ "scene": scene, "seed": seed, "weakened": weakened });
+    format!("{:#}\n", rows.iter().map(one).collect::<Value>())
+}
+
+fn as_table(rows: &[Row]) -> String {
+    let longest = rows.iter().map(|(scene, ..)| scene.len()).max().unwrap_or(0).max("scene".len());
+    let mut text = format!("{:longest$}  seed  loses the truth at  1 / that\n", "scene");
+    for (scene, seed, weakened) in rows {
+        let (factor, tightness) = match (weakened.factor, weakened.tightness) {
+            (Some(factor), Some(tightness)) => (format!("{factor:.1} of its bounds"), format!("{tightness:.2}")),
+            _ => ("none".to_owned(), "> 10".to_owned()),
+        };
+        let how = weakened.lost.zip(weakened.lost_at_s);
+        let how = how.map(|(lost, at_s)| format!("  {} at {at_s:.2} s", lost.name())).unwrap_or_default();
+        text += &format!("{scene:longest$}  {seed:4}  {factor:>18}  {tightness:>8}{how}\n");
+    }
+    text
+}

@@ -1,0 +1,89 @@
+//! What a seed drew or a scene placed beyond a declared bound, moved back to the bound: the run as it should have been.
+
+use nalgebra::{Rotation2, Vector2};
+
+use crate::scene::{Marker, Markers, Scene};
+
+use super::{Drawn, DrawnMarker};
+
+impl Drawn {
+    /// Moves back to its bound what lies beyond the bound of this name; everything else stays as drawn.
+    pub(crate) fn clip(&mut self, bound: &str, scene: &Scene) {
+        let robot = &scene.robot;
+        match bound {
+            "wheels.radius" => {
+                self.wheel_radius_m =
+                    self.wheel_radius_m.map(|m| near(m, robot.wheel_radius_m, robot.wheel_radius_tolerance));
+            }
+            "wheels.track" => self.track_m = near(self.track_m, robot.track_m, robot.track_tolerance),
+            "floor_tiles.laying" | "floor_tiles.straightness" => {
+                let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &mut self.tiles) else { return };
+                if bound == "floor_tiles.laying" {
+                    laid.clip_offsets(tiles.laying_tolerance_m + tiles.corner_tolerance_m);
+                } else {
+                    laid.clip_bends(tiles, tiles.corner_tolerance_m);
+                }
+            }
+            "markers.placement" | "markers.rotation" | "markers.print" | "markers.height" => {
+                let Some(markers) = &scene.markers else { return };
+                for drawn in &mut self.markers {
+                    if let Some(nominal) = markers.all().get(drawn.index) {
+                        drawn.clip(bound, nominal, markers, markers.height_m(nominal, scene));
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Within a share of nominal.
+fn near(value: f64, nominal: f64, share: f64) -> f64 {
+    value.clamp(nominal * (1.0 - share), nominal * (1.0 + share))
+}
+
+/// The vector, shortened to a length.
+fn within(vector: Vector2<f64>, longest_m: f64) -> Vector2<f64> {
+    let length_m = vector.norm();
+    if length_m > longest_m { vector * (longest_m / length_m) } else { vector }
+}
+
+impl DrawnMarker {
+    fn clip(&mut self, bound: &str, nominal: &Marker, markers: &Markers, nominal_height_m: f64) {
+        match bound {
+            "markers.placement" => {
+                let at = Vector2::new(nominal.x_m, nominal.y_m);
+                let centre = at + within(Vector2::from(self.centre_m) - at, markers.placement_tolerance_m);
+                let moved = centre - Vector2::from(self.centre_m);
+                self.dots.iter_mut().for_each(|dot| dot.centre_in_world += moved.push(0.0));
+                self.centre_m = centre.into();
+            }
+            "markers.rotation" => {
+                let tolerance_rad = markers.rotation_tolerance_deg.to_radians();
+                let off = Rotation2::new(self.rotation_rad - nominal.rotation_deg.to_radians()).angle();
+                let back = Rotation2::new(off.clamp(-tolerance_rad, tolerance_rad) - off);
+                let centre = Vector2::from(self.centre_m);
+                for dot in &mut self.dots {
+                    let at = centre + back * (dot.centre_in_world.xy().coords - centre);
+                    (dot.centre_in_world.x, dot.centre_in_world.y) = (at.x, at.y);
+                }
+                self.rotation_rad += back.angle();
+            }
+            "markers.print" => {
+                let world_from_marker = Rotation2::new(self.rotation_rad);
+                for dot in &mut self.dots {
+                    let [along_m, across_m] = localizer::markers::dot_in_marker_m(dot.place);
+                    let right = Vector2::from(self.centre_m) + world_from_marker * Vector2::new(along_m, across_m);
+                    let at = right + within(dot.centre_in_world.xy().coords - right, markers.print_tolerance_m);
+                    (dot.centre_in_world.x, dot.centre_in_world.y) = (at.x, at.y);
+                }
+            }
+            _ => {
+                let (low_m, high_m) =
+                    (nominal_height_m - markers.height_tolerance_m, nominal_height_m + markers.height_tolerance_m);
+                self.height_m = self.height_m.clamp(low_m, high_m);
+                self.dots.iter_mut().for_each(|dot| dot.centre_in_world.z = self.height_m);
+            }
+        }
+    }
+}

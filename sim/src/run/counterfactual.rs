@@ -1,0 +1,127 @@
+//! A run simulated again by its recorded commands, with one thing otherwise: what the localizer is told, what was drawn, or what it sees.
+
+use std::borrow::Cow;
+
+use localizer::Reading;
+
+use crate::{drawn::Drawn, scene::Scene, sensors::Observation};
+
+/// What is otherwise when a run is simulated again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Counterfactual {
+    /// Each of them is made.
+    pub changes: Vec<Change>,
+    /// The run ends after the first step at or after this time.
+    pub until_s: Option<f64>,
+    /// The run ends at the first step at which the truth is outside or an assumption doubted.
+    pub until_lost: bool,
+}
+
+/// One thing that is otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// The localizer is told a bound as wide as its true value; the world is as it was.
+    Told {
+        /// Name of the bound.
+        bound: String,
+        /// What the scene declares.
+        declared: f64,
+        /// What was true.
+        true_value: f64,
+    },
+    /// What was drawn or placed beyond a bound is moved back to it; what the localizer is told stays.
+    Clipped {
+        /// Name of the bound.
+        bound: String,
+    },
+    /// These readings never reach the localizer.
+    Withheld {
+        /// Method that reads it, and its stamp.
+        readings: Vec<(&'static str, f64)>,
+    },
+    /// Every bound that the localizer is told is narrower by this factor.
+    Weakened {
+        /// Below 1.
+        factor: f64,
+    },
+}
+
+/// The scene and its draws as a counterfactual has them.
+pub(super) struct Otherwise<'a> {
+    /// What is simulated.
+    pub(super) world: Cow<'a, Scene>,
+    /// What the localizer is told.
+    pub(super) told: Cow<'a, Scene>,
+    /// What is true.
+    pub(super) drawn: Drawn,
+}
+
+impl Counterfactual {
+    /// Applies the changes to a scene and to what its seed has drawn.
+    pub(super) fn of<'a>(&self, scene: &'a Scene, drawn: &Drawn) -> Otherwise<'a> {
+        let mut otherwise = Otherwise { world: Cow::Borrowed(scene), told: Cow::Borrowed(scene), drawn: drawn.clone() };
+        for change in &self.changes {
+            match change {
+                Change::Told { bound, declared, true_value } => {
+                    otherwise.told.to_mut().widen(bound, *declared, *true_value);
+                }
+                Change::Clipped { bound } => {
+                    otherwise.drawn.clip(bound, scene);
+                    otherwise.world.to_mut().clip_placed(bound);
+                    otherwise.told.to_mut().clip_mapped(bound);
+                }
+                Change::Withheld { .. } => {}
+                Change::Weakened { factor } => otherwise.told.to_mut().weaken(*factor),
+            }
+        }
+        otherwise
+    }
+
+    /// Takes wrong matches beyond their bound out of a reading of the range camera; `q_items` of one may be wrong.
+    pub(super) fn clip_matches(&self, observation: &mut Observation, q_items: usize) {
+        let clips =
+            |name: &str| self.changes.iter().any(|change| matches!(change, Change::Clipped { bound } if bound == name));
+        // Wrong matches too near to each other: without any there are none.
+        let most = match (clips("range_landmarks.wrong_spacing"), clips("range_landmarks.q_items")) {
+            (true, _) => 0,
+            (false, true) => q_items,
+            (false, false) => return,
+        };
+        let Observation { reading: Reading::Range { sightings, .. }, codes, .. } = observation else { return };
+        let mut n_wrong = 0;
+        let stays: Vec<bool> = codes
+            .iter()
+            .map(|(_, is_own)| {
+                n_wrong += usize::from(!is_own);
+                *is_own || n_wrong <= most
+            })
+            .collect();
+        let mut keep = stays.iter();
+        sightings.retain(|_| keep.next().copied().unwrap_or(true));
+        let mut keep = stays.iter();
+        codes.retain(|_| keep.next().copied().unwrap_or(true));
+    }
+
+    /// Whether a reading stamped at `measured_s` of the run's own time never reaches the localizer.
+    pub(super) fn withholds(&self, reading: &Reading, measured_s: f64) -> bool {
+        self.changes.iter().any(|change| match change {
+            Change::Withheld { readings } => {
+                let method = read_by(reading);
+                readings.iter().any(|(name, stamp_s)| method == Some(*name) && *stamp_s == measured_s)
+            }
+            _ => false,
+        })
+    }
+}
+
+/// The method that reads images of a kind; none those of wheels and the like.
+fn read_by(reading: &Reading) -> Option<&'static str> {
+    use localizer::reading::Camera;
+    match reading {
+        Reading::Camera { camera: Camera::Floor, .. } => Some("floor_tiles"),
+        Reading::Camera { camera: Camera::Forward, .. } => Some("wall_directions"),
+        Reading::Camera { camera: Camera::Ceiling, .. } => Some("ceiling_markers"),
+        Reading::Range { .. } => Some("range_landmarks"),
+        _ => None,
+    }
+}

@@ -1,0 +1,72 @@
+//! Every bound that an estimate stands on is watched, and the other way round: a bound that nobody watches can break in silence, and one
+//! that nobody stands on excuses what it has nothing to do with.
+
+use std::collections::BTreeSet;
+
+use sim::{
+    check::watched,
+    render::Renderer,
+    run::{RunOptions, run},
+    scene::{Scene, SceneFile},
+};
+
+use crate::command::root;
+
+/// A short run of a scene of the repository: the bounds that its estimates stand on, and those that are watched.
+fn named(path: &str, duration_s: f64, change: impl Fn(&mut Scene)) -> [BTreeSet<&'static str>; 2] {
+    let mut scene = SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene;
+    scene.duration_s = duration_s;
+    change(&mut scene);
+    let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
+    let record = run(&scene, 1, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
+    let relied_on = record.estimates.iter().flat_map(|estimate| estimate.relies_on.iter().copied()).collect();
+    [relied_on, watched(&scene, &record)]
+}
+
+#[test]
+fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
+    // All four methods, and the gyroscope; then what is learnt of it with and without a bound on its angle, at rest, and the flow sensor.
+    let runs = [
+        named("home.toml", 1.0, |_| {}),
+        named("tiles.toml", 0.5, |_| {}),
+        named("dark/carpet.toml", 1.0, |_| {}),
+        named("dark/carpet.toml", 1.0, |scene| {
+            scene.localizer.learns_gyro = true;
+            scene.bounds.rest_turn_deg = Some(0.1);
+            scene.robot.gyro.as_mut().unwrap().angle_floor_deg = None;
+        }),
+    ];
+    for [relied_on, watched] in &runs {
+        let unwatched: Vec<_> = relied_on.difference(watched).collect();
+        assert!(unwatched.is_empty(), "relied on and not watched: {unwatched:?}");
+    }
+    let all = |which: usize| runs.iter().flat_map(|names| names[which].iter().copied()).collect::<BTreeSet<_>>();
+    let unused: Vec<_> = all(1).difference(&all(0)).copied().collect::<Vec<_>>();
+    assert!(unused.is_empty(), "watched and not relied on: {unused:?}");
+    // What the four methods, wheels, gyroscope and flow sensor declare; a new bound is one more.
+    assert!(all(0).len() >= 57, "{}: {:?}", all(0).len(), all(0));
+}
+
+#[test]
+fn a_bound_told_wider_is_told() {
+    let scenes = ["home.toml", "dark/carpet.toml", "papers/rigid_transform_wrong_matches.toml"];
+    let mut untold = BTreeSet::new();
+    for path in scenes {
+        let scene = SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene;
+        let model =
+            |scene: &Scene| format!("{:?} {:?} {:?}", scene.map(), scene.robot_model(), scene.bounds.rest_turn_deg);
+        let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
+        let short = Scene { duration_s: 0.2, ..scene.clone() };
+        let record = run(&short, 1, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
+        // Infinite unless declared, and then nothing can be wider.
+        let bounds_angle = scene.robot.gyro.as_ref().is_some_and(|gyro| gyro.angle_floor_deg.is_some());
+        for bound in watched(&scene, &record).into_iter().filter(|bound| bounds_angle || *bound != "gyro.angle") {
+            let mut wider = scene.clone();
+            wider.widen(bound, 0.0, 100.0);
+            if model(&wider) == model(&scene) {
+                untold.insert(bound);
+            }
+        }
+    }
+    assert!(untold.is_empty(), "{untold:?}");
+}

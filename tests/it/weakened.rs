@@ -1,0 +1,69 @@
+//! What is left when the localizer is told narrower bounds than hold.
+
+use serde_json::Value;
+use sim::{
+    run::{RunOptions, RunRecord, run},
+    scene::{Bounds, Scene},
+    weaken::{Lost, weaken},
+};
+
+use crate::{
+    command::{blind_scene, folder, outcome, wherein},
+    judging::verdict_of,
+};
+
+/// Straight on from a start that is known: both radii 1 % off, and 0.8 % of slip declared besides.
+fn cornered(more: &str) -> (Scene, RunRecord) {
+    let text = blind_scene(6.0, &format!("[bounds]\nslip_ratio = 0.008\n[localizer]\nmethods = []\n{more}"))
+        .replace("floor_camera = false", "floor_camera = false\nerrors = \"corner\"\nwheel_radius_tolerance = 0.01")
+        .replace("x_m = 0.6\ny_m = 0.6", "x_m = 0.6\ny_m = 0.6\ntolerance_m = 0.0\ntolerance_deg = 0.0")
+        .replace("y_m = 1.2", "y_m = 0.6");
+    let scene = Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
+    let record = run(&scene, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    (scene, record)
+}
+
+#[test]
+fn told_ever_narrower_bounds_a_run_loses_the_truth_where_they_end() {
+    // By hand: 1 % of the way is off, of 1 % and 0.8 % declared, so that 1 / 1.8 = 0.56 of the bounds is needed at least, a little less as
+    // floors of slip add to what is told: 0.6 holds the truth, and 0.4 or 0.5 is the first that does not.
+    let (scene, record) = cornered("");
+    let verdict = verdict_of(&scene, &record);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.violations);
+    let weakened = weaken(&scene, &record, None, &mut |_, _| {}).unwrap();
+    let (factor, tightness) = (weakened.factor.unwrap(), weakened.tightness.unwrap());
+    assert!([0.4, 0.5].contains(&factor) && (tightness * factor - 1.0).abs() < 1e-12, "{weakened:?}");
+    assert_eq!(weakened.lost, Some(Lost::Outside));
+    // Ten times the slip declared and none more made: 1 / 9 of the bounds is enough.
+    let loose = Scene { bounds: Bounds { slip_ratio: 0.08, ..scene.bounds.clone() }, ..scene };
+    let narrower = run(&loose, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let weakened = weaken(&loose, &narrower, None, &mut |_, _| {}).unwrap();
+    assert!(weakened.factor.is_none_or(|loose| loose <= 0.2), "{weakened:?}");
+}
+
+#[test]
+fn a_run_that_loses_the_truth_anyway_is_lost_at_its_own_bounds() {
+    let (scene, record) =
+        cornered("[[event]]\nkind = \"push\"\nat_s = 1.0\ndisplacement_m = [0.0, 0.15]\nlasts_s = 0.3\n");
+    let weakened = weaken(&scene, &record, None, &mut |_, _| {}).unwrap();
+    assert_eq!((weakened.factor, weakened.tightness), (Some(1.0), Some(1.0)));
+    assert!((1.0..1.4).contains(&weakened.lost_at_s.unwrap()), "{weakened:?}");
+}
+
+#[test]
+fn the_command_prints_how_tight_bounds_are() {
+    let place = folder("weaken");
+    std::fs::write(place.join("scene.toml"), blind_scene(2.0, "")).unwrap();
+    let arguments = ["weaken", "scene.toml", "--seeds", "0..2", "--set", "robot.errors=corner", "--json"];
+    let (code, output, errors) = outcome(&mut wherein(&place, &arguments));
+    assert_eq!(code, 0, "{errors}");
+    let rows: Value = serde_json::from_str(&output).unwrap();
+    assert_eq!(rows.as_array().unwrap().len(), 2);
+    for row in rows.as_array().unwrap() {
+        let weakened = &row["weakened"];
+        assert!(weakened["factor"].as_f64().is_none_or(|factor| (0.1..1.0).contains(&factor)), "{rows:#}");
+        assert_eq!(weakened["factor"].is_null(), weakened["lost"].is_null());
+    }
+    let (_, table, _) = outcome(&mut wherein(&place, &arguments[..6]));
+    assert!(table.starts_with("scene") && table.lines().count() == 3, "{table}");
+}
