@@ -156,8 +156,8 @@ fn contractors_of_formulas_answer_unbounded_huge_and_empty_boxes_promptly() {
     answers("Pinhole", Pinhole { focal_px: near(500.0) }, [1.0, 2.0, 4.0, 125.0, 250.0], 1);
     // In doubles only few vectors are exactly as long as they are said to be.
     answers("Polar", Polar, [2.0, 0.0, 2.0, 0.0], 1);
-    let ring = |[x, y]: [localizer::contractor::Expression<'_>; 2]| x.sqr() + y.sqr();
-    answers("ForwardBackward", ForwardBackward::new(ring, near(25.0)).fixpoint(0.01), [3.0, 4.0], 1);
+    let ring = ForwardBackward::new(|[x, y]| x.sqr() + y.sqr(), near(25.0));
+    answers("ForwardBackward", ring.fixpoint(0.01), [3.0, 4.0], 1);
     answers("ForwardBackward", ForwardBackward::new(|[x]| x.sin(), near(0.0)).fixpoint(0.01), [0.0], 1);
     answers("Inverse", Inverse::new(|[x, y]| [x * y, x.cos()], Within(IntervalBox::ENTIRE)), [1.0, 2.0], 1);
     answers("Within", Within(IntervalBox::new([near(1.0); 3])), [1.0; 3], 1);
