@@ -167,7 +167,7 @@ fn a_robot_that_goes_there_and_back_while_readings_are_lost_has_gone_the_whole_w
     let ahead_m = 2.0 * 0.5 * 0.1 * 0.1;
     let counts = (ahead_m * COUNTS_PER_M * 1.2) as i64 - (ahead_m * COUNTS_PER_M * 0.8) as i64;
     let mut history = FlowHistory::new(model, 10.0);
-    [(0.0, 0), (0.4, counts)].map(|(time_s, ahead)| history.push(time_s, [ahead, 0], 0));
+    [(0.0, 0), (0.4, counts)].into_iter().for_each(|(time_s, ahead)| history.push(time_s, [ahead, 0], 0));
     let turn = |_: f64, _: f64| Some(Interval::ZERO);
     let motion = history.motion([0.0, 0.4], &turn, &wheels(), &reach).unwrap();
     assert!(motion.contains(&[0.0; 3]), "{motion:?}");

@@ -20,7 +20,7 @@ fn verdict(name: &'static str, seed: u64) -> (Verdict, Vec<String>) {
     thread::spawn(move || {
         let path = root().join("scenes/found").join(format!("{name}.toml"));
         let scene = SceneFile::load_all(&[path]).unwrap().remove(0).scene;
-        let mut renderer = scene.robot.floor_camera.is_some().then(|| Renderer::new().unwrap());
+        let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
         let record = run(&scene, seed, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
         let verdict = verdict_of(&scene, &record);
         let missed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap());

@@ -3,7 +3,7 @@
 use localizer::{
     Interval, PoseBox,
     motion::{WheelHistory, moved},
-    robot::{Reach, WheelModel},
+    robot::{GyroModel, Reach, WheelModel},
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -234,4 +234,28 @@ fn side_slip_that_turns_about_on_the_way_is_enclosed() {
         let reached = told_in_one_step(0.5, turn_rad, &wheels);
         assert!(reached.contains(&truth), "a turn of {turn_rad}: {reached:?} misses {truth:?}");
     }
+}
+
+#[test]
+fn the_way_back_to_an_earlier_stamp_is_no_stand() {
+    let gyro = GyroModel {
+        bias_rad_per_s: Interval::ZERO,
+        scale: Interval::ONE,
+        noise_rad_per_s: 0.0,
+        angle_floor_rad: f64::INFINITY,
+        angle_rad_per_s: 0.0,
+        bias_wander_rad_per_s2: 0.0,
+        period_s: 0.1,
+    };
+    let mut history = WheelHistory::new(10.0).with_gyro(gyro);
+    for step in 0..=10 {
+        history.push(0.1 * f64::from(step), [1000 * i64::from(step); 2]);
+        history.push_rate(0.1 * f64::from(step), 1.0);
+    }
+    assert!(history.motion(0.2, 0.7, &wheels(), &REACH).is_some());
+    assert!(history.motion(0.7, 0.2, &wheels(), &REACH).is_none());
+    assert!(history.gyro_turn(0.7, 0.2, &wheels(), &REACH).is_none());
+    // Half a second of reach leads as far back as forth, 0.35 m and 0.8 rad.
+    let back = history.reach_motion(0.7, 0.2, &REACH);
+    assert!(back.contains(&[-0.35, 0.35, -0.8]) && !back.contains(&[-0.36, 0.0, 0.0]), "{back:?}");
 }

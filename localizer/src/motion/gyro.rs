@@ -60,7 +60,8 @@ impl GyroHistory {
         }
     }
 
-    /// Turn from `from_s` to `to_s` while turn rates change by at most `change_rad_per_s2`; `None` where no reading is near.
+    /// Turn from `from_s` to `to_s` while turn rates change by at most `change_rad_per_s2`; `None` where no reading is near, and to an earlier
+    /// stamp.
     ///
     /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. Time that no reading covers is
     /// turned at the rate of the reading beside it, give or take what that can have changed by since.
@@ -82,6 +83,10 @@ impl GyroHistory {
     }
 
     fn sums(&self, [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Option<Sums> {
+        // The way back is no stand.
+        if to_s < from_s - SAME_S {
+            return None;
+        }
         let period_s = self.model.period_s;
         let bend_rad = change_rad_per_s2 * period_s * period_s / 8.0;
         let mut sums = Sums::default();

@@ -197,7 +197,7 @@ fn joints_answer_headings_without_bounds_and_places_far_away_promptly() {
     let (pose, prior) = random_pose(&mut random);
     let image = eye.picture(&eye.rays(), pose, &mut Random::new(1));
     let constraint = method.constrain(&floor_reading(image), &PoseUnion::single(prior), &eye.twist);
-    let constraint = constraint.expect("joints in view");
+    let Some(constraint) = constraint else { panic!("no joint is in view") };
     let extremes = |at: f64| {
         [
             Interval::ENTIRE,
