@@ -2,6 +2,7 @@
 
 mod account;
 mod after_turn;
+mod base_clock;
 mod doubt;
 mod heading_fixes;
 mod learning;
@@ -17,6 +18,7 @@ use crate::{
 };
 
 pub use account::Account;
+use base_clock::BASE_STAMP;
 use doubt::Doubt;
 use heading_fixes::HeadingFixes;
 use moves::{REACH, assumptions, motion_between, motion_history};
@@ -70,6 +72,8 @@ pub struct Localizer {
     fixes: Option<HeadingFixes>,
     /// The encoders' latest count, and since when it has been.
     at_rest: Option<(f64, [i64; 2])>,
+    /// Greatest error of the stamps of wheels, gyroscope and flow sensor.
+    base_stamp_error_s: f64,
 }
 
 impl Localizer {
@@ -90,6 +94,7 @@ impl Localizer {
             unlearnt: (0.0, 0.0),
             fixes: None,
             at_rest: None,
+            base_stamp_error_s: 0.0,
         };
         localizer.begin_at(start);
         localizer
@@ -141,7 +146,12 @@ impl Localizer {
     /// The answer as of the latest wheel reading.
     pub fn estimate(&self) -> Estimate {
         let status = if self.doubt.is_some() { Status::Recovering } else { Status::Sound };
-        Estimate { time_s: self.now_s, pose: self.current.clone(), status, relies_on: self.relies_on.clone() }
+        let mut relies_on = self.relies_on.clone();
+        if self.base_stamp_error_s > 0.0 {
+            relies_on.push(BASE_STAMP);
+            relies_on.extend(REACH.into_iter().filter(|assumption| !self.relies_on.contains(assumption)));
+        }
+        Estimate { time_s: self.now_s, pose: self.in_true_time(&self.current), status, relies_on }
     }
 
     /// The answer at an instant: where the latest wheel reading is older, as when readings come late, reach bounds the rest.
@@ -155,7 +165,8 @@ impl Localizer {
         let motion = self.wheels.reach_motion(self.now_s, self.now_s + span_s, &self.robot.reach);
         estimate.pose = self.inside_room(moved_union(&estimate.pose, &motion));
         estimate.time_s = time_s;
-        let reach = REACH.into_iter().filter(|assumption| !self.relies_on.contains(assumption));
+        let reach: Vec<Assumption> =
+            REACH.into_iter().filter(|assumption| !estimate.relies_on.contains(assumption)).collect();
         estimate.relies_on.extend(reach);
         estimate
     }
