@@ -2,6 +2,7 @@
 
 mod account;
 mod after_turn;
+mod base_clock;
 mod carrying;
 mod doubt;
 mod heading_fixes;
@@ -18,6 +19,7 @@ use crate::{
 };
 
 pub use account::Account;
+use base_clock::BASE_STAMP;
 use doubt::Doubts;
 use heading_fixes::HeadingFixes;
 use hypothesis::{Failed, Hypothesis};
@@ -75,6 +77,8 @@ pub struct Localizer {
     fixes: Option<HeadingFixes>,
     /// The encoders' latest count, and since when it has been.
     at_rest: Option<(f64, [i64; 2])>,
+    /// Greatest error of the stamps of wheels, gyroscope and flow sensor.
+    base_stamp_error_s: f64,
 }
 
 impl Localizer {
@@ -96,6 +100,7 @@ impl Localizer {
             stale_s: f64::INFINITY,
             fixes: None,
             at_rest: None,
+            base_stamp_error_s: 0.0,
         };
         localizer.begin_at(start);
         localizer
@@ -150,7 +155,12 @@ impl Localizer {
     /// The answer as of the latest wheel reading.
     pub fn estimate(&self) -> Estimate {
         let status = if self.is_doubted() { Status::Recovering } else { Status::Sound };
-        Estimate { time_s: self.now_s, pose: self.current.clone(), status, relies_on: self.relies_on.clone() }
+        let mut relies_on = self.relies_on.clone();
+        if self.base_stamp_error_s > 0.0 {
+            relies_on.push(BASE_STAMP);
+            relies_on.extend(REACH.into_iter().filter(|assumption| !self.relies_on.contains(assumption)));
+        }
+        Estimate { time_s: self.now_s, pose: self.in_true_time(&self.current), status, relies_on }
     }
 
     /// The answer at an instant: where the latest wheel reading is older, as when readings come late, by what the wheels can have done since
@@ -166,11 +176,12 @@ impl Localizer {
         let within_reach = self.inside_room(moved_union(&estimate.pose, &motion));
         let rolled = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s + span_s));
         estimate.pose = match rolled {
-            Some(rolled) if !rolled.is_empty() => rolled.common(&within_reach),
+            Some(rolled) if !rolled.is_empty() => self.in_true_time(&rolled).common(&within_reach),
             _ => within_reach,
         };
         estimate.time_s = time_s;
-        let reach = REACH.into_iter().filter(|assumption| !self.relies_on.contains(assumption));
+        let reach: Vec<Assumption> =
+            REACH.into_iter().filter(|assumption| !estimate.relies_on.contains(assumption)).collect();
         estimate.relies_on.extend(reach);
         estimate
     }

@@ -3,7 +3,6 @@
 //! The true arc of a differential drive, per-wheel bounds with a floor, side slip, and reach. Ticks telescope: over any span
 //! the quantisation counts once, because a wheel's count is a difference of two latched totals.
 
-mod clock;
 mod flow;
 mod flow_history;
 mod gyro;
@@ -20,7 +19,6 @@ use crate::{
     robot::{FlowModel, GyroModel, Reach, WheelModel},
 };
 
-pub use clock::Clock;
 pub use flow::{Agreement, FlowIntegral, agree};
 pub use flow_history::FlowHistory;
 pub use gyro::{GyroHistory, greatest_change_rad_per_s2, sudden_change_rad_per_s2};

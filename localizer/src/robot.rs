@@ -46,8 +46,6 @@ pub struct WheelModel {
     pub side_slip_floor_m: f64,
     /// Length of the window over which the two bounds hold.
     pub slip_window_s: f64,
-    /// Greatest error of the stamps of wheels, gyroscope and flow sensor, which is the same for all of them all the run, `base.stamp`.
-    pub stamp_error_s: f64,
 }
 
 /// Physical limits of any motion, pushes included: declared generously, they hold when the wheels lie.
@@ -156,8 +154,6 @@ pub struct GyroModel {
     pub bias_wander_rad_per_s2: f64,
     /// Span that a reading averages over; it ends at the reading's stamp.
     pub period_s: f64,
-    /// Greatest turn, at both ends of a span together, between a stamp and the instant that it stands for, `base.stamp`: within reach.
-    pub stamps_turn_rad: f64,
 }
 
 impl GyroModel {

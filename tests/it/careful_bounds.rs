@@ -12,7 +12,8 @@ use crate::{command::root, judging::verdict_of};
 
 fn parse(top: &str, more: &str) -> Scene {
     let text = format!(
-        "{top}\n[room]\nwidth_m = 8\ndepth_m = 6\n[start]\nx_m = 2\ny_m = 3\nheading_deg = 0\n[expect]\nunsound = 0\n{more}"
+        "{top}\n[room]\nwidth_m = 8\ndepth_m = 6\n[start]\nx_m = 2\ny_m = 3\nheading_deg = 0\n\
+         [[route.waypoint]]\nx_m = 4\ny_m = 3\n[expect]\nunsound = 0\n{more}"
     );
     Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }

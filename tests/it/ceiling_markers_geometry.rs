@@ -63,7 +63,6 @@ fn robot(camera: CeilingCameraModel) -> RobotModel {
             side_slip_ratio: 0.0,
             side_slip_floor_m: 0.0,
             slip_window_s: 0.2,
-            stamp_error_s: 0.0,
         },
         reach: Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 2.0 },
         body: BodyModel { tilt_rad: TILT_RAD, heave_m: HEAVE_M, clearance_m: 0.0 },

@@ -204,7 +204,6 @@ fn wheels() -> WheelModel {
         side_slip_ratio: 0.0,
         side_slip_floor_m: 0.0,
         slip_window_s: 0.2,
-        stamp_error_s: 0.0,
     }
 }
 

@@ -75,7 +75,6 @@ fn drive(
         angle_rad_per_s: 0.0,
         bias_wander_rad_per_s2: learns.map_or(0.0, |(wander_rad_per_s2, _)| wander_rad_per_s2),
         period_s: 0.01,
-        stamps_turn_rad: 0.0,
     });
     // Wheels that slip at will: only fixes tell of the turn.
     robot.wheels.slip_floor_m = 0.01;

@@ -20,7 +20,6 @@ fn model() -> GyroModel {
         angle_rad_per_s: 0.0,
         bias_wander_rad_per_s2: 0.0,
         period_s: PERIOD_S,
-        stamps_turn_rad: 0.0,
     }
 }
 
@@ -107,7 +106,6 @@ fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
         angle_rad_per_s: 0.0,
         bias_wander_rad_per_s2: 0.0,
         period_s: 0.1,
-        stamps_turn_rad: 0.0,
     };
     let mut history = GyroHistory::new(exact, 10.0);
     [(0.1, 0.25), (0.2, 0.75), (0.3, 1.25)].into_iter().for_each(|(end_s, rate)| history.push(end_s, rate));
@@ -163,7 +161,6 @@ fn rolled(gyro_rad_per_s: f64) -> Option<localizer::motion::Motion> {
         side_slip_ratio: 0.003,
         side_slip_floor_m: 0.00005,
         slip_window_s: 0.2,
-        stamp_error_s: 0.0,
     };
     let reach = Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 1.0 };
     let mut history = WheelHistory::new(10.0).with_gyro(model());

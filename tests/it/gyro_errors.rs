@@ -20,7 +20,6 @@ fn gyro() -> GyroModel {
         angle_rad_per_s: 0.0,
         bias_wander_rad_per_s2: 0.0,
         period_s: 0.01,
-        stamps_turn_rad: 0.0,
     }
 }
 

@@ -83,7 +83,7 @@ mod motion_sensors;
 /// Routes driven by estimates, and the default bounds on such a drive.
 mod careful_bounds;
 mod gyro_band;
-mod motion_clock;
+mod base_clock;
 mod world_drifts;
 mod world_driver;
 /// Occupancy grids, ways through them and their files, against maps drawn by hand and map_server's rules.

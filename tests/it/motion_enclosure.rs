@@ -21,7 +21,6 @@ fn wheels() -> WheelModel {
         side_slip_ratio: 0.003,
         side_slip_floor_m: 0.00005,
         slip_window_s: 0.2,
-        stamp_error_s: 0.0,
     }
 }
 
@@ -190,7 +189,6 @@ fn perfect_wheels() -> WheelModel {
         side_slip_ratio: 0.0,
         side_slip_floor_m: 0.0,
         slip_window_s: 10.0,
-        stamp_error_s: 0.0,
     }
 }
 

@@ -35,7 +35,6 @@ pub(crate) fn robot(q_items: usize, wrong_spacing: usize) -> RobotModel {
             side_slip_ratio: 0.003,
             side_slip_floor_m: 0.00005,
             slip_window_s: 0.2,
-            stamp_error_s: 0.0,
         },
         reach: REACH,
         body: BodyModel { tilt_rad: TILT_RAD, heave_m: 0.0, clearance_m: 0.0 },

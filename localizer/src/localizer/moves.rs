@@ -58,9 +58,6 @@ pub(super) fn motion_between(
 /// The bounds that a prediction without doubt stands on.
 pub(super) fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
     let mut names = WHEELS.to_vec();
-    if robot.wheels.stamp_error_s > 0.0 {
-        names.push("base.stamp");
-    }
     if robot.gyro.is_some() {
         names.extend(GYRO);
     }

@@ -7,7 +7,7 @@ use crate::{
     robot::{FlowModel, Reach, WheelModel},
 };
 
-use super::{Clock, FlowIntegral, Motion, gyro::greatest_change_rad_per_s2};
+use super::{FlowIntegral, Motion, gyro::greatest_change_rad_per_s2};
 
 /// Recent readings of a flow sensor.
 #[derive(Clone, Debug)]
@@ -104,7 +104,7 @@ impl FlowHistory {
             integral.advance(step, turn(from_s, until_s)?, turning_rad, excess_m, &self.model);
             (before_s, before) = (until_s, now);
         }
-        Some(Clock::new(wheels, reach).between_stamps(integral.motion(bent_m, &self.model)))
+        Some(integral.motion(bent_m, &self.model))
     }
 
     /// What the way between two readings is longer than their difference at most. Where readings are missing between them, as much may go

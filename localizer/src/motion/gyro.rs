@@ -70,7 +70,7 @@ impl GyroHistory {
         let model = &self.model;
         let by_reading = sums.by_reading(model) - model.bias_rad_per_s * sums.lasts_s;
         let by_span = sums.by_span(model) - self.run_bias_rad_per_s * sums.lasts_s;
-        Some((by_reading.intersect(by_span) / model.scale).inflate(sums.bend_rad + model.stamps_turn_rad))
+        Some((by_reading.intersect(by_span) / model.scale).inflate(sums.bend_rad))
     }
 
     /// What readings add up to, ∫ r dt = scale·turn + bias·Δt, while turn rates change by at most `change_rad_per_s2`; `None` where no
@@ -79,7 +79,7 @@ impl GyroHistory {
         let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
         let model = &self.model;
         let read = if model.bounds_angle() { sums.by_span(model) } else { sums.by_reading(model) };
-        Some(read.inflate((sums.bend_rad + model.stamps_turn_rad) * model.scale.magnitude()))
+        Some(read.inflate(sums.bend_rad * model.scale.magnitude()))
     }
 
     fn sums(&self, [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Option<Sums> {

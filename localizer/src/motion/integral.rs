@@ -10,7 +10,7 @@ use crate::{
     robot::{Reach, WheelModel},
 };
 
-use super::{Clock, Motion, WheelSample};
+use super::{Motion, WheelSample};
 
 /// Motion since a stamp.
 #[derive(Clone, Debug)]
@@ -28,8 +28,6 @@ pub struct WheelIntegral {
     turning_rad: f64,
     /// Bound of what the midpoint rule leaves out, in metres.
     remainder_m: f64,
-    /// What may be between stamps and the instants that they stand for; nothing before the first step.
-    clock: Clock,
 }
 
 impl WheelIntegral {
@@ -44,7 +42,6 @@ impl WheelIntegral {
             turn_rad: Interval::ZERO,
             turning_rad: 0.0,
             remainder_m: 0.0,
-            clock: Clock::default(),
         }
     }
 
@@ -61,7 +58,6 @@ impl WheelIntegral {
         if step_s <= 0.0 {
             return;
         }
-        self.clock = Clock::new(wheels, reach);
         let delta = [0, 1].map(|wheel| sample.ticks[wheel] - self.latest.ticks[wheel]);
         let turn_before = self.turn_rad;
         self.latest = *sample;
@@ -99,11 +95,11 @@ impl WheelIntegral {
         let parts_m = (error_m + side_m) * self.turning_rad + self.remainder_m;
         let (cos, sin) = (self.turn_rad.cos(), self.turn_rad.sin());
         let (error, side) = (Interval::centred(0.0, error_m), Interval::centred(0.0, side_m));
-        self.clock.between_stamps(IntervalBox::from([
+        IntervalBox::from([
             (middle(&self.cos_ticks) + error * cos - side * sin).inflate(parts_m),
             (middle(&self.sin_ticks) + error * sin + side * cos).inflate(parts_m),
             self.turn_rad,
-        ]))
+        ])
     }
 
     /// True travel of one contact point since the start.

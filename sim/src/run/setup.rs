@@ -16,7 +16,8 @@ use crate::scene::{
 
 /// The localizer that the scene asks for, told what the scene tells it.
 pub(crate) fn localizer(scene: &Scene) -> Localizer {
-    let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box());
+    let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
+        .with_base_clock(scene.robot.delivery.stamp_tolerance_s);
     if scene.localizer.learns_gyro {
         localizer.learning_gyro(scene.bounds.rest_turn_deg.map(f64::to_radians))
     } else {

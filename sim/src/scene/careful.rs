@@ -175,7 +175,8 @@ fn leave_out_what_is_stated_in_part(keys: &mut Value, stated: &Map<String, Value
     for (device, group) in TOGETHER {
         let said = stated.get("robot").and_then(|robot| robot.get(device));
         let is_stated = group.iter().any(|key| said.is_some_and(|said| said.get(key).is_some()));
-        if let Some(keys) = keys["robot"][device].as_object_mut().filter(|_| is_stated) {
+        let keys = keys.pointer_mut(&format!("/robot/{device}")).and_then(Value::as_object_mut);
+        if let Some(keys) = keys.filter(|_| is_stated) {
             keys.retain(|key, _| !group.contains(&key.as_str()));
         }
     }

@@ -33,7 +33,7 @@ impl Scene {
     pub fn robot_model(&self) -> RobotModel {
         let (robot, bounds) = (&self.robot, &self.bounds);
         let radius_m = relative(robot.wheel_radius_m, robot.wheel_radius_tolerance);
-        RobotModel {
+        let mut model = RobotModel {
             wheels: WheelModel {
                 radius_m: [radius_m, radius_m],
                 track_m: relative(robot.track_m, robot.track_tolerance),
@@ -43,7 +43,6 @@ impl Scene {
                 side_slip_ratio: bounds.side_slip_ratio,
                 side_slip_floor_m: bounds.side_slip_floor_m,
                 slip_window_s: bounds.slip_window_s,
-                stamp_error_s: robot.delivery.stamp_tolerance_s,
             },
             reach: Reach {
                 speed_m_per_s: bounds.reach_speed_m_per_s,
@@ -58,11 +57,18 @@ impl Scene {
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
             forward_camera: robot.forward_camera.as_ref().map(forward_camera_model),
-            gyro: robot.gyro.as_ref().map(|gyro| gyro_model(gyro, self)),
+            gyro: robot.gyro.as_ref().map(gyro_model),
             flow: robot.flow.as_ref().map(flow_model),
             ceiling_camera: robot.ceiling_camera.as_ref().map(ceiling_camera_model),
             range_camera: robot.range_camera.as_ref().map(range_camera_model),
-        }
+        };
+        // The localizer reckons in the base's clock, against which the stamps of cameras are off by so much more.
+        let base_s = robot.delivery.stamp_tolerance_s;
+        model.floor_camera.iter_mut().for_each(|camera| camera.stamp_error_s += base_s);
+        model.forward_camera.iter_mut().for_each(|camera| camera.stamp_error_s += base_s);
+        model.ceiling_camera.iter_mut().for_each(|camera| camera.stamp_error_s += base_s);
+        model.range_camera.iter_mut().for_each(|camera| camera.stamp_error_s += base_s);
+        model
     }
 
     fn wall_directions_rad(&self) -> Vec<Interval> {
@@ -107,10 +113,14 @@ impl Scene {
     /// The box in which the localizer is told that the robot starts.
     pub fn start_box(&self) -> PoseBox {
         let start = self.nominal_start();
+        // The base's clock may have its 0 after the start: a robot that then gathers speed from rest gets a·ε²/2 far.
+        let late_s = self.robot.delivery.stamp_tolerance_s;
+        let left_m = 0.5 * self.bounds.reach_acceleration_m_per_s2 * late_s * late_s;
+        let turned_rad = 2.0 * left_m / (self.robot.track_m * (1.0 - self.robot.track_tolerance));
         PoseBox::from([
-            Interval::centred(start.x_m, self.start.tolerance_m),
-            Interval::centred(start.y_m, self.start.tolerance_m),
-            Interval::centred(start.heading_rad, self.start.tolerance_deg.to_radians()),
+            Interval::centred(start.x_m, self.start.tolerance_m + left_m),
+            Interval::centred(start.y_m, self.start.tolerance_m + left_m),
+            Interval::centred(start.heading_rad, self.start.tolerance_deg.to_radians() + turned_rad),
         ])
     }
 }
@@ -192,7 +202,7 @@ fn ceiling_camera_model(camera: &CeilingCamera) -> CeilingCameraModel {
     }
 }
 
-fn gyro_model(gyro: &Gyro, scene: &Scene) -> GyroModel {
+fn gyro_model(gyro: &Gyro) -> GyroModel {
     GyroModel {
         bias_rad_per_s: Interval::centred(0.0, gyro.bias_tolerance_deg_per_s.to_radians()),
         scale: relative(1.0, gyro.scale_tolerance),
@@ -201,7 +211,6 @@ fn gyro_model(gyro: &Gyro, scene: &Scene) -> GyroModel {
         angle_rad_per_s: gyro.angle_deg_per_s.to_radians(),
         bias_wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
         period_s: gyro.period_s,
-        stamps_turn_rad: 2.0 * scene.bounds.reach_turn_rate_rad_per_s * scene.robot.delivery.stamp_tolerance_s,
     }
 }
 
