@@ -11,6 +11,7 @@
 //! Modules in reading order, from arithmetic to answer.
 
 pub mod interval;
+mod dual;
 pub mod boxes;
 pub mod contractor;
 pub mod separator;

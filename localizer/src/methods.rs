@@ -2,5 +2,6 @@
 
 pub mod ceiling_markers;
 pub mod floor_tiles;
+mod lean;
 pub mod range_landmarks;
 pub mod wall_directions;

@@ -20,6 +20,8 @@ pub mod paper;
 pub(crate) mod straighten;
 
 #[cfg(test)]
+mod any_picture;
+#[cfg(test)]
 pub(crate) mod synthetic;
 #[cfg(test)]
 mod trial;

@@ -137,7 +137,7 @@ fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMa
     metrics.extend(landmarks::metrics(scene, record));
     metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));
-    metrics.extend(wall_directions::metrics(record, judged));
+    metrics.extend(wall_directions::metrics(scene, record, judged));
     metrics
 }
 

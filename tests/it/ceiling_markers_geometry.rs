@@ -51,7 +51,7 @@ fn camera() -> CeilingCameraModel {
     }
 }
 
-fn robot(camera: CeilingCameraModel) -> RobotModel {
+fn robot(camera: CeilingCameraModel, body_tilt_rad: f64) -> RobotModel {
     let radius = Interval::point(0.1);
     RobotModel {
         wheels: WheelModel {
@@ -65,7 +65,7 @@ fn robot(camera: CeilingCameraModel) -> RobotModel {
             slip_window_s: 0.2,
         },
         reach: Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 2.0 },
-        body: BodyModel { tilt_rad: TILT_RAD, heave_m: HEAVE_M, clearance_m: 0.0 },
+        body: BodyModel { tilt_rad: body_tilt_rad, heave_m: HEAVE_M, clearance_m: 0.0 },
         floor_camera: None,
         forward_camera: None,
         gyro: None,
@@ -85,11 +85,17 @@ struct Situation {
     world_from_camera: Isometry3<f64>,
     focal_px: [f64; 2],
     centre_px: [f64; 2],
+    body_tilt_rad: f64,
 }
 
 impl Situation {
     /// Random markers around a random robot whose camera is that of `camera`.
     fn new(rng: &mut ChaCha8Rng, camera: CeilingCameraModel, n_markers: usize) -> Situation {
+        Situation::leaning(rng, camera, n_markers, TILT_RAD)
+    }
+
+    /// The same of a robot whose body leans by up to an angle.
+    fn leaning(rng: &mut ChaCha8Rng, camera: CeilingCameraModel, n_markers: usize, body_tilt_rad: f64) -> Situation {
         let pose = [rng.random_range(-8.0..8.0), rng.random_range(-8.0..8.0), rng.random_range(-20.0..20.0f64)];
         let words = Coding::Hexads.identities();
         let lean = Vector3::new(-camera.lean_rad[1], camera.lean_rad[0], 0.0);
@@ -143,17 +149,20 @@ impl Situation {
         let place = [drawn(rng, camera.position_m[0]), drawn(rng, camera.position_m[1]), drawn(rng, camera.height_m)];
         let body_from_camera =
             Isometry3::from_parts(Translation3::new(place[0], place[1], place[2]), yaw * posture * upwards);
-        let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), at_exposure[2]);
+        // Turned so that the forward axis, seen from above, has the heading, as roll, pitch and yaw tell it.
+        let lean_of_body = tilt(rng, body_tilt_rad);
+        let forward = lean_of_body * Vector3::x();
+        let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), at_exposure[2] - forward.y.atan2(forward.x));
         let world_from_body = Isometry3::from_parts(
             Translation3::new(at_exposure[0], at_exposure[1], HEAVE_M * corner(rng)),
-            heading * tilt(rng, TILT_RAD),
+            heading * lean_of_body,
         );
         let (focal_px, centre_px) = (
             [0, 1].map(|axis| drawn(rng, camera.focal_px[axis])),
             [0, 1].map(|axis| drawn(rng, camera.centre_px[axis])),
         );
         let world_from_camera = world_from_body * body_from_camera;
-        Situation { pose, map, camera, pasted, world_from_camera, focal_px, centre_px }
+        Situation { pose, map, camera, pasted, world_from_camera, focal_px, centre_px, body_tilt_rad }
     }
 
     /// Image of a point by pinhole and Brown's lens.
@@ -203,7 +212,8 @@ impl Situation {
         let room = Interval::new(-50.0, 50.0);
         let map =
             Map { room_m: [room, room], tiles: None, markers: Some(self.map.clone()), wall_directions_rad: Vec::new() };
-        CeilingMarkers::new(&map, &robot(self.camera.clone())).expect("a ceiling camera and markers")
+        CeilingMarkers::new(&map, &robot(self.camera.clone(), self.body_tilt_rad))
+            .expect("a ceiling camera and markers")
     }
 
     /// What is left of a prior.
@@ -258,6 +268,47 @@ fn no_pose_is_lost_whatever_the_mount_and_the_errors() {
         let (half_m, half_rad) = [(0.02, 0.02), (0.5, 0.3), (20.0, 7.0)][rng.random_range(0..3)];
         let prior = situation.prior(&mut rng, half_m, half_rad);
         let union = situation.located(seen, &prior);
+        assert!(situation.holds(&union), "round {round}: {:?} not in {union:?}", situation.pose);
+    }
+}
+
+#[test]
+fn no_tilt_of_body_and_mount_loses_the_pose_however_great() {
+    let mut rng = ChaCha8Rng::seed_from_u64(57);
+    let rounds = std::env::var("WHEREIN_CEILING_POSES").ok().and_then(|text| text.parse().ok()).unwrap_or(300);
+    for [body_deg, mount_deg] in [[0.5, 0.5], [1.0, 1.0], [3.0, 3.0], [10.0, 1.0], [30.0, 1.0], [1.0, 10.0]] {
+        let mut n_told = 0;
+        for round in 0..rounds {
+            let camera = CeilingCameraModel { tilt_rad: f64::to_radians(mount_deg), ..any_camera(&mut rng) };
+            let situation = Situation::leaning(&mut rng, camera, 2, f64::to_radians(body_deg));
+            let seen = situation.seen(&mut rng, 0.1);
+            let prior = situation.prior(&mut rng, 1.0, 0.3);
+            // Where the declared tilts let a ray go level, a dot says nothing.
+            let Some(constraint) = situation.method().constraint(0.0, seen) else { continue };
+            let union = PoseUnion { branches: constraint.on_pose.branches(&prior) };
+            assert!(situation.holds(&union), "{body_deg} and {mount_deg} deg, round {round}: not in {union:?}");
+            n_told += 1;
+        }
+        assert!(n_told > rounds / 2 || body_deg > 3.0, "{body_deg} and {mount_deg} deg: {n_told}");
+    }
+}
+
+#[test]
+fn behind_a_bent_lens_no_error_of_its_optics_loses_the_pose() {
+    let mut rng = ChaCha8Rng::seed_from_u64(58);
+    for round in 0..1000 {
+        let lens = CeilingCameraModel {
+            focal_px: [480.0, 480.0].map(|focal| Interval::centred(focal, 0.01 * focal)),
+            centre_px: [319.5, 239.5].map(|at| Interval::centred(at, 5.0)),
+            distortion: [-0.25, 0.06, 0.001, -0.002, 0.0],
+            distortion_px: [0.0, 0.5][round % 2],
+            ..any_camera(&mut rng)
+        };
+        let situation = Situation::new(&mut rng, lens, 2);
+        let seen = situation.seen(&mut rng, 0.03);
+        let prior = situation.prior(&mut rng, 0.5, 0.3);
+        let Some(constraint) = situation.method().constraint(0.0, seen) else { continue };
+        let union = PoseUnion { branches: constraint.on_pose.branches(&prior) };
         assert!(situation.holds(&union), "round {round}: {:?} not in {union:?}", situation.pose);
     }
 }

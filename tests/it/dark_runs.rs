@@ -52,6 +52,41 @@ fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
     assert!(n_claims > 80, "{n_claims} true claims");
 }
 
+/// A scene that broke something once.
+fn found(name: &str, changes: &[[&str; 2]]) -> Scene {
+    let mut text = fs::read_to_string(root().join("scenes/found").join(name)).unwrap();
+    for [from, to] in changes {
+        assert!(text.contains(from), "no {from} in the scene");
+        text = text.replace(from, to);
+    }
+    Scene::parse(&text, name).unwrap_or_else(|error| panic!("failed to {error}"))
+}
+
+#[test]
+fn walls_behind_a_bent_lens_keep_the_heading_whatever_its_principal_point() {
+    let (_, verdict) = judged(&found("walls_behind_a_bent_lens.toml", &[]), 0);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+    assert!(verdict.methods["wall_directions"].claims > 50, "{:?}", verdict.methods);
+}
+
+#[test]
+fn furniture_as_askew_as_declared_is_no_false_claim_and_takes_no_heading() {
+    let scene = found("furniture_askew.toml", &[["duration_s = 20.0", "duration_s = 10.0"]]);
+    let (record, verdict) = judged(&scene, 0);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    let untold =
+        Scene { localizer: found("furniture_askew.toml", &[["askew_deg = 2.0", ""]]).localizer, ..scene.clone() };
+    let n_false = |scene: &Scene| {
+        let false_of = |image: &sim::run::ImageRecord| {
+            image.claims.iter().filter(|claim| !is_true(claim, scene, &record.drawn, &image.truth)).count()
+        };
+        record.images.iter().map(false_of).sum::<usize>()
+    };
+    let n_claims: usize = record.images.iter().map(|image| image.claims.len()).sum();
+    assert!(10 * n_false(&scene) < n_claims && n_false(&untold) > 2 * n_false(&scene) + 5, "{}", n_false(&untold));
+}
+
 /// The full system on paper 2's rectangle: carpet, flow sensor, a gyroscope that is learnt.
 fn rectangle(duration_s: f64, event: &str) -> Scene {
     let text = fs::read_to_string(root().join("scenes/papers/dark_carpet.toml")).unwrap();

@@ -15,6 +15,16 @@ const HEIGHT_M: f64 = 0.25;
 const SCALE: f64 = 640.0 / 0.48;
 const TILT_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
+/// Declared tilts of body and mount.
+#[derive(Clone, Copy)]
+struct Tilts {
+    body: f64,
+    mount: f64,
+}
+
+/// The usual ones.
+const SMALL: Tilts = Tilts { body: TILT_RAD, mount: TILT_RAD };
+
 /// A true situation, every error drawn inside its bound, half of them at the corner.
 struct Situation {
     pose: [f64; 3],
@@ -22,6 +32,7 @@ struct Situation {
     world_from_camera: Isometry3<f64>,
     focal_px: f64,
     joint_offset_m: [Vec<f64>; 2],
+    tilts: Tilts,
 }
 
 fn corner(rng: &mut ChaCha8Rng) -> f64 {
@@ -40,7 +51,7 @@ fn tile_grid(rng: &mut ChaCha8Rng) -> TileGrid {
     }
 }
 
-fn robot() -> RobotModel {
+fn robot(tilt_rad: Tilts) -> RobotModel {
     let radius = Interval::point(0.1);
     RobotModel {
         wheels: WheelModel {
@@ -54,7 +65,7 @@ fn robot() -> RobotModel {
             slip_window_s: 0.2,
         },
         reach: Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 2.0 },
-        body: BodyModel { tilt_rad: TILT_RAD, heave_m: 0.0001, clearance_m: 0.0 },
+        body: BodyModel { tilt_rad: tilt_rad.body, heave_m: 0.0001, clearance_m: 0.0 },
         floor_camera: Some(FloorCameraModel {
             width_px: 640,
             height_px: 480,
@@ -65,7 +76,7 @@ fn robot() -> RobotModel {
             row_time_s: 0.0,
             position_m: [Interval::centred(-0.15, 0.0005), Interval::centred(0.03, 0.0005)],
             yaw_rad: Interval::centred(0.0, TILT_RAD),
-            tilt_rad: TILT_RAD,
+            tilt_rad: tilt_rad.mount,
             stamp_error_s: 0.0,
             q_items: 0,
         }),
@@ -77,7 +88,7 @@ fn robot() -> RobotModel {
     }
 }
 
-fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool) -> Situation {
+fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool, tilts: Tilts) -> Situation {
     let grid = tile_grid(rng);
     let quarter = f64::from(rng.random_range(-9..9)) * std::f64::consts::FRAC_PI_2;
     let heading = if axis_aligned {
@@ -87,13 +98,13 @@ fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool) -> Situation {
     };
     let pose = [rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0), heading];
     // Body: tilt about a horizontal axis and heave, at the robot origin.
-    let tilted = |rng: &mut ChaCha8Rng| {
-        let (angle, size) = (rng.random_range(0.0..std::f64::consts::TAU), TILT_RAD * corner(rng));
+    let tilted = |rng: &mut ChaCha8Rng, most_rad: f64| {
+        let (angle, size) = (rng.random_range(0.0..std::f64::consts::TAU), most_rad * corner(rng));
         UnitQuaternion::from_scaled_axis(Vector3::new(angle.cos(), angle.sin(), 0.0) * size)
     };
     let world_from_body = Isometry3::from_parts(
         Translation3::new(pose[0], pose[1], 0.0001 * corner(rng)),
-        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading) * tilted(rng),
+        with_forward_at(heading, tilted(rng, tilts.body)),
     );
     let position = [-0.15 + 0.0005 * corner(rng), 0.03 + 0.0005 * corner(rng)];
     let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TILT_RAD * corner(rng));
@@ -103,8 +114,10 @@ fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool) -> Situation {
         Vector3::new(-1.0, 0.0, 0.0),
         Vector3::new(0.0, 0.0, -1.0),
     ]));
-    let body_from_camera =
-        Isometry3::from_parts(Translation3::new(position[0], position[1], HEIGHT_M), tilted(rng) * yaw * down);
+    let body_from_camera = Isometry3::from_parts(
+        Translation3::new(position[0], position[1], HEIGHT_M),
+        tilted(rng, tilts.mount) * yaw * down,
+    );
     let offsets = |rng: &mut ChaCha8Rng| (0..200).map(|_| 0.0005 * corner(rng)).collect();
     Situation {
         pose,
@@ -112,7 +125,14 @@ fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool) -> Situation {
         grid,
         world_from_camera: world_from_body * body_from_camera,
         focal_px: SCALE * HEIGHT_M * (1.0 + 0.001 * corner(rng)),
+        tilts,
     }
+}
+
+/// A leaning attitude turned about the vertical so that its forward axis, seen from above, has this heading, as roll, pitch and yaw tell it.
+fn with_forward_at(heading_rad: f64, lean: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    let forward = lean * Vector3::x();
+    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad - forward.y.atan2(forward.x)) * lean
 }
 
 impl Situation {
@@ -158,7 +178,7 @@ impl Situation {
             markers: None,
             wall_directions_rad: Vec::new(),
         };
-        FloorTiles::new(&map, &robot(), Chain::Direct).expect("a tiled map and a floor camera")
+        FloorTiles::new(&map, &robot(self.tilts), Chain::Direct).expect("a tiled map and a floor camera")
     }
 
     fn prior(&self, rng: &mut ChaCha8Rng, radius: [f64; 3]) -> PoseBox {
@@ -174,7 +194,7 @@ impl Situation {
 fn the_heading_relation_and_the_position_relation_keep_the_true_pose() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     for trial in 0..2000 {
-        let situation = situation(&mut rng, trial % 2 == 0);
+        let situation = situation(&mut rng, trial % 2 == 0, SMALL);
         let lines = situation.lines(&mut rng);
         let prior = situation.prior(&mut rng, [0.02, 0.02, 0.02]);
         let Some(constraint) = situation.method().constraint(0.0, lines, &PoseUnion::single(prior)) else { continue };
@@ -185,11 +205,38 @@ fn the_heading_relation_and_the_position_relation_keep_the_true_pose() {
 }
 
 #[test]
+fn no_tilt_within_its_bound_loses_the_true_pose_however_great() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let rounds = std::env::var("WHEREIN_FLOOR_POSES").ok().and_then(|text| text.parse().ok()).unwrap_or(1000);
+    for [body_deg, mount_deg] in [[0.5, 0.5], [1.0, 1.0], [3.0, 3.0], [10.0, 1.0], [30.0, 1.0], [1.0, 10.0]] {
+        let tilts = Tilts { body: f64::to_radians(body_deg), mount: f64::to_radians(mount_deg) };
+        let (mut n_told, mut widths) = (0, [0.0; 3]);
+        for trial in 0..rounds {
+            let situation = situation(&mut rng, trial % 2 == 0, tilts);
+            let lines = situation.lines(&mut rng);
+            let prior = situation.prior(&mut rng, [0.1, 0.1, 0.05]);
+            let Some(constraint) = situation.method().constraint(0.0, lines, &PoseUnion::single(prior)) else {
+                continue;
+            };
+            let branches = constraint.on_pose.branches(&prior);
+            let holds = branches.iter().any(|branch| branch.contains(&situation.pose));
+            assert!(holds, "{body_deg} and {mount_deg} deg, trial {trial}: {branches:?} miss {:?}", situation.pose);
+            n_told += 1;
+            let hull = PoseUnion { branches }.hull();
+            (0..3).for_each(|axis| widths[axis] += hull.width(axis));
+        }
+        let mean = widths.map(|width| width / f64::from(n_told.max(1)));
+        println!("{body_deg} and {mount_deg} deg: {n_told} told, mean widths {mean:?}");
+        assert!(n_told > rounds / 3 || body_deg > 3.0 || mount_deg > 3.0, "{body_deg} deg: {n_told}");
+    }
+}
+
+#[test]
 fn a_frame_narrows_heading_to_half_a_degree_and_position_to_millimetres() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let (mut heading, mut place, mut n_fixes) = (0.0, 0.0, 0.0);
     for _ in 0..300 {
-        let situation = situation(&mut rng, true);
+        let situation = situation(&mut rng, true, SMALL);
         let lines = situation.lines(&mut rng);
         let families: std::collections::BTreeSet<u8> = lines.lines.iter().map(|line| line.family).collect();
         let prior = situation.prior(&mut rng, [0.02, 0.02, 0.02]);
@@ -213,7 +260,7 @@ fn a_frame_narrows_heading_to_half_a_degree_and_position_to_millimetres() {
 fn a_prior_as_wide_as_a_tile_keeps_one_branch_for_each_tile_it_allows() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     for trial in 0..200 {
-        let situation = situation(&mut rng, false);
+        let situation = situation(&mut rng, false, SMALL);
         let lines = situation.lines(&mut rng);
         let prior = situation.prior(&mut rng, [0.4, 0.4, 0.3]);
         let Some(constraint) = situation.method().constraint(0.0, lines, &PoseUnion::single(prior)) else { continue };
@@ -239,7 +286,7 @@ fn a_prior_as_wide_as_a_tile_keeps_one_branch_for_each_tile_it_allows() {
 #[test]
 fn the_method_reads_floor_images_only() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let mut method = situation(&mut rng, false).method();
+    let mut method = situation(&mut rng, false, SMALL).method();
     let wheels = localizer::Reading::Wheels { measured_s: 0.0, arrived_s: 0.0, ticks: [0, 0] };
     let twist = localizer::method::Twist::default();
     assert!(method.constrain(&wheels, &PoseUnion::default(), &twist).is_none());

@@ -5,7 +5,6 @@
 //! the body's and the mount's tilt, the lens, the mount and the ceiling's height are known within declared intervals, and that is worth far more
 //! than what 35 pixels tell of them (erratum I5). [`paper`] has the paper's own way.
 
-mod dual;
 mod group;
 mod pairs;
 pub mod paper;
@@ -25,6 +24,7 @@ use crate::{
     vision::ceiling::{self, CeilingMarkers as Seen, CeilingView, PictureMotion, SeenMarker},
 };
 
+use super::lean::{heading_off_rad, twist_of_tipped_rad};
 use group::SeenDot;
 use pose_contractor::Markers;
 use ray::Optics;
@@ -156,14 +156,13 @@ impl CeilingMarkers {
         [0, 1].map(|axis| (turned[axis] + placed.centre_m[axis]).inflate(slack_m))
     }
 
-    /// Apparent heading minus heading.
-    ///
-    /// Two tilts, or a tilt of a leaning axis, also turn: by half their product, and by the sine of the lean times the tilt.
+    /// Apparent heading minus heading: the mount's yaw, what it turns when its error comes before its lean, and the heading's own way to be
+    /// told of a body that leans.
     fn yaw_error(&self) -> Interval {
         let yaw = self.camera.yaw_rad - Interval::point(self.camera.yaw_rad.mid());
-        let lean = self.camera.lean_rad[0].hypot(self.camera.lean_rad[1]);
-        let both = self.camera.tilt_rad + self.robot.body.tilt_rad;
-        yaw.inflate(both * both + 1.01 * self.camera.tilt_rad * lean.sin())
+        let lean_rad = Interval::point(self.camera.lean_rad[0]).hypot(Interval::point(self.camera.lean_rad[1])).hi();
+        yaw.inflate(twist_of_tipped_rad(self.camera.tilt_rad, lean_rad))
+            .inflate(heading_off_rad(self.robot.body.tilt_rad))
     }
 
     /// Motion of the picture over an exposure: the ceiling passes against the motion (v, ω × m) of the camera, and turns against ω.

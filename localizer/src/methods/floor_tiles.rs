@@ -10,6 +10,7 @@
 //! looked for, and what lens and rows leave open widens the bounds of their points.
 
 mod joint;
+mod normals;
 mod optics;
 mod pose_contractor;
 #[cfg(test)]
@@ -73,12 +74,17 @@ struct Geometry {
 }
 
 impl Geometry {
+    /// The middle of the picture.
+    fn principal_point_px(&self) -> [f64; 2] {
+        [self.camera.width_px, self.camera.height_px].map(|size_px| (f64::from(size_px) - 1.0) / 2.0)
+    }
+
     /// A pixel of the pinhole's picture in the camera frame: forward and left of the principal point, in pixels.
     ///
     /// Image up is forward, image right is right: forward = v₀ − v, left = u₀ − u.
     fn in_camera_px(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let size_px = [self.camera.width_px, self.camera.height_px].map(f64::from);
-        [(size_px[1] - 1.0) / 2.0 - v, (size_px[0] - 1.0) / 2.0 - u]
+        let [middle_u, middle_v] = self.principal_point_px();
+        [middle_v - v, middle_u - u]
     }
 }
 
@@ -108,7 +114,9 @@ impl FloorTiles {
         let mut claims = Vec::new();
         for line in lines {
             let mut points = line.points_px.clone();
-            let open_px = self.optics.left_open_px(&line.points_px, &self.geometry);
+            let open_px = self.optics.left_open_px(&line.points_px, line.share_wrong, &self.geometry);
+            // What declared errors may put anywhere says nothing.
+            let Some(open_px) = open_px else { continue };
             points.iter_mut().zip(&open_px).for_each(|(point, open_px)| point[2] += straightness_px + open_px);
             let most_open_px = open_px.into_iter().fold(0.0, f64::max);
             let set = line_fit::enclose(&points, line.share_wrong);
@@ -120,8 +128,8 @@ impl FloorTiles {
                 rejected_px.push(ends(&line.points_px));
                 continue;
             }
+            let Some(points_px) = self.optics.as_taken(line.points_px, line.share_wrong) else { continue };
             joints.push(joint);
-            let points_px = self.optics.as_taken(line.points_px);
             claims.push(Claim::FloorJoint { points_px, share_wrong: line.share_wrong });
         }
         if joints.is_empty() {

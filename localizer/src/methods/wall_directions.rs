@@ -3,9 +3,9 @@
 //! After Yi, Lee and Cho, *A new localization system … using afocal optical flow sensor based sensor fusion* (2018), with sets in place
 //! of points. An edge whose ends are claimed to a bound and whose level direction is seen at φ says θ ∈ α + k·π/2 − φ for
 //! one of the building's directions α and some k: nearest-k without a gate, as every k that the prior allows stays. At most q of
-//! an image's edges may run along none of the directions, and at most [`WRONG_IMAGES`] of the last [`IMAGES_APART`] images may have
-//! more such edges. How robot and camera lean turns all edges of an image, each by another angle: where the building's edges are sharp
-//! the lean is solved for with them, and the edges of the last [`IMAGES`] images count together, at most [`wrong_held`] of them wrong, in at most [`SPOILT_IMAGES`] images.
+//! an image's edges may run along none of the directions, and few of the last [`IMAGES_APART`] images may have more such edges: how many
+//! is declared ([`Quotas`]). How robot and camera lean turns all edges of an image, each by another angle: where the building's edges are sharp
+//! the lean is solved for with them, and the edges of the last [`IMAGES`] images count together, so many of them wrong and in so many images.
 //! Directions that no map tells of are learnt as intervals, as wide as the heading was when they were seen.
 
 mod agreement;
@@ -13,13 +13,14 @@ mod distinct;
 mod edges;
 mod headings;
 mod posture;
+mod quotas;
 mod sight;
 
-pub use agreement::{wrong_held, wrong_lines};
+pub use quotas::Quotas;
 pub use sight::ray;
 
 use agreement::WallHeadings;
-use posture::{Agreement, View};
+use posture::{Agreement, Told, View};
 use sight::SightPlane;
 
 use std::collections::VecDeque;
@@ -45,12 +46,8 @@ pub const RELIES_ON: [Assumption; 8] = [
 ];
 /// Images that are held together, carried by the motion between them.
 pub const IMAGES: usize = 20;
-/// At most so many of them have a wrong edge at all: clutter and people are in view for a while, and then not.
-pub const SPOILT_IMAGES: usize = 14;
-/// Where an image's edges do not tell the lean together, so many are held,
+/// Where an image's edges do not tell the lean together, so many are held.
 pub const IMAGES_APART: usize = 10;
-/// of which as many may have more wrong edges than their q.
-pub const WRONG_IMAGES: usize = 2;
 /// Fewer level edges of an image say nothing: where a view shows one or two, it shows them for many images, and if they are wrong, all
 /// are wrong together.
 const FEWEST_LINES: usize = 3;
@@ -77,7 +74,7 @@ const FEWEST_TO_LEARN: usize = 5;
 const NEW_DIRECTION_RAD: f64 = 0.087;
 
 /// How the method looks at images, and whether it learns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setup {
     /// What finds level edges.
     pub chain: Chain,
@@ -89,6 +86,8 @@ pub struct Setup {
     pub learns: bool,
     /// Whether images end a doubt, as when no other method tells more than they do.
     pub decides: bool,
+    /// How many edges may be wrong.
+    pub quotas: Quotas,
 }
 
 /// What finds level edges in an image.
@@ -111,6 +110,7 @@ pub struct WallDirections {
     decides: bool,
     solves_lean: bool,
     floor_edges: bool,
+    quotas: Quotas,
     /// An edge whose direction is known no better, were the lean known, says nothing.
     widest_rad: f64,
     body_tilt_rad: f64,
@@ -118,6 +118,7 @@ pub struct WallDirections {
     directions: Vec<Direction>,
     learns: bool,
     seen: VecDeque<Seen>,
+    certificates: Certificates,
     /// Directions from robot forward, in the latest image, of edges that run along no wall known.
     strange_rad: Vec<Interval>,
     /// When that was.
@@ -153,15 +154,35 @@ fn still() -> PoseBox {
     PoseBox::from([Interval::ZERO; 3])
 }
 
+/// Images in a row, and which of them have more wrong edges than declared for certain, if the prior was right: no heading near it and no lean
+/// is one on which enough of their edges agree.
+#[derive(Clone, Debug, Default)]
+struct Certificates {
+    are_spoilt: VecDeque<bool>,
+    /// Whether more were spoilt than ever may be: then the prior is wrong, or a lean or the quotas exceed what was declared.
+    are_too_many: bool,
+}
+
+impl Certificates {
+    /// Counts one image; of so many in a row at most so many may be spoilt.
+    fn note(&mut self, is_spoilt: bool, [of, at_most]: [usize; 2]) {
+        self.are_spoilt.push_back(is_spoilt);
+        if self.are_spoilt.len() > of {
+            self.are_spoilt.pop_front();
+        }
+        self.are_too_many |= self.are_spoilt.iter().filter(|is_spoilt| **is_spoilt).count() > at_most;
+    }
+}
+
 impl WallDirections {
     /// The method for this robot on this map; `None` without a camera that looks ahead.
     pub fn new(map: &Map, robot: &RobotModel, setup: Setup) -> Option<Self> {
         let directions_rad = &map.wall_directions_rad;
         let walls = Self::with(robot.forward_camera?, &robot.body, &robot.reach, directions_rad, setup.learns);
-        let Setup { chain, solves_lean, floor_edges, decides, .. } = setup;
+        let Setup { chain, solves_lean, floor_edges, decides, quotas, .. } = setup;
         let is_refitted = solves_lean && chain == Chain::Direct;
         let widest_rad = if is_refitted { sight::WIDEST_REFITTED_RAD } else { sight::WIDEST_RAD };
-        Some(WallDirections { chain, solves_lean, floor_edges, widest_rad, decides, ..walls })
+        Some(WallDirections { chain, solves_lean, floor_edges, quotas, widest_rad, decides, ..walls })
     }
 
     /// The method for a camera, with the directions that the map tells; `learns` says whether the building may have more.
@@ -179,12 +200,14 @@ impl WallDirections {
             decides: false,
             solves_lean: false,
             floor_edges: false,
+            quotas: Quotas::default(),
             widest_rad: sight::WIDEST_RAD,
             body_tilt_rad: body.tilt_rad,
             stamp_turn_rad: camera.stamp_error_s * reach.turn_rate_rad_per_s,
             directions: directions_rad.iter().map(known).collect(),
             learns,
             seen: VecDeque::new(),
+            certificates: Certificates::default(),
             strange_rad: Vec::new(),
             latest_s: f64::NEG_INFINITY,
         }
@@ -193,6 +216,11 @@ impl WallDirections {
     /// The same for a building where long edges on the floor run along walls, with a lean that an image's edges tell together.
     pub fn with_floor_edges_and_lean(self) -> Self {
         WallDirections { floor_edges: true, solves_lean: true, ..self }
+    }
+
+    /// The same where other numbers of edges may be wrong.
+    pub fn with_quotas(self, quotas: Quotas) -> Self {
+        WallDirections { quotas, ..self }
     }
 
     /// What edges found in an image of `stamp_s` say of the pose; `None` when they are too few.
@@ -205,22 +233,28 @@ impl WallDirections {
             tilt_rad: self.camera.tilt_error_rad + self.body_tilt_rad,
             yaw_rad: self.camera.yaw_rad.inflate(self.stamp_turn_rad),
             solves_lean: self.solves_lean,
+            quotas: self.quotas,
             directions_rad: &directions_rad,
             about: edges.about,
         };
         let planes = |lines: &[EdgeLine]| -> Vec<SightPlane> {
             lines.iter().filter_map(|line| SightPlane::of(line, &self.camera)).collect()
         };
-        let agreement = posture::agreement(&planes(&edges.level), &planes(&edges.upright), &view);
+        let Told { agreement, is_upright } = posture::told(&planes(&edges.level), &planes(&edges.upright), &view);
         let n_level = agreement.len();
         // Headings that all but q of the image's own edges allow.
-        let own = agreement.get((n_level - wrong_lines(n_level)).saturating_sub(1)).into_iter().flatten();
+        let own =
+            agreement.get((n_level - self.quotas.wrong_of_image(n_level)).saturating_sub(1)).into_iter().flatten();
         let alone = if n_level < FEWEST_LINES { Interval::EMPTY } else { own.fold(Interval::EMPTY, |a, b| a.hull(*b)) };
+        if n_level >= FEWEST_LINES {
+            let is_spoilt = alone.is_empty() || (self.solves_lean && !is_upright);
+            self.certificates.note(is_spoilt, self.most_spoilt());
+        }
         if !alone.is_empty() {
             self.seen.push_back(Seen { stamp_s, agreement, moved: still() });
         } else if !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
             // Too few edges, or edges that agree on no heading near the prior's: more of them are wrong than declared, and it shows.
-            return None;
+            return self.certificates.are_too_many.then(|| self.silent(stamp_s, edges.rejected_px));
         }
         if self.seen.len() > if self.solves_lean { IMAGES } else { IMAGES_APART } {
             self.seen.pop_front();
@@ -237,23 +271,44 @@ impl WallDirections {
             on_pose: Box::new(held),
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
-            q_items: wrong_lines(n_level),
+            q_items: self.quotas.wrong_of_image(n_level),
             n_held: self.seen.len(),
             rejected_px: edges.rejected_px,
             alone_heading_rad: (!alone.is_empty()).then_some(alone),
         })
     }
 
+    /// Of so many images in a row at most so many have too many wrong edges.
+    fn most_spoilt(&self) -> [usize; 2] {
+        if self.solves_lean { [IMAGES, self.quotas.spoilt_images] } else { [IMAGES_APART, self.quotas.images] }
+    }
+
+    /// A constraint that says nothing, so that a contradiction is asked for.
+    fn silent(&self, stamp_s: f64, rejected_px: Vec<[f64; 4]>) -> Constraint {
+        Constraint {
+            method: self.name(),
+            stamp_s,
+            on_pose: Box::new(WallHeadings::silent()),
+            relies_on: Vec::new(),
+            claims: Vec::new(),
+            q_items: 0,
+            n_held: 0,
+            decides: false,
+            rejected_px,
+            alone_heading_rad: None,
+        }
+    }
+
     /// What the images held say together.
     fn headings_held(&self) -> WallHeadings {
         if self.solves_lean {
-            return WallHeadings::of_edges(self.seen.iter().map(|seen| seen.now().collect()).collect());
+            return WallHeadings::of_edges(self.seen.iter().map(|seen| seen.now().collect()).collect(), &self.quotas);
         }
         let of_image = |seen: &Seen| {
             let n_level = seen.agreement.len();
-            seen.now().nth((n_level - wrong_lines(n_level)).saturating_sub(1)).unwrap_or_default()
+            seen.now().nth((n_level - self.quotas.wrong_of_image(n_level)).saturating_sub(1)).unwrap_or_default()
         };
-        WallHeadings::of_images(self.seen.iter().map(of_image).collect())
+        WallHeadings::of_images(self.seen.iter().map(of_image).collect(), &self.quotas)
     }
 
     /// Whether the robot stands elsewhere than at the last image held.
@@ -328,7 +383,7 @@ impl Method for WallDirections {
         let any = Interval::new(-0.1, quarter.hi() + 0.1);
         let turned: Vec<Vec<Interval>> =
             self.strange_rad.iter().map(|&azimuth| headings::of_line(azimuth * -1.0, &[Interval::ZERO], any)).collect();
-        let agreed = headings::agreed(&turned, turned.len() - wrong_lines(turned.len()));
+        let agreed = headings::agreed(&turned, turned.len() - self.quotas.wrong_of_image(turned.len()));
         let Some(azimuth) = one_direction(&agreed) else { return };
         let direction_rad = azimuth + heading;
         let near = |known: Interval| {
@@ -344,6 +399,15 @@ impl Method for WallDirections {
         self.directions.retain(|direction| direction.since_s <= since_s);
         // What was carried by motion that is doubted now is where nobody knows.
         self.seen.clear();
+        self.certificates = Certificates::default();
+    }
+
+    fn take_contradiction(&mut self) -> bool {
+        let are_too_many = self.certificates.are_too_many;
+        if are_too_many {
+            self.certificates = Certificates::default();
+        }
+        are_too_many
     }
 
     fn clock_set_back(&mut self) {

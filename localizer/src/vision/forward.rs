@@ -62,6 +62,10 @@ pub fn detect_as_printed(
 /// Noise is made even first, so that one threshold serves shadows and lamps; what is found in the filtered picture is measured again
 /// in the unfiltered one, because the filter moves edges.
 pub fn detect(picture: &Picture) -> Vec<EdgeLine> {
+    if picture.width.min(picture.height) as f64 <= 2.0 * BORDER_PX {
+        // All of it is border.
+        return Vec::new();
+    }
     let even = stabilise::stabilised(picture);
     let filtered = guided(&even.binned());
     refitted(&even, &long_segments(&filtered, picture))

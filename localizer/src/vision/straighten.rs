@@ -11,6 +11,7 @@ mod tests;
 use image::GrayImage;
 
 use super::{FloorLines, distortion};
+use crate::Interval;
 
 /// How far the pinhole's picture moves from one raw row's exposure to that of the next, as far as it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -179,28 +180,12 @@ impl Straightening {
         [0, 1].map(|axis| self.focal_px * (at[axis] + bent[axis]) + middle_px[axis])
     }
 
-    /// Pixels of the pinhole's picture across a line with this unit normal that one raw pixel across the line's image is.
-    ///
-    /// With the symmetric J = ∂D/∂x, a raw step e is the step J⁻¹e, and n·J⁻¹e is at most |J⁻¹n| for |e| = 1.
-    pub(crate) fn stretch_across(&self, pinhole_px: [f64; 2], normal: [f64; 2]) -> f64 {
-        let [u, v] = self.unbent(self.in_focal_lengths(pinhole_px), normal);
-        u.hypot(v)
-    }
-
-    /// The way that a point moves in the pinhole's picture, per share of the focal length, when the lens has another focal length than
-    /// the straightening believes and the raw picture is the same: with f·D(x) held, ∂(f·x)/∂ln f = f·(x − J⁻¹D(x)).
-    pub(crate) fn focal_shift_px(&self, pinhole_px: [f64; 2]) -> [f64; 2] {
-        let at = self.in_focal_lengths(pinhole_px);
-        let bent = distortion::bend(self.distortion, at);
-        let back = self.unbent(at, [at[0] + bent[0], at[1] + bent[1]]);
-        [0, 1].map(|axis| self.focal_px * (at[axis] - back[axis]))
-    }
-
-    /// J⁻¹ times a vector.
-    fn unbent(&self, at: [f64; 2], [u, v]: [f64; 2]) -> [f64; 2] {
-        let [a, mixed, b] = distortion::slopes(self.distortion, at);
-        let determinant = a * b - mixed * mixed;
-        [(b * u - mixed * v) / determinant, (a * v - mixed * u) / determinant]
+    /// ∂D/∂x over a box of the pinhole's picture, as [`distortion::slopes`] gives it; `None` where the lens may fold in it.
+    pub(crate) fn slopes_over(&self, pinhole_px: [Interval; 2]) -> Option<[Interval; 3]> {
+        let middle_px = self.middle_px();
+        let at = [0, 1].map(|axis| (pinhole_px[axis] - middle_px[axis]) / self.focal_px);
+        let [a, mixed, b] = distortion::slopes_over(self.distortion, at);
+        ((a * b - mixed.sqr()).lo() > 0.0 && a.lo() > 0.0).then_some([a, mixed, b])
     }
 
     fn middle_px(&self) -> [f64; 2] {

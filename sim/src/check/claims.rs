@@ -49,7 +49,7 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
         Claim::WallLine { ends_px, bound_px } => wall_line_deg(*ends_px, *bound_px, scene, drawn, truth).is_some(),
         Claim::UprightLine { ends_px, bound_px } => sight_planes(*ends_px, *bound_px, scene, drawn, truth)
-            .is_some_and(|planes| may_hold(&planes, &Vector3::z())),
+            .is_some_and(|planes| may_hold(&planes, &[Vector3::z()])),
         Claim::Marker { marker, dots_px } => markers::is_marker(*marker, dots_px, scene, drawn, truth),
         Claim::Landmark { landmark, in_robot_m } => landmark_in_box(*landmark, in_robot_m, scene, truth),
     }
@@ -81,7 +81,8 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     near.values().any(|&count| count >= needed)
 }
 
-/// Direction from world x of a level line, parallel to a wall of some room or across it, that passes within the bound of both ends.
+/// Direction from world x of a wall of some room, or across it, along which, or as far askew of which as furniture may stand, a level line runs
+/// that passes within the bound of both ends.
 pub fn wall_line_deg(
     ends_px: [[f64; 2]; 2],
     bound_px: f64,
@@ -92,8 +93,12 @@ pub fn wall_line_deg(
     let planes = sight_planes(ends_px, bound_px, scene, drawn, truth)?;
     let along_or_across = |heading_deg| [heading_deg, heading_deg + 90.0];
     scene.true_wall_directions_deg().into_iter().flat_map(along_or_across).find(|heading_deg| {
-        let (sin, cos) = heading_deg.to_radians().sin_cos();
-        may_hold(&planes, &Vector3::new(cos, sin, 0.0))
+        let askew_deg = scene.localizer.wall_directions().askew_deg;
+        let directions = [-askew_deg, askew_deg].map(|off_deg| {
+            let (sin, cos) = (heading_deg + off_deg).to_radians().sin_cos();
+            Vector3::new(cos, sin, 0.0)
+        });
+        may_hold(&planes, &directions)
     })
 }
 
@@ -119,11 +124,13 @@ fn sight_planes(
     Some([plane(-1.0, -1.0)?, plane(-1.0, 1.0)?, plane(1.0, -1.0)?, plane(1.0, 1.0)?])
 }
 
-/// Whether a line through both ends' spans may have this direction: plane normals are bilinear in the two offsets, so that one of them
-/// is at right angles to a direction exactly when the corners are not all on one side of it.
-fn may_hold(corners: &[Vector3<f64>; 4], direction: &Vector3<f64>) -> bool {
-    let sides = corners.map(|normal| normal.dot(direction) > 0.0);
-    sides.iter().any(|side| *side) && !sides.iter().all(|side| *side)
+/// Whether a line through both ends' spans may have one of these directions, or one between two: plane normals are bilinear in the two
+/// offsets, and their products with a direction go steadily from one direction to another, so that one is at right angles exactly when
+/// the products are not all of one sign.
+fn may_hold(corners: &[Vector3<f64>; 4], directions: &[Vector3<f64>]) -> bool {
+    let mut sides = directions.iter().flat_map(|direction| corners.map(|normal| normal.dot(direction) > 0.0));
+    let first = sides.next();
+    sides.any(|side| Some(side) != first)
 }
 
 /// The landmark that is meant lies in the box, as seen from the robot's true pose.

@@ -2,10 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use localizer::{
-    Claim,
-    methods::wall_directions::{SPOILT_IMAGES, WRONG_IMAGES, wrong_held, wrong_lines},
-};
+use localizer::{Claim, methods::wall_directions::Quotas};
 
 use crate::{
     run::{ImageRecord, RunRecord},
@@ -56,14 +53,15 @@ pub(super) fn false_claims(scene: &Scene, record: &RunRecord) -> Vec<FalseClaims
 /// For each image whether its method's declaration of wrong claims is broken with it: too many in the image; for `wall_directions`
 /// too many in the images that it holds together, or too many such images of those.
 pub(super) fn misperceived(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
-    let solves_lean = scene.localizer.wall_directions().solves_lean;
-    let edges = held_edges(record, judged);
+    let setup = scene.localizer.wall_directions();
+    let (solves_lean, quotas) = (setup.solves_lean, setup.quotas());
+    let edges = held_edges(scene, record, judged);
     let is_misperceived = record.images.iter().zip(judged).zip(edges).map(|((image, judged), edges)| {
         let too_many = judged.others > image.q_items;
         match edges {
             None => image.method != "wall_directions" && too_many,
-            Some(edges) if solves_lean => edges.are_more_than_declared(),
-            Some(edges) => too_many && edges.misread_images > WRONG_IMAGES,
+            Some(edges) if solves_lean => edges.are_more_than(&quotas),
+            Some(edges) => too_many && edges.misread_images > quotas.images,
         }
     });
     is_misperceived.collect()
@@ -82,9 +80,9 @@ pub(super) struct HeldEdges {
 }
 
 impl HeldEdges {
-    /// An image of so many level and upright edges, of which `q_items` and a third may be wrong.
-    fn of([all, n_upright]: [usize; 2], q_items: usize, judged: FalseClaims) -> Self {
-        let wrong = if judged.upright > wrong_lines(n_upright) { all } else { judged.others };
+    /// An image of so many level and upright edges, of which `q_items` and a declared share may be wrong.
+    fn of([all, n_upright]: [usize; 2], q_items: usize, judged: FalseClaims, quotas: &Quotas) -> Self {
+        let wrong = if judged.upright > quotas.wrong_of_image(n_upright) { all } else { judged.others };
         HeldEdges {
             all,
             wrong,
@@ -93,13 +91,14 @@ impl HeldEdges {
         }
     }
 
-    fn are_more_than_declared(self) -> bool {
-        self.wrong > wrong_held(self.all) || self.spoilt_images > SPOILT_IMAGES
+    fn are_more_than(self, quotas: &Quotas) -> bool {
+        self.wrong > quotas.wrong_of_held(self.all) || self.spoilt_images > quotas.spoilt_images
     }
 }
 
 /// The same for each image; `None` where it told nothing, and of other methods.
-pub(super) fn held_edges(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldEdges>> {
+pub(super) fn held_edges(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldEdges>> {
+    let quotas = scene.localizer.wall_directions().quotas();
     let mut seen: Vec<HeldEdges> = Vec::new();
     let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
         if image.method != "wall_directions" || !image.constrained {
@@ -109,7 +108,7 @@ pub(super) fn held_edges(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Opti
         if image.alone_heading_rad.is_some() {
             let is_upright = |claim: &&Claim| matches!(claim, Claim::UprightLine { .. });
             let n_upright = image.claims.iter().filter(is_upright).count();
-            seen.push(HeldEdges::of([image.claims.len() - n_upright, n_upright], image.q_items, *judged));
+            seen.push(HeldEdges::of([image.claims.len() - n_upright, n_upright], image.q_items, *judged, &quotas));
         }
         let held = seen.iter().rev().take(image.n_held);
         Some(held.fold(HeldEdges::default(), |sum, image| HeldEdges {
@@ -124,13 +123,13 @@ pub(super) fn held_edges(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Opti
 
 #[cfg(test)]
 mod tests {
-    use super::{FalseClaims, HeldEdges};
+    use super::{FalseClaims, HeldEdges, Quotas};
 
     #[test]
     fn without_a_right_lean_no_edge_of_an_image_is_right() {
         // By hand: of three upright edges one may be wrong.
         for (upright, wrong) in [(0, 2), (1, 2), (2, 6)] {
-            assert_eq!(HeldEdges::of([6, 3], 2, FalseClaims { upright, others: 2 }).wrong, wrong);
+            assert_eq!(HeldEdges::of([6, 3], 2, FalseClaims { upright, others: 2 }, &Quotas::default()).wrong, wrong);
         }
     }
 
@@ -139,7 +138,7 @@ mod tests {
         // By hand: of 150 edges 150/6 + 5 = 30, and 14 images.
         for (wrong, spoilt_images, too_many) in [(30, 14, false), (31, 14, true), (15, 15, true), (0, 0, false)] {
             assert_eq!(
-                HeldEdges { all: 150, wrong, spoilt_images, misread_images: 0 }.are_more_than_declared(),
+                HeldEdges { all: 150, wrong, spoilt_images, misread_images: 0 }.are_more_than(&Quotas::default()),
                 too_many
             );
         }

@@ -54,6 +54,7 @@ fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
         floor_edges: setup.floor_edges,
         learns: setup.learns,
         decides: scene.localizer.methods == [MethodName::WallDirections],
+        quotas: setup.quotas(),
     };
     let build = |name: &MethodName| -> Option<Box<dyn Method>> {
         match name {

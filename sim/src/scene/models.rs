@@ -72,7 +72,8 @@ impl Scene {
     }
 
     fn wall_directions_rad(&self) -> Vec<Interval> {
-        let tolerance_rad = self.localizer.wall_directions().tolerance_deg.to_radians();
+        let setup = self.localizer.wall_directions();
+        let tolerance_rad = setup.tolerance_deg.to_radians() + setup.askew_deg.to_radians();
         let directions_deg = self.mapped_wall_directions_deg();
         directions_deg.iter().map(|deg| Interval::centred(deg.to_radians(), tolerance_rad)).collect()
     }

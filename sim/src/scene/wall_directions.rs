@@ -1,5 +1,6 @@
 //! How `wall_directions` is set up.
 
+use localizer::methods::wall_directions::Quotas;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,9 +19,30 @@ pub struct WallDirectionsSetup {
     /// within this of one that the map tells.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
+    /// How far furniture may stand askew of the walls: level edges run along a direction of the map, or within this of it. Every box of headings
+    /// by walls grows by as much on either side.
+    #[schemars(range(min = 0.0, max = 20.0))]
+    pub askew_deg: f64,
     /// Whether the edges of an image tell the body's lean together; otherwise each of them may have been seen at any lean within `body.tilt`.
-    /// Together fewer of them may be wrong: a sixth and five of those of twenty images, and none in six of them.
+    /// Together fewer of them may be wrong: `wrong_held_share` and `wrong_held_edges` in place of `wrong_images`.
     pub solves_lean: bool,
+    /// At most this share of an image's level edges run along none of the directions, and of its upright edges are not upright: clutter,
+    /// people, pictures that hang askew.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub wrong_edge_share: f64,
+    /// Of ten images held at most so many have more wrong edges than that.
+    #[schemars(range(min = 0, max = 10))]
+    pub wrong_images: usize,
+    /// With `solves_lean`, at most this share of the level edges of twenty images held, and `wrong_held_edges` more, run along none of the
+    /// directions.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub wrong_held_share: f64,
+    /// See `wrong_held_share`: what clutter that stays in view for a while adds.
+    #[schemars(range(min = 0, max = 1000))]
+    pub wrong_held_edges: usize,
+    /// With `solves_lean`, of twenty images held at most so many have any wrong edge.
+    #[schemars(range(min = 0, max = 20))]
+    pub spoilt_images: usize,
     /// Whether edges on the floor run along walls if they are long, as skirtings, foots of walls and borders of fitted carpets do. Joints of tiles
     /// need not.
     pub floor_edges: bool,
@@ -43,13 +65,33 @@ pub enum WallDirectionsChain {
 
 impl Default for WallDirectionsSetup {
     fn default() -> Self {
+        let quotas = Quotas::default();
         WallDirectionsSetup {
             chain: WallDirectionsChain::Direct,
             mapped_deg: None,
             tolerance_deg: 0.05,
+            askew_deg: 0.0,
             solves_lean: false,
+            wrong_edge_share: quotas.edge_share,
+            wrong_images: quotas.images,
+            wrong_held_share: quotas.held_share,
+            wrong_held_edges: quotas.held_edges,
+            spoilt_images: quotas.spoilt_images,
             floor_edges: false,
             learns: false,
+        }
+    }
+}
+
+impl WallDirectionsSetup {
+    /// How many edges may be wrong, as the localizer and its judge are told.
+    pub fn quotas(&self) -> Quotas {
+        Quotas {
+            edge_share: self.wrong_edge_share,
+            images: self.wrong_images,
+            held_share: self.wrong_held_share,
+            held_edges: self.wrong_held_edges,
+            spoilt_images: self.spoilt_images,
         }
     }
 }

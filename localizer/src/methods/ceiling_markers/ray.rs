@@ -10,9 +10,7 @@
 //!
 //! A tilt by the angle α is written as Cayley's vector a = tan(α/2)·axis: T(a) v = v + 2 (a × v + a × (a × v))/(1 + |a|²), free of trigonometry.
 
-use crate::{Interval, robot::BodyModel, robot::CeilingCameraModel, vision::distortion};
-
-use super::dual::Dual;
+use crate::{Interval, dual::Dual, robot::BodyModel, robot::CeilingCameraModel, vision::distortion};
 
 /// Parameters: what is unknown of one dot (its pixel), of the image (optics and posture), and of the marker (its height).
 pub(super) const N_PARAMETERS: usize = 14;
@@ -80,12 +78,12 @@ impl Optics {
         }
     }
 
-    /// The sight of a pixel `[u, v, bound]` on a ceiling of this height; `None` if the ray does not go up.
-    pub(super) fn sight(&self, pixel: [f64; 3], height_m: Interval) -> Option<Sight> {
-        let [u, v, bound_px] = self.undistorted(pixel)?;
+    /// The sight of a pixel `[u, v, bound]` on a ceiling of this height; `None` if the ray does not go up, or the lens folds there.
+    pub(super) fn sight(&self, [u, v, bound_px]: [f64; 3], height_m: Interval) -> Option<Sight> {
         let mut parameters = self.parameters;
-        parameters[PIXEL[0]] = Interval::centred(u, bound_px);
-        parameters[PIXEL[1]] = Interval::centred(v, bound_px);
+        // The calibration's error is of the image as taken, as the pixel's is.
+        parameters[PIXEL[0]] = Interval::centred(u, bound_px).inflate(self.distortion_px);
+        parameters[PIXEL[1]] = Interval::centred(v, bound_px).inflate(self.distortion_px);
         parameters[DOT_HEIGHT] = height_m.inflate(self.heave_m);
         let middles = parameters.map(|parameter| Interval::point(parameter.mid()));
         let mut deviations = [Interval::ZERO; N_PARAMETERS];
@@ -105,7 +103,8 @@ impl Optics {
         let number = |index: usize| Number::parameter(index, parameters[index]);
         let x = (number(PIXEL[0]) - number(CENTRE[0])) / number(FOCAL[0]);
         let y = (number(PIXEL[1]) - number(CENTRE[1])) / number(FOCAL[1]);
-        let upright = [Number::constant(Interval::ZERO) - y, x, Number::constant(Interval::ONE)];
+        let [x, y] = distortion::unbent_models(self.distortion, [x, y])?;
+        let upright = [-y, x, Number::constant(Interval::ONE)];
         let leaning = self.lean.map(|row| {
             let products = [0, 1, 2].map(|k| Number::constant(row[k]) * upright[k]);
             products[0] + products[1] + products[2]
@@ -122,45 +121,12 @@ impl Optics {
         let length = (number(DOT_HEIGHT) - centre[2]) / ray[2];
         Some([centre[0] + ray[0] * length, centre[1] + ray[1] * length])
     }
-
-    /// The pixel where a lens without distortion would see the same, with the bound that this leaves; `None` far outside of the lens model.
-    ///
-    /// Brown's D(x) = x + b(x), where b is Lipschitz with constant L on the picture, so that D⁻¹ is with 1/(1 − L).
-    fn undistorted(&self, [u, v, bound_px]: [f64; 3]) -> Option<[f64; 3]> {
-        if self.distortion == [0.0; 5] {
-            return Some([u, v, bound_px + self.distortion_px]);
-        }
-        let (focal, centre) = (FOCAL.map(|k| self.parameters[k]), CENTRE.map(|k| self.parameters[k]));
-        let seen = [(u - centre[0].mid()) / focal[0].mid(), (v - centre[1].mid()) / focal[1].mid()];
-        let bend = |point: [f64; 2]| distortion::bend(self.distortion, point);
-        let mut point = seen;
-        for _ in 0..30 {
-            let bent = bend(point);
-            point = [seen[0] - bent[0], seen[1] - bent[1]];
-        }
-        let (bent, reach) = (bend(point), 1.1 * point[0].hypot(point[1]) + 0.02);
-        let residual = (point[0] + bent[0] - seen[0]).hypot(point[1] + bent[1] - seen[1]);
-        let ([k1, k2, p1, p2, k3], square) = (self.distortion, reach * reach);
-        let radial = square * (3.0 * k1.abs() + square * (5.0 * k2.abs() + square * 7.0 * k3.abs()));
-        let lipschitz = radial + 6.0 * (p1.abs() + p2.abs()) * reach;
-        if lipschitz > 0.8 {
-            return None;
-        }
-        let factor = lipschitz / (1.0 - lipschitz);
-        let largest_focal = focal[0].hi().max(focal[1].hi());
-        let optics_px = centre[0].radius() + centre[1].radius() + reach * (focal[0].radius() + focal[1].radius());
-        let error_px = bound_px + self.distortion_px + 2.0 * residual * largest_focal;
-        let focal_ratio = largest_focal / focal[0].lo().min(focal[1].lo());
-        let extra_px = focal_ratio * factor * (std::f64::consts::SQRT_2 * error_px + optics_px);
-        let ideal = [0, 1].map(|axis| focal[axis].mid() * point[axis] + centre[axis].mid());
-        Some([ideal[0], ideal[1], error_px + extra_px])
-    }
 }
 
 /// T(a) v for a horizontal Cayley vector a.
 fn tilted(v: [Number; 3], [a, b]: [Number; 2]) -> [Number; 3] {
     // a × v for a = (a, b, 0).
-    let cross = |v: &[Number; 3]| [b * v[2], Number::constant(Interval::ZERO) - a * v[2], a * v[1] - b * v[0]];
+    let cross = |v: &[Number; 3]| [b * v[2], -(a * v[2]), a * v[1] - b * v[0]];
     let once = cross(&v);
     let twice = cross(&once);
     let one = Number::constant(Interval::ONE);

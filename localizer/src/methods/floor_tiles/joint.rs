@@ -7,7 +7,10 @@ use crate::{
     vision::{FloorLine, line_fit::LineSet},
 };
 
-use super::Geometry;
+use super::{
+    super::lean::{LeaningPlane, LeaningSight, heading_off_rad},
+    Geometry,
+};
 
 /// A line in the camera frame (forward, left; metres on the floor), with every declared error of the optics around it.
 ///
@@ -25,9 +28,9 @@ pub(super) struct Joint {
     n_wrong: usize,
     /// A point is off by no more.
     slack_m: f64,
-    /// Greatest turn of the line by tilts of mount and body.
+    /// Greatest turn of the line by tilts of mount and body, and within the stamp's error.
     tilt_angle_rad: f64,
-    /// Greatest shift of the line along its normal, at the centroid, by tilts, heave and stamp.
+    /// Greatest shift of the line along its normal by tilts, heave and stamp.
     shift_m: f64,
 }
 
@@ -44,39 +47,32 @@ impl Joint {
         let points_m: Vec<[f64; 2]> = line.points_px.iter().map(in_robot_m).collect();
         let n_wrong = (line.share_wrong * points_m.len() as f64).floor() as usize;
         let angle_rad = camera_angle(Interval::new(set.normal_angle_rad[0], set.normal_angle_rad[1]));
-        let slack_m = POINT_SLACK_M + most_open_px / camera.pixels_per_m.lo();
+        let slack_m = room_slack_m(line, most_open_px, geometry)?;
         let mut joint =
             Joint { set, centroid_px, angle_rad, points_m, n_wrong, slack_m, tilt_angle_rad: 0.0, shift_m: 0.0 };
-        joint.account_for_posture(geometry);
+        joint.account_for_posture(geometry)?;
         (joint.tilt_angle_rad < FRAC_PI_2 / 4.0).then_some(joint)
     }
 
-    /// Bounds of what mount tilt ε, body tilt φ, heave and stamp do to a line at distance ρ, seen at p from height h.
+    /// Bounds of what mount tilt, body tilt, heave and stamp do to the line ([`LeaningPlane`]); `None` where they may do anything.
     ///
-    /// To first order a tilt of the mount by the vector a shifts the floor point p by h·a + p·(p·a)/h, and one of the body by
-    /// g shifts it by p·(q·g)/h, q = p + mount position: both shift the normal component by what stands below, and turn a line by at most
-    /// |ρ|/h times the tilt. Under a rolling shutter each row has a posture of its own: there the bounds of the points account for that of
-    /// the body ([`body_shift_m`]).
-    fn account_for_posture(&mut self, geometry: &Geometry) {
+    /// Within the stamp's error the robot goes and turns: the line's distance from its origin changes by the way alone, that of the
+    /// camera's place by the turn. Under a rolling shutter each row has a posture of its own: there the bounds of the points account for
+    /// that of the body ([`body_shift_m`]).
+    fn account_for_posture(&mut self, geometry: &Geometry) -> Option<()> {
         let (camera, body, reach) = (&geometry.camera, &geometry.robot.body, &geometry.robot.reach);
         let is_rolling = camera.row_time_s > 0.0;
-        let (height_m, scale) = (camera.height_m, camera.pixels_per_m.lo());
-        let point_m = self.centroid_px[0].hypot(self.centroid_px[1]) / scale;
+        let (body_tilt_rad, heave_m) = if is_rolling { (0.0, 0.0) } else { (body.tilt_rad, body.heave_m) };
         let normal = Interval::point(1.0) * self.angle_rad;
-        let distance_m = (normal.cos() * self.centroid_px[0] + normal.sin() * self.centroid_px[1] + self.offset_hull())
-            .magnitude()
-            / scale;
-        let arm_m = point_m + camera.position_m[0].magnitude().hypot(camera.position_m[1].magnitude());
-        let slope = distance_m / height_m;
-
-        let mount_m =
-            camera.tilt_rad * (height_m * height_m + 2.0 * distance_m * distance_m + (slope * point_m).powi(2)).sqrt();
-        let posture_m = if is_rolling { 0.0 } else { slope * (arm_m * body.tilt_rad + body.heave_m) };
-        let body_tilt_rad = if is_rolling { 0.0 } else { body.tilt_rad };
-        let stamp_m = camera.stamp_error_s * (reach.speed_m_per_s + reach.turn_rate_rad_per_s * arm_m);
-        self.shift_m = SECOND_ORDER * (mount_m + posture_m) + stamp_m;
-        self.tilt_angle_rad =
-            SECOND_ORDER * slope * (camera.tilt_rad + body_tilt_rad) + camera.stamp_error_s * reach.turn_rate_rad_per_s;
+        let distance_px = normal.cos() * self.centroid_px[0] + normal.sin() * self.centroid_px[1] + self.offset_hull();
+        let slope = (distance_px.abs() / camera.pixels_per_m.lo() / camera.height_m).hi();
+        let leaning = LeaningPlane::new(slope, camera.tilt_rad, body_tilt_rad)?;
+        let arm_m = camera.position_m[0].hypot(camera.position_m[1]).hi();
+        let stamp_m = (Interval::point(reach.turn_rate_rad_per_s) * arm_m + reach.speed_m_per_s) * camera.stamp_error_s;
+        self.shift_m = (stamp_m + leaning.shift_m(camera.height_m, arm_m, heave_m)).hi();
+        let stamp_rad = Interval::point(camera.stamp_error_s) * reach.turn_rate_rad_per_s;
+        self.tilt_angle_rad = (stamp_rad + leaning.turn_rad()? + heading_off_rad(body_tilt_rad)).hi();
+        Some(())
     }
 
     /// Hull of ψ, the normal angle in the robot frame.
@@ -160,17 +156,50 @@ impl Joint {
     }
 }
 
-/// A point of a joint is off by less than this for all errors of mount, scale, tilt and detection together.
-pub(super) const POINT_SLACK_M: f64 = 0.01;
+/// Where a pixel `[forward, left]` of the principal point, known to `bound_px`, shows a point of the floor that a camera without errors of
+/// mount and posture stands over.
+pub(super) struct FloorPoint {
+    pub(super) sight: LeaningSight,
+    /// Distance from the robot origin, at most, for a body that stands level.
+    pub(super) arm_m: f64,
+    /// How far it is, then, from where nominal values put it.
+    off_m: f64,
+}
 
-/// The second order of what tilts do to a line is below 2 % of the first for tilts up to 1°.
-const SECOND_ORDER: f64 = 1.02;
+impl FloorPoint {
+    /// `None` where the declared leans may let the camera see the horizon there.
+    pub(super) fn of(pixel_px: [f64; 2], bound_px: f64, geometry: &Geometry) -> Option<Self> {
+        let camera = &geometry.camera;
+        let reach_px = Interval::point(pixel_px[0]).hypot(Interval::point(pixel_px[1])) + bound_px;
+        let distance_m = (reach_px / camera.pixels_per_m.lo()).hi();
+        let sight = LeaningSight::new(distance_m, camera.height_m, camera.tilt_rad, geometry.robot.body.tilt_rad)?;
+        let mount_m = camera.position_m.map(|at| Interval::point(at.radius()));
+        // The chord of a turn is shorter than its arc.
+        let by_yaw_m = sight.distance_m * camera.yaw_rad.magnitude();
+        let by_scale_m = reach_px / camera.pixels_per_m.lo() - reach_px / camera.pixels_per_m.mid();
+        let by_bound_m = Interval::point(bound_px) / camera.pixels_per_m.lo();
+        let off_m = (mount_m[0].hypot(mount_m[1]) + by_yaw_m + by_scale_m + by_bound_m + sight.by_mount_m).hi();
+        let place_m = [0, 1].map(|axis| camera.position_m[axis].mid() + pixel_px[axis] / camera.pixels_per_m.mid());
+        let arm_m = place_m[0].hypot(place_m[1]) + off_m;
+        Some(FloorPoint { sight, arm_m, off_m })
+    }
+}
 
-/// What tilt and heave of the body shift a point of a line across it, at most: the line passes `distance_m` from the point below the
-/// camera, the point is `arm_m` from the robot origin.
-pub(super) fn body_shift_m(distance_m: f64, arm_m: f64, geometry: &Geometry) -> f64 {
-    let body = &geometry.robot.body;
-    SECOND_ORDER * distance_m / geometry.camera.height_m * (arm_m * body.tilt_rad + body.heave_m)
+/// A point of the line is off by no more, at the stamp, for all declared errors together.
+fn room_slack_m(line: &FloorLine, open_px: f64, geometry: &Geometry) -> Option<f64> {
+    let (camera, body, reach) = (&geometry.camera, &geometry.robot.body, &geometry.robot.reach);
+    line.points_px.iter().try_fold(0.0_f64, |most_m, &[u, v, bound_px]| {
+        let point = FloorPoint::of(geometry.in_camera_px([u, v]), bound_px + open_px, geometry)?;
+        let by_body_m = point.sight.by_body_m(point.sight.distance_m.hi(), point.arm_m, body.heave_m);
+        let by_stamp_m =
+            camera.stamp_error_s * (reach.speed_m_per_s + reach.turn_rate_rad_per_s * (point.arm_m + by_body_m));
+        Some(most_m.max(point.off_m + by_body_m + by_stamp_m))
+    })
+}
+
+/// What tilt and heave of the body shift a point across a line, at most: it lies `along_m` from the point below the camera, across the line.
+pub(super) fn body_shift_m(along_m: f64, point: &FloorPoint, geometry: &Geometry) -> f64 {
+    point.sight.by_body_m(along_m, point.arm_m, geometry.robot.body.heave_m)
 }
 
 /// k·π/2 + γ.

@@ -86,9 +86,9 @@ pub(super) fn method(robot: &RobotModel, chain: Chain) -> FloorTiles {
 
 /// The true camera, over joints at the whole multiples of 0.30 m along x and y.
 #[derive(Clone, Copy)]
-struct Eye {
+pub(super) struct Eye {
     lens: [f64; 5],
-    focal_px: f64,
+    pub(super) focal_px: f64,
     mount_m: [f64; 2],
     yaw_rad: f64,
     /// Forward, left and turning, while the rows are exposed one after the other.
@@ -100,7 +100,7 @@ struct Eye {
 
 impl Eye {
     /// Without any error.
-    fn exact(lens: [f64; 5]) -> Self {
+    pub(super) fn exact(lens: [f64; 5]) -> Self {
         Eye {
             lens,
             focal_px: SCALE * HEIGHT_M,
@@ -124,7 +124,7 @@ impl Eye {
     }
 
     /// Brown and Conrady's formula term by term.
-    fn bent(&self, x: f64, y: f64) -> [f64; 2] {
+    pub(super) fn bent(&self, x: f64, y: f64) -> [f64; 2] {
         let [k1, k2, p1, p2, k3] = self.lens;
         let r = x.hypot(y);
         let radial = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
@@ -135,7 +135,7 @@ impl Eye {
     }
 
     /// The point at depth 1 that a raw place shows: Newton's steps by differences, which end where they are told to.
-    fn ray(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn ray(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         const STEP: f64 = 1e-6;
         let seen = [(u - MIDDLE_PX[0]) / self.focal_px, (v - MIDDLE_PX[1]) / self.focal_px];
         let mut at = seen;

@@ -2,7 +2,7 @@
 
 use crate::{Contractor, Interval, IntervalBox, Outcome, vision::forward::EdgeLine};
 
-use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, SPOILT_IMAGES, WRONG_IMAGES, headings};
+use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, Quotas, headings};
 
 /// The headings at which edges are claimed: near the prior's, or farther off where hardly any edge is near and many are not.
 pub(super) fn about(
@@ -17,18 +17,6 @@ pub(super) fn about(
     };
     let (near, far) = (within(CLUTTER_RAD), within(FAR_RAD));
     if count(near) < FEWEST_LINES && count(far) >= FEWEST_FAR { far } else { near }
-}
-
-/// At most this many of an image's edges run along none of the directions: on rendered rooms with people and boxes at odd angles,
-/// 0 loses the heading in a fifth of the images with a fix.
-pub fn wrong_lines(lines: usize) -> usize {
-    lines / 3
-}
-
-/// At most this many of the level edges of [`super::IMAGES`] images together run along none of the directions: a share, and what clutter
-/// that is in view for a while adds.
-pub fn wrong_held(lines: usize) -> usize {
-    lines / 6 + 5
 }
 
 /// Headings on which enough sets agree.
@@ -47,26 +35,31 @@ pub(super) struct WallHeadings {
 }
 
 impl WallHeadings {
-    /// All but [`wrong_held`] of the edges of several images agree, and all but [`SPOILT_IMAGES`] of the images have none wrong.
-    pub(super) fn of_edges(images: Vec<Vec<Vec<Interval>>>) -> Self {
+    /// All but a declared number of the edges of several images agree, and all but a declared number of the images have none wrong.
+    pub(super) fn of_edges(images: Vec<Vec<Vec<Interval>>>, quotas: &Quotas) -> Self {
         let whole: Vec<Vec<Interval>> =
             images.iter().map(|by_count| by_count.last().cloned().unwrap_or_default()).collect();
         let sets: Vec<Vec<Interval>> = images.into_iter().flatten().collect();
         let mut rules = Vec::new();
         if sets.len() >= FEWEST_HELD {
-            rules.push(Rule { needed: sets.len() - wrong_held(sets.len()), sets });
+            rules.push(Rule { needed: sets.len().saturating_sub(quotas.wrong_of_held(sets.len())), sets });
         }
-        if whole.len() > SPOILT_IMAGES {
-            rules.push(Rule { needed: whole.len() - SPOILT_IMAGES, sets: whole });
+        if whole.len() > quotas.spoilt_images {
+            rules.push(Rule { needed: whole.len() - quotas.spoilt_images, sets: whole });
         }
         WallHeadings { rules }
     }
 
-    /// All but [`WRONG_IMAGES`] of several images allow it, each by all but [`wrong_lines`] of its edges.
-    pub(super) fn of_images(sets: Vec<Vec<Interval>>) -> Self {
-        let says = sets.len() > WRONG_IMAGES;
-        let rule = || Rule { needed: sets.len() - WRONG_IMAGES, sets };
+    /// All but a declared number of several images allow it, each by all but a declared share of its edges.
+    pub(super) fn of_images(sets: Vec<Vec<Interval>>, quotas: &Quotas) -> Self {
+        let says = sets.len() > quotas.images;
+        let rule = || Rule { needed: sets.len() - quotas.images, sets };
         WallHeadings { rules: says.then(rule).into_iter().collect() }
+    }
+
+    /// Headings that nothing is known of.
+    pub(super) fn silent() -> Self {
+        WallHeadings { rules: Vec::new() }
     }
 
     /// Whether any heading at all may be ruled out.

@@ -4,11 +4,12 @@
 //! other way for a shelf: one lean serves all edges of an image, so that together they tell it. The disc of leans is cut into squares;
 //! in each, every edge's plane is turned by the square's middle and widened by its extent.
 
-use std::f64::consts::FRAC_PI_2;
-
 use nalgebra::Vector3;
 
-use super::{headings, sight::SightPlane, wrong_lines};
+use super::{
+    Quotas, headings,
+    sight::{Lean, SightPlane, level_direction},
+};
 use crate::Interval;
 
 /// Squares on a diameter of the disc of leans.
@@ -17,12 +18,21 @@ const SQUARES: usize = 24;
 /// What an image's edges say: for each count, from one up, the headings at which as many level edges agree on one lean.
 pub(super) type Agreement = Vec<Vec<Interval>>;
 
+/// What one image tells.
+pub(super) struct Told {
+    pub(super) agreement: Agreement,
+    /// Whether some declared lean makes enough upright edges upright: otherwise more of them are wrong than declared, or the lean is greater.
+    pub(super) is_upright: bool,
+}
+
 /// What is common to an image's edges.
 pub(super) struct View<'a> {
     /// Greatest lean of robot and camera together, about any level axis.
     pub(super) tilt_rad: f64,
     /// Whether all edges are seen at one lean, and not each at any.
     pub(super) solves_lean: bool,
+    /// How many edges may be wrong.
+    pub(super) quotas: Quotas,
     /// Added to every edge's direction: the camera's yaw and what the robot turned within the stamp's error.
     pub(super) yaw_rad: Interval,
     /// Directions of walls.
@@ -31,14 +41,16 @@ pub(super) struct View<'a> {
     pub(super) about: Interval,
 }
 
-/// Headings by how many of the level edges agree at some lean that all but [`wrong_lines`] of the upright edges allow; at any lean where
-/// no lean does, for then more of them are wrong than declared.
-pub(super) fn agreement(level: &[SightPlane], upright: &[SightPlane], view: &View) -> Agreement {
-    let squares = squares(view.tilt_rad, if view.solves_lean { SQUARES } else { 1 });
-    let needed = upright.len() - wrong_lines(upright.len());
+/// Headings by how many of the level edges agree at some lean that all but a declared share of the upright edges allow; at any lean where
+/// no lean does.
+pub(super) fn told(level: &[SightPlane], upright: &[SightPlane], view: &View) -> Told {
+    let lean = Lean::of(view.tilt_rad);
+    let squares = squares(lean, if view.solves_lean { SQUARES } else { 1 });
+    let needed = upright.len() - view.quotas.wrong_of_image(upright.len());
     let allows = |square: &&Square| upright.iter().filter(|plane| square.is_upright(plane)).count() >= needed;
     let mut allowed: Vec<&Square> = squares.iter().filter(allows).collect();
-    if allowed.is_empty() {
+    let is_upright = !allowed.is_empty();
+    if !is_upright {
         allowed = squares.iter().collect();
     }
     let mut agreement = vec![Vec::new(); level.len()];
@@ -46,7 +58,9 @@ pub(super) fn agreement(level: &[SightPlane], upright: &[SightPlane], view: &Vie
         let sets: Vec<Vec<Interval>> = level
             .iter()
             .map(|plane| match square.direction(plane) {
-                Some(azimuth) => headings::of_line(azimuth + view.yaw_rad, view.directions_rad, view.about),
+                Some(azimuth) => {
+                    headings::of_line(azimuth.inflate(lean.twist_rad) + view.yaw_rad, view.directions_rad, view.about)
+                }
                 None => vec![view.about],
             })
             .collect();
@@ -54,26 +68,25 @@ pub(super) fn agreement(level: &[SightPlane], upright: &[SightPlane], view: &Vie
             headings.extend(headings::agreed(&sets, count + 1));
         }
     }
-    agreement.into_iter().map(headings::joined).collect()
+    Told { agreement: agreement.into_iter().map(headings::joined).collect(), is_upright }
 }
 
 /// Some of the leans: as vectors about forward and left, those within `half_rad` of `middle_rad` along both.
 struct Square {
     middle_rad: [f64; 2],
     half_rad: f64,
-    /// What a turn departs from what is linear in it, of a vector of length one.
-    bent: f64,
+    lean: Lean,
 }
 
 /// Squares that cover the disc of leans.
-fn squares(tilt_rad: f64, n_across: usize) -> Vec<Square> {
+fn squares(lean: Lean, n_across: usize) -> Vec<Square> {
+    let tilt_rad = lean.angle_rad;
     let half_rad = tilt_rad / n_across as f64;
     let middle = |idx: usize| (2 * idx + 1) as f64 * half_rad - tilt_rad;
     let every = (0..n_across).flat_map(|row| (0..n_across).map(move |column| [middle(row), middle(column)]));
     every
         .filter(|[x, y]| (x.abs() - half_rad).max(0.0).hypot((y.abs() - half_rad).max(0.0)) <= tilt_rad)
-        // Two turns about level axes make one about their sum, and less than as much again about the vertical.
-        .map(|middle_rad| Square { middle_rad, half_rad, bent: tilt_rad * tilt_rad })
+        .map(|middle_rad| Square { middle_rad, half_rad, lean })
         .collect()
 }
 
@@ -87,7 +100,7 @@ impl Square {
     /// How far leans of the square and what the plane itself allows move its normal along a unit vector, at most.
     fn reach(&self, plane: &SightPlane, along: &Vector3<f64>) -> f64 {
         let about = plane.normal.cross(along);
-        plane.reach(along) + self.half_rad * (about.x.abs() + about.y.abs()) + self.bent
+        plane.reach(along) + self.half_rad * (about.x.abs() + about.y.abs()) + self.lean.rest(plane)
     }
 
     /// Whether the plane may hold the vertical: n·z = 0.
@@ -96,19 +109,7 @@ impl Square {
     }
 
     /// Direction, counter-clockwise from robot forward, of the level line in the plane; `None` when it may be any.
-    ///
-    /// With n of level length m and Δ what may be added, a direction turned by γ from the middle one is in the plane when
-    /// m·sin γ = |d·Δ| ≤ cos γ·|d₀·Δ| + sin γ·|n̂·Δ|, hence tan γ ≤ |d₀·Δ| / (m − |n̂·Δ|).
     fn direction(&self, plane: &SightPlane) -> Option<Interval> {
-        let normal = self.turned(plane);
-        let level = normal.x.hypot(normal.y);
-        let across = Vector3::new(normal.x, normal.y, 0.0) / level;
-        let along = Vector3::new(-across.y, across.x, 0.0);
-        let room = level - self.reach(plane, &across);
-        if room <= 0.0 {
-            return None;
-        }
-        let turn_rad = (self.reach(plane, &along) / room).atan() + self.bent;
-        Some(Interval::centred(across.y.atan2(across.x) + FRAC_PI_2, turn_rad))
+        level_direction(&self.turned(plane), |along| self.reach(plane, along))
     }
 }

@@ -42,14 +42,17 @@ impl Picture {
         Picture { width, height, values }
     }
 
-    /// The value between pixels, bilinear; the border's outside of the picture.
+    /// The value between pixels, bilinear; the border's outside of the picture, and 0 where there is no pixel at all.
     pub fn between(&self, u_px: f64, v_px: f64) -> f64 {
-        let u = u_px.clamp(0.0, (self.width - 1) as f64);
-        let v = v_px.clamp(0.0, (self.height - 1) as f64);
-        let (u0, v0) = ((u as usize).min(self.width.max(2) - 2), (v as usize).min(self.height.max(2) - 2));
+        if self.values.is_empty() {
+            return 0.0;
+        }
+        let [last_u, last_v] = [self.width, self.height].map(|size| size - 1);
+        let (u, v) = (u_px.clamp(0.0, last_u as f64), v_px.clamp(0.0, last_v as f64));
+        let (u0, v0) = ((u as usize).min(last_u.saturating_sub(1)), (v as usize).min(last_v.saturating_sub(1)));
         let (du, dv) = (u - u0 as f64, v - v0 as f64);
-        let [a, b, c, d] =
-            [self.at(u0, v0), self.at(u0 + 1, v0), self.at(u0, v0 + 1), self.at(u0 + 1, v0 + 1)].map(f64::from);
+        let (u1, v1) = ((u0 + 1).min(last_u), (v0 + 1).min(last_v));
+        let [a, b, c, d] = [self.at(u0, v0), self.at(u1, v0), self.at(u0, v1), self.at(u1, v1)].map(f64::from);
         (a * (1.0 - du) + b * du) * (1.0 - dv) + (c * (1.0 - du) + d * du) * dv
     }
 }

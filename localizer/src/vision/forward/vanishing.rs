@@ -25,6 +25,8 @@ pub struct VanishingPoints {
     pub agreeing: usize,
 }
 
+/// A slope has a direction where a pixel has neighbours on all sides: pictures less wide or high than three pixels show none.
+const LEAST_SIDE: usize = 3;
 /// A segment agrees with a direction when its plane holds it within this: sin 1°.
 const PLANE_TOLERANCE: f64 = 0.0175;
 /// Bins of the direction histogram over half a turn.
@@ -40,6 +42,9 @@ const LEAST_GRADIENT: f32 = 4.0;
 
 /// Segments by the paper's chain: equalise, rolling guidance, segments.
 pub fn segments_in(picture: &Picture, equalisation: Equalisation) -> Vec<Segment> {
+    if picture.width.min(picture.height) < LEAST_SIDE {
+        return Vec::new();
+    }
     let bright = match equalisation {
         Equalisation::Whole => equalise::equalised(picture),
         Equalisation::ByTiles => equalise::equalised_by_tiles(picture, [8, 6], 3.0),

@@ -2,26 +2,32 @@
 //!
 //! Over a box Φ around φ₀ a function is in f(φ₀) + Σₖ ∂ₖf(Φ)·(φₖ − φ₀ₖ) (mean value form; R. Moore, *Interval Analysis*, 1966).
 
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::Interval;
 
 /// A value and its derivatives by `K` parameters.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dual<const K: usize> {
-    pub(super) value: Interval,
-    pub(super) slopes: [Interval; K],
+pub(crate) struct Dual<const K: usize> {
+    pub(crate) value: Interval,
+    pub(crate) slopes: [Interval; K],
 }
 
 impl<const K: usize> Dual<K> {
-    pub(super) fn constant(value: Interval) -> Self {
+    pub(crate) fn constant(value: Interval) -> Self {
         Dual { value, slopes: [Interval::ZERO; K] }
     }
 
-    pub(super) fn parameter(index: usize, value: Interval) -> Self {
+    pub(crate) fn parameter(index: usize, value: Interval) -> Self {
         let mut parameter = Dual::constant(value);
         parameter.slopes[index] = Interval::ONE;
         parameter
+    }
+
+    /// The same where the value at the middle of the parameters is known: no wider than the mean value form.
+    pub(crate) fn around(self, middle: Interval, deviations: &[Interval; K]) -> Self {
+        let terms = self.slopes.iter().zip(deviations).map(|(&slope, &deviation)| slope * deviation);
+        Dual { value: terms.fold(middle, |sum, term| sum + term).intersect(self.value), ..self }
     }
 
     fn combine(value: Interval, a: (&Self, Interval), b: (&Self, Interval)) -> Self {
@@ -35,6 +41,13 @@ impl<const K: usize> Dual<K> {
             }
         });
         Dual { value, slopes }
+    }
+}
+
+impl<const K: usize> Neg for Dual<K> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Dual { value: -self.value, slopes: self.slopes.map(|slope| -slope) }
     }
 }
 
@@ -71,6 +84,16 @@ impl<const K: usize> Div for Dual<K> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_difference_of_what_moves_alike_is_known_by_its_slopes() {
+        // By hand: (x + 1) − x is 1 whatever x is; interval arithmetic alone gives 1 ± 2.
+        let x = Dual::<1>::parameter(0, Interval::new(-1.0, 1.0));
+        let apart = (x + Dual::constant(Interval::ONE)) - x;
+        assert!(apart.value.width() > 3.9);
+        let known = apart.around(Interval::ONE, &[Interval::new(-1.0, 1.0)]);
+        assert!(known.value.contains(1.0) && known.value.width() < 1e-14, "{:?}", known.value);
+    }
 
     #[test]
     fn derivatives_of_a_quotient_contain_those_worked_out_by_hand() {
