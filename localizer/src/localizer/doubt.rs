@@ -75,11 +75,12 @@ impl Localizer {
         self.relies_on.extend(
             REACH.iter().filter(|assumption| !self.relies_on.contains(assumption)).copied().collect::<Vec<_>>(),
         );
-        self.unlearn_deeper();
+        let renewed_s = self.unlearn_deeper();
         let doubtful_s = self.now_s - depth_s;
         self.ring.drop_anchors_after(doubtful_s);
 
-        let reading = contradicting_s.map(|stamp_s| (Failed::Reading, stamp_s));
+        // What stood on what is unlearnt is gone over again.
+        let reading = contradicting_s.map(|stamp_s| (Failed::Reading, stamp_s.min(renewed_s)));
         let since: Vec<(Failed, f64)> =
             reading.into_iter().chain([(Failed::Motion, doubtful_s), (Failed::Memory, doubtful_s)]).collect();
         self.hypotheses = since.iter().map(|(failed, _)| Hypothesis::new(*failed)).collect();
@@ -247,20 +248,21 @@ impl Localizer {
     }
 
     /// Lets the methods unlearn what they learnt in the last seconds. A push that hid in the width of a box may have been learnt from
-    /// long before it showed: when that was not enough, twice as much is taken back.
-    fn unlearn_deeper(&mut self) {
+    /// long before it showed: when that was not enough, twice as much is taken back. Answers from which stamp on constraints were made anew.
+    fn unlearn_deeper(&mut self) -> f64 {
         let (latest_s, depth_s) = self.doubts.unlearnt;
         let since_s = self.now_s - latest_s;
         if since_s < UNLEARN_PAUSE_S && depth_s > 0.0 {
-            return;
+            return f64::INFINITY;
         }
         let depth_s = if since_s < UNLEARN_CALM_S { 2.0 * depth_s } else { 0.0 }.max(REMEMBER_S);
         self.doubts.unlearnt = (self.now_s, depth_s);
-        self.unlearn_since(self.now_s - depth_s);
+        self.unlearn_since(self.now_s - depth_s)
     }
 
-    /// Lets the methods unlearn, and makes the constraints anew that stood on what they had learnt.
-    fn unlearn_since(&mut self, since_s: f64) {
+    /// Lets the methods unlearn, and makes the constraints anew that stood on what they had learnt; answers the stamp of the first of them.
+    fn unlearn_since(&mut self, since_s: f64) -> f64 {
+        let mut first_s = f64::INFINITY;
         if let Some(fixes) = &mut self.fixes {
             fixes.forget_since(since_s);
         }
@@ -271,9 +273,11 @@ impl Localizer {
                 let hung = slot.constraint.as_mut().filter(|hung| hung.method == method.name());
                 if let (Some(constraint), Some(on_pose)) = (hung, method.renewed(slot.stamp_s)) {
                     constraint.on_pose = on_pose;
+                    first_s = first_s.min(slot.stamp_s);
                 }
             }
         }
+        first_s
     }
 }
 

@@ -6,6 +6,7 @@
 //! straightened picture may besides be what the pinhole would show at the stamp, if the motion were what it is thought to be.
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests;
 
 use image::GrayImage;

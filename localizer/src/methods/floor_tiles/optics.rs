@@ -156,6 +156,7 @@ fn inverse([a, mixed, b]: [Interval; 3]) -> [Interval; 3] {
 }
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests {
     use super::super::{
         Chain, FloorTiles,
@@ -180,7 +181,7 @@ mod tests {
 
     /// What is left open at the point in the middle, all of them right.
     fn opened_px(method: &FloorTiles, points_px: &[[f64; 3]]) -> f64 {
-        method.optics.left_open_px(points_px, 0.0, &method.geometry).unwrap()[points_px.len() / 2]
+        method.optics.left_open_px(points_px, 0.0, &method.geometry).expect("in the picture")[points_px.len() / 2]
     }
 
     #[test]
@@ -189,7 +190,7 @@ mod tests {
         let method = without_errors(BARREL, 0.5, 0.0);
         for (along, slope) in [([0.0, 1.0], 0.73), ([1.0, 0.0], 0.91)] {
             let points_px = line(along, [ASIDE_PX, MIDDLE_PX[1]]);
-            let told = method.optics.as_taken(points_px.clone(), 0.0).unwrap()[3];
+            let told = method.optics.as_taken(points_px.clone(), 0.0).expect("in the picture")[3];
             let raw_u = MIDDLE_PX[0] + 0.6 * (1.0 - 0.25 * 0.36) * SCALE * HEIGHT_M;
             assert!((told[0] - raw_u).abs() < 1e-9 && (told[1] - MIDDLE_PX[1]).abs() < 1e-9, "{told:?}");
             // No more than that: what is near enough to a point as taken is near enough in the pinhole's picture.

@@ -113,7 +113,7 @@ fn slopes_tell_how_far_apart_two_lines_are_whose_images_are_a_pixel_apart() {
         });
         let apart_px = nearest.fold(f64::MAX, f64::min);
         // |J⁻¹n|, by hand for the symmetric J.
-        let [a, mixed, b] = lens.slopes_over(at.map(Interval::point)).unwrap().map(Interval::mid);
+        let [a, mixed, b] = lens.slopes_over(at.map(Interval::point)).expect("the lens maps it").map(Interval::mid);
         let [x, y] = [b * normal[0] - mixed * normal[1], a * normal[1] - mixed * normal[0]];
         let stretch = x.hypot(y) / (a * b - mixed * mixed);
         assert!((0.01 / apart_px / stretch - 1.0).abs() < 1e-3, "{at:?}: {} {stretch}", 0.01 / apart_px);
