@@ -175,10 +175,9 @@ impl Localizer {
         let motion = self.wheels.reach_motion(self.now_s, self.now_s + span_s, &self.robot.reach);
         let within_reach = self.inside_room(moved_union(&estimate.pose, &motion));
         let rolled = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s + span_s));
-        estimate.pose = match rolled {
-            Some(rolled) if !rolled.is_empty() => self.in_true_time(&rolled).common(&within_reach),
-            _ => within_reach,
-        };
+        let both = rolled.map(|rolled| self.in_true_time(&rolled).common(&within_reach));
+        // Nothing left says that wheels or gyroscope are wrong, which the next reading of the wheels will tell.
+        estimate.pose = both.filter(|both| !both.is_empty()).unwrap_or(within_reach);
         estimate.time_s = time_s;
         let reach: Vec<Assumption> =
             REACH.into_iter().filter(|assumption| !estimate.relies_on.contains(assumption)).collect();

@@ -107,7 +107,8 @@ impl WheelHistory {
         self.gyro.as_ref()?.turn(from_s, to_s, greatest_change_rad_per_s2(wheels, reach))
     }
 
-    /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip. To an earlier stamp reach tells as much as to a later one.
+    /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip. Where it reads more than reach allows, one of the two is
+    /// wrong, and both are kept: what is left when everything else is doubted is never nothing. To an earlier stamp reach tells as much as to a later one.
     pub fn reach_motion(&self, from_s: f64, to_s: f64, reach: &Reach) -> Motion {
         let mut motion = reach_motion((to_s - from_s).abs(), reach);
         if to_s < from_s {
@@ -118,7 +119,8 @@ impl WheelHistory {
             .as_ref()
             .and_then(|gyro| gyro.turn(from_s, to_s, sudden_change_rad_per_s2(reach, gyro.period_s())));
         if let Some(turn) = turn {
-            motion[2] = motion[2].intersect(turn);
+            let both = motion[2].intersect(turn);
+            motion[2] = if both.is_empty() { motion[2].hull(turn) } else { both };
         }
         motion
     }

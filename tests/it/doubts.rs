@@ -88,3 +88,11 @@ fn readings_of_wheels_that_come_late_leave_no_stale_box_and_cost_millimetres() {
         }
     }
 }
+
+#[test]
+fn a_turn_faster_than_reach_leaves_no_empty_box() {
+    let scene = scene("found/turned_faster_than_reach.toml");
+    let record = run(&scene, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    assert!(record.estimates.iter().all(|estimate| !estimate.pose.is_empty()));
+    assert!((2.0..3.0).contains(&first_doubt_s(&record)), "{}", first_doubt_s(&record));
+}

@@ -59,6 +59,8 @@ impl WheelIntegral {
             return;
         }
         let delta = [0, 1].map(|wheel| sample.ticks[wheel] - self.latest.ticks[wheel]);
+        // Between readings and ahead of them counts are off by more than their quantisation.
+        let counts = 1.0 + self.latest.ticks_error + sample.ticks_error;
         let turn_before = self.turn_rad;
         self.latest = *sample;
         (0..2).for_each(|wheel| self.path_ticks[wheel] += delta[wheel].abs());
@@ -71,7 +73,7 @@ impl WheelIntegral {
 
         // Over one step both ends of φ share the same errors of start and scale, so that the step's own turn is known
         // much better than the difference of the two enclosures.
-        let step_turn_rad = self.step_turn(delta, wheels);
+        let step_turn_rad = self.step_turn(delta, counts, wheels);
         let middle = (turn_before + self.turn_rad) * 0.5;
         let half = 0.5 * step_turn_rad.magnitude();
         self.turning_rad += 2.0 * half + half * half / 6.0;
@@ -82,7 +84,7 @@ impl WheelIntegral {
             self.cos_ticks[wheel] += cos * ticks;
             self.sin_ticks[wheel] += sin * ticks;
         }
-        self.remainder_m += midpoint_remainder(delta, step_turn_rad.magnitude(), step_s, wheels, reach);
+        self.remainder_m += midpoint_remainder(delta, counts, step_turn_rad.magnitude(), step_s, wheels, reach);
     }
 
     /// Motion from the start to the latest sample.
@@ -129,13 +131,13 @@ impl WheelIntegral {
         ((self.latest.time_s - self.start.time_s) / wheels.slip_window_s - 1e-6).ceil().max(1.0)
     }
 
-    /// Turn of one step alone, with the step's own slip and quantisation.
-    fn step_turn(&self, delta: [f64; 2], wheels: &WheelModel) -> Interval {
+    /// Turn of one step alone, with the step's own slip and counts that are off by up to `counts`.
+    fn step_turn(&self, delta: [f64; 2], counts: f64, wheels: &WheelModel) -> Interval {
         let travel = [0, 1].map(|wheel| {
             let per_tick = wheels.metres_per_tick(wheel);
-            let rolled_m = (delta[wheel].abs() + 1.0) * per_tick.hi();
+            let rolled_m = (delta[wheel].abs() + counts) * per_tick.hi();
             (per_tick * delta[wheel])
-                .inflate((per_tick.hi() + wheels.slip_ratio * rolled_m + wheels.slip_floor_m) * ABOVE)
+                .inflate((counts * per_tick.hi() + wheels.slip_ratio * rolled_m + wheels.slip_floor_m) * ABOVE)
         });
         (travel[1] - travel[0]) / wheels.track_m
     }
@@ -145,11 +147,18 @@ impl WheelIntegral {
 const ABOVE: f64 = 1.0 + 1e-12;
 
 /// Bound of |∫ (cos φ, sin φ) dS − chord| over one step when speeds and turn rates change by at most their accelerations:
-/// |D|·α·T²/8 + a·|ω|·T³/8.
-fn midpoint_remainder(delta: [f64; 2], turn_rad: f64, step_s: f64, wheels: &WheelModel, reach: &Reach) -> f64 {
+/// |D|·α·T²/8 + a·|ω|·T³/8, for counts that are off by up to `counts`.
+fn midpoint_remainder(
+    delta: [f64; 2],
+    counts: f64,
+    turn_rad: f64,
+    step_s: f64,
+    wheels: &WheelModel,
+    reach: &Reach,
+) -> f64 {
     let acceleration = reach.acceleration_m_per_s2;
     let turn_acceleration = 2.0 * acceleration / wheels.track_m.lo();
     let distance_m =
-        0.5 * (0..2).map(|wheel| (delta[wheel].abs() + 1.0) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
+        0.5 * (0..2).map(|wheel| (delta[wheel].abs() + counts) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
     (distance_m * turn_acceleration * step_s * step_s + acceleration * turn_rad * step_s * step_s) / 8.0
 }
