@@ -15,7 +15,7 @@ mod slip;
 use crate::{
     Constraint, Interval, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     method::Assumption,
-    motion::{Agreement, Motion, WheelHistory, WheelIntegral, agree, moved_union},
+    motion::{Agreement, Motion, WheelHistory, WheelIntegral, agree, moved_union, reach_motion},
 };
 
 pub use account::Account;
@@ -175,7 +175,9 @@ impl Localizer {
         let motion = self.wheels.reach_motion(self.now_s, self.now_s + span_s, &self.robot.reach);
         let within_reach = self.inside_room(moved_union(&estimate.pose, &motion));
         let rolled = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s + span_s));
-        let both = rolled.map(|rolled| self.in_true_time(&rolled).common(&within_reach));
+        // What is rounded up is some motion back.
+        let rounded = reach_motion(1e-6, &self.robot.reach);
+        let both = rolled.map(|rolled| self.in_true_time(&moved_union(&rolled, &rounded)).common(&within_reach));
         // Nothing left says that wheels or gyroscope are wrong, which the next reading of the wheels will tell.
         estimate.pose = both.filter(|both| !both.is_empty()).unwrap_or(within_reach);
         estimate.time_s = time_s;
