@@ -137,6 +137,8 @@ mod cli_render;
 mod render_studio;
 /// Who is at fault when the truth is outside: on records made by hand, and on runs with a fault planted in them.
 mod blame;
+/// Runs with every error as far as its bound lets it: contained, in boxes of which a fault that makes them smaller would be seen.
+mod corner_runs;
 /// What is doubted, how soon, and when the truth is in the box again.
 mod doubts;
 /// Every bound that an estimate stands on is watched, and the other way round.

@@ -50,8 +50,9 @@ pub(super) struct Run<'a> {
     pub(super) driver_threads: Option<usize>,
 }
 
-/// Processor time to read a scene, start an adapter and finish: on two cores at 3 GHz that takes 0.01 to 1 s, most of it for an adapter.
-const START_S: f64 = 15.0;
+/// Processor time to read a scene, start an adapter and finish: on two cores at 3 GHz that takes 0.01 to 1 s, most of it for an adapter, but
+/// up to 20 s where markers are laid out over a room of a few metres.
+const START_S: f64 = 40.0;
 /// Processor time for a second of simulation without cameras: on average 0.008 s of sixty scenes drawn at random.
 const SIMULATION_S: f64 = 1.0;
 /// Processor time for a million pixels: rendering and vision take 0.1 to 0.3 s on a software adapter.
