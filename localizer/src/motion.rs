@@ -170,9 +170,9 @@ impl WheelHistory {
     /// Counts at a time up to [`AHEAD_S`] after the latest reading, as far as the wheels can have changed their rate since; `None` later,
     /// and before there are two readings.
     ///
-    /// Over the last T before the latest reading the mean rate is known to a tick, and no rate in it departs from that of its end by more
-    /// than a·T, so that the mean departs by at most a·T/2. A time h later the count is off by h·(1/T + a·T/2) + a·h²/2, with T chosen
-    /// where that is least.
+    /// Over the last T before the latest reading the mean rate is known to a tick and to what the wheel may slip in T, and no rate in it
+    /// departs from that of its end by more than a·T, so that the mean departs by at most a·T/2. A time h later the count is off by
+    /// h·((1 + slip)/T + a·T/2) + a·h²/2, with T chosen where that is least.
     fn ahead(&self, time_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelSample> {
         let latest = self.latest()?;
         let ahead_s = time_s - latest.time_s;
@@ -183,7 +183,9 @@ impl WheelHistory {
         let change = reach.acceleration_m_per_s2 / least_m_per_tick;
         let rate_error = |before: &WheelSample| {
             let span_s = latest.time_s - before.time_s;
-            1.0 / span_s + 0.5 * change * span_s
+            let counted = [0, 1].map(|wheel| (latest.ticks[wheel] - before.ticks[wheel]).abs() + 1.0);
+            let slip = wheels.slip_ratio * counted[0].max(counted[1]) + wheels.slip_floor_m / least_m_per_tick;
+            (1.0 + slip) / span_s + 0.5 * change * span_s
         };
         let earlier = self.samples.iter().filter(|sample| sample.time_s < latest.time_s);
         let before = earlier.min_by(|a, b| rate_error(a).total_cmp(&rate_error(b)))?;

@@ -110,3 +110,12 @@ fn readings_that_come_less_often_than_the_wheels_are_remembered_are_taken_all_th
     let method = &verdict.methods["range_landmarks"];
     assert!(method.readings >= 7 && method.constraints >= 6, "{method:?}");
 }
+
+#[test]
+fn a_marker_off_its_place_at_the_very_start_takes_nothing_of_what_was_known_there() {
+    for seed in [0, 1] {
+        let (record, verdict) = judged(&scene("found/misplaced_from_the_start.toml"), seed);
+        assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+        assert!(first_doubt_s(&record) < 1.0, "seed {seed}");
+    }
+}

@@ -29,7 +29,7 @@ const UNLEARN_CALM_S: f64 = 15.0;
 const DOUBT_S: f64 = 1.0;
 /// A contradiction so soon after the last doubt has its cause, which was farther back than was thought: it goes back twice as far.
 const DOUBT_AGAIN_S: f64 = 5.0;
-/// Whoever has lost its place looks at so many headings apart: a contractor of poses needs headings within an eighth of a turn.
+/// A robot that may be anywhere is looked for in so many sectors of heading: contractors of poses narrow headings only within a part of a turn.
 const HEADINGS: usize = 8;
 
 /// What a reading that is about to be hung tells of each hypothesis.
@@ -219,8 +219,8 @@ impl Localizer {
     /// Believes what is left once one hypothesis has witnesses enough and no other is elsewhere.
     fn end_doubt_when_decided(&mut self) {
         let Some(last) = self.ring.last() else { return };
-        let supported = self.hypotheses.iter().position(Hypothesis::is_supported);
-        let Some(believed) = supported.map(|index| &last.unions[index]).filter(|union| !union.is_empty()) else {
+        let mut followed = self.hypotheses.iter().zip(&last.unions);
+        let Some((hypothesis, believed)) = followed.find(|(one, union)| one.is_supported() && !union.is_empty()) else {
             return;
         };
         let is_elsewhere = |union: &PoseUnion| {
@@ -229,6 +229,10 @@ impl Localizer {
         };
         if last.unions.iter().any(is_elsewhere) {
             return;
+        }
+        // What was false from its beginning has taught nothing.
+        if let (Failed::Memory, Some(fixes)) = (hypothesis.failed, &mut self.fixes) {
+            fixes.forget_since(f64::NEG_INFINITY);
         }
         self.doubts.ended_s = last.stamp_s;
         self.hypotheses = vec![Hypothesis::new(Failed::Nothing)];

@@ -2,7 +2,8 @@
 
 use crate::{Constraint, markers::MarkerId, method::Claim};
 
-/// As many witnesses, of which no two have anything in common, make or break a hypothesis: q + 2, where q = 0 readings may be wrong.
+/// As many witnesses, of which no two have anything in common, make or break a hypothesis. No reading as a whole is
+/// declared to be wrong, so that one may be by an assumption that failed, and two are not by chance.
 const WITNESSES: usize = 2;
 
 /// What a hypothesis says has failed.

@@ -105,9 +105,10 @@ impl Ring {
         self.forget();
     }
 
-    /// Removes the anchors after a stamp.
+    /// Removes the anchors after a stamp, but for the oldest slot, from which all others are told.
     pub(super) fn drop_anchors_after(&mut self, stamp_s: f64) {
-        self.slots.retain(|slot| slot.stamp_s <= stamp_s || slot.constraint.is_some());
+        let oldest_s = self.slots.front().map_or(stamp_s, |oldest| oldest.stamp_s);
+        self.slots.retain(|slot| slot.stamp_s <= stamp_s.max(oldest_s) || slot.constraint.is_some());
     }
 
     /// Forgets everything but one slot.

@@ -120,8 +120,9 @@ impl WheelIntegral {
 
     /// Bound of the lateral travel of the axle middle.
     fn side_slip(&self, wheels: &WheelModel) -> f64 {
-        let rolled_m =
-            0.5 * (0..2).map(|wheel| (self.path_ticks[wheel] + 2.0) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
+        let counts = 2.0 + self.start.ticks_error + self.latest.ticks_error;
+        let rolled_m = 0.5
+            * (0..2).map(|wheel| (self.path_ticks[wheel] + counts) * wheels.metres_per_tick(wheel).hi()).sum::<f64>();
         (wheels.side_slip_ratio * rolled_m + self.windows(wheels) * wheels.side_slip_floor_m) * ABOVE
     }
 

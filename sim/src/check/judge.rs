@@ -36,8 +36,8 @@ struct Candidate {
 }
 
 /// The judgement of every step, their counts, and the first step outside. Only a run that lost the truth is simulated again, and only as
-/// far as its last step outside: with n candidates, perception among them, 2·n times at most, and twice more where withheld readings let
-/// others go wrong.
+/// far as its last step outside: with n bounds exceeded, 2·n − 1 times at most for bounds, and up to six times for false claims, of which
+/// each round may show others.
 pub(super) fn containment(
     scene: &Scene,
     record: &RunRecord,
@@ -120,7 +120,8 @@ impl Trial<'_, '_> {
             for index in 0..self.spans.len() {
                 let blamed: Vec<usize> =
                     set.clone().filter(|candidate| self.may_have(*candidate, &self.spans[index])).collect();
-                if self.spans[index].cause.is_none() && !blamed.is_empty() && holds(&again, &self.spans[index]) {
+                let began = blamed.iter().any(|candidate| self.began(*candidate, &self.spans[index]));
+                if self.spans[index].cause.is_none() && began && holds(&again, &self.spans[index]) {
                     self.spans[index].cause = Some(self.cause(Judgement::BoundBroken, &blamed, None));
                 }
             }
@@ -148,10 +149,17 @@ impl Trial<'_, '_> {
                 let again = self.again(changes)?;
                 for index in 0..self.spans.len() {
                     let end_s = self.end_s(&self.spans[index]);
+                    let begin_s = self.begin_s(&self.spans[index]);
                     let first = withheld.iter().find(|misread| misread.arrived_s <= end_s).map(Misread::because);
-                    if self.spans[index].cause.is_none() && first.is_some() && holds(&again, &self.spans[index]) {
-                        let with = |candidate: &usize| with_bounds && self.may_have(*candidate, &self.spans[index]);
-                        let blamed: Vec<usize> = (0..self.candidates.len()).filter(with).collect();
+                    let with = |candidate: &usize| with_bounds && self.may_have(*candidate, &self.spans[index]);
+                    let blamed: Vec<usize> = (0..self.candidates.len()).filter(with).collect();
+                    let began = withheld.iter().any(|misread| misread.arrived_s <= begin_s)
+                        || blamed.iter().any(|candidate| self.began(*candidate, &self.spans[index]));
+                    if self.spans[index].cause.is_none()
+                        && first.is_some()
+                        && began
+                        && holds(&again, &self.spans[index])
+                    {
                         self.spans[index].cause = Some(self.cause(Judgement::Perception, &blamed, first));
                     }
                 }
@@ -173,6 +181,16 @@ impl Trial<'_, '_> {
 
     fn end_s(&self, span: &Span) -> f64 {
         self.record.truths[span.last].time_s
+    }
+
+    /// When the truth is first outside, with a hair for times that are sums of decimals.
+    fn begin_s(&self, span: &Span) -> f64 {
+        self.record.truths[span.first].time_s + 1e-6
+    }
+
+    /// Whether the candidate's bound was exceeded by the time that the span begins: what is exceeded later is no reason for its beginning.
+    fn began(&self, candidate: usize, span: &Span) -> bool {
+        self.candidates[candidate].first_s <= self.begin_s(span)
     }
 
     /// Whether an estimate of the span, or one before it, stands on the candidate's bound, and that was exceeded by its end.
