@@ -224,7 +224,13 @@ impl Localizer {
             (Some(motion), Some(last)) if !self.is_doubted() => {
                 Some(self.inside_room(moved_union(&last.unions[0], &motion)))
             }
-            _ => self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s)),
+            _ => self.ring.before(self.now_s).map(|slot| {
+                self.explained_at(slot, self.now_s).unwrap_or_else(|| {
+                    // The memory of the wheels is shorter than the way since the slot.
+                    let motion = self.wheels.reach_motion(slot.stamp_s, self.now_s, &self.robot.reach);
+                    self.inside_room(moved_union(&slot.merged(), &motion))
+                })
+            }),
         };
         let Some(predicted) = predicted else { return };
         self.current = predicted;

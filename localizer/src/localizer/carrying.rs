@@ -25,16 +25,13 @@ impl Localizer {
         Some(ring::merged(&carried?))
     }
 
-    /// One hypothesis's union of a slot, carried to a later stamp: by reach, too, where the memory of the wheels is shorter than the way.
+    /// One hypothesis's union of a slot, carried to a later stamp.
     pub(super) fn carried_of(&self, hypothesis: usize, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
-        self.wheels.latest()?;
         let doubted = !self.hypotheses[hypothesis].trusts_wheels(slot.stamp_s);
-        let union = &slot.unions[hypothesis];
-        let carried = self.carried(union, slot.stamp_s, stamp_s, doubted);
-        carried.or_else(|| self.carried(union, slot.stamp_s, stamp_s, true))
+        self.carried(&slot.unions[hypothesis], slot.stamp_s, stamp_s, doubted)
     }
 
-    /// A union carried from one stamp to a later one, by reach when the wheels are doubted; `None` where their memory does not reach.
+    /// A union carried from one stamp to a later one, by reach when the wheels are doubted.
     pub(super) fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
         let latest_s = self.wheels.latest()?.time_s;
         if doubted {
