@@ -1,8 +1,22 @@
-use localizer::{Interval, PoseBox};
+//! Errors at their corners and in a drift: every estimate holds the truth, and would not if boxes were 45 % too small.
+
+use localizer::{
+    Constraint, Contractor, Estimate, Interval, Localizer, Method, Outcome, Pose, PoseBox, PoseUnion, Reading,
+    localizer::Account,
+    method::{MotionBetween, Twist},
+    methods::{
+        ceiling_markers::CeilingMarkers,
+        floor_tiles::{Chain, FloorTiles},
+        range_landmarks::{Freedom, RangeLandmarks, Solver},
+        wall_directions::{self, WallDirections},
+    },
+    reading::LandmarkId,
+};
 use sim::{
     render::Renderer,
-    run::{RunOptions, RunRecord, run},
+    run::{RunOptions, RunRecord, Witness, run, run_witnessed},
     scene::{Distribution, Scene, SceneFile},
+    truth::Truth,
 };
 
 use crate::{command::root, judging::verdict_of};
@@ -69,4 +83,152 @@ fn with_markers_at_their_corners_a_place_45_percent_too_narrow_loses_the_truth()
     for axes in [&[0, 1, 2][..], &[0], &[1]] {
         assert!(records.iter().any(|record| would_lose(record, axes)), "axes {axes:?}");
     }
+}
+
+/// A method whose constraints leave boxes 45 % too small about their middle, along the axes that they narrow.
+struct TooSmall(Box<dyn Method>);
+
+struct TooSmallOnPose(Box<dyn Contractor<3> + Send + Sync>);
+
+impl Contractor<3> for TooSmallOnPose {
+    fn contract(&self, domain: &mut PoseBox) -> Outcome {
+        self.0.contract(domain)
+    }
+
+    fn branches(&self, domain: &PoseBox) -> Vec<PoseBox> {
+        let narrowed = |left: &PoseBox| -> Vec<usize> {
+            (0..3).filter(|&axis| left[axis].width() < domain[axis].width()).collect()
+        };
+        self.0.branches(domain).iter().map(|left| too_small(left, &narrowed(left))).collect()
+    }
+}
+
+impl Method for TooSmall {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn tells_heading_only(&self) -> bool {
+        self.0.tells_heading_only()
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        self.0.reads(reading)
+    }
+
+    fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
+        let constraint = self.0.constrain(reading, prior, twist)?;
+        Some(Constraint { on_pose: Box::new(TooSmallOnPose(constraint.on_pose)), ..constraint })
+    }
+
+    fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween<'_>) {
+        self.0.carry_to(stamp_s, motion);
+    }
+
+    fn learn(&mut self, posterior: &PoseUnion, motion: MotionBetween<'_>) {
+        self.0.learn(posterior, motion);
+    }
+
+    fn forget_since(&mut self, since_s: f64) {
+        self.0.forget_since(since_s);
+    }
+
+    fn take_contradiction(&mut self) -> bool {
+        self.0.take_contradiction()
+    }
+
+    fn renewed(&self, stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
+        self.0.renewed(stamp_s).map(|on_pose| Box::new(TooSmallOnPose(on_pose)) as Box<_>)
+    }
+
+    fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
+        self.0.landmarks()
+    }
+}
+
+/// Localizers beside the run's own, told the same readings; each counts the steps whose truth its estimate does not hold.
+struct Beside {
+    localizers: Vec<(Localizer, usize)>,
+}
+
+impl Witness for Beside {
+    fn start(&mut self, _offset_s: f64, _station: Option<usize>) {}
+
+    fn sense(&mut self, reading: &Reading) {
+        self.localizers.iter_mut().for_each(|(localizer, _)| drop(localizer.observe(reading)));
+    }
+
+    fn account(&mut self, _reading: &Reading, _accounts: &[Account]) {}
+
+    fn step(&mut self, truth: &Truth, _estimate: &Estimate, _odometry: Pose) {
+        for (localizer, n_outside) in &mut self.localizers {
+            let held = localizer.estimate_at(truth.time_s).pose;
+            let pose = truth.pose.to_array();
+            *n_outside += usize::from(!held.branches.iter().any(|branch| branch.contains(&pose)));
+        }
+    }
+}
+
+/// Steps of one drive that a localizer with the method as it is loses, and those that one with its boxes 45 % too small loses.
+fn lost_with_and_without(scene: &Scene, seed: u64, method: &dyn Fn(&Scene) -> Option<Box<dyn Method>>) -> [usize; 2] {
+    let localizer = |method: Box<dyn Method>| {
+        Localizer::new(scene.map(), scene.robot_model(), vec![method], scene.start_box())
+            .with_base_clock(scene.robot.delivery.stamp_tolerance_s)
+    };
+    let (sound, faulty) = (method(scene).unwrap(), Box::new(TooSmall(method(scene).unwrap())));
+    let mut beside = Beside { localizers: vec![(localizer(sound), 0), (localizer(faulty), 0)] };
+    let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
+    run_witnessed(scene, seed, renderer.as_mut(), &RunOptions::default(), &mut beside, &mut |_| {}).unwrap();
+    [0, 1].map(|index| beside.localizers[index].1)
+}
+
+fn assert_a_method_too_small_is_found(
+    path: &str,
+    [duration_s, seed]: [f64; 2],
+    errors: Distribution,
+    method: &dyn Fn(&Scene) -> Option<Box<dyn Method>>,
+) {
+    let [sound, faulty] = lost_with_and_without(&scene(path, duration_s, errors), seed as u64, method);
+    assert_eq!(sound, 0, "{path}: the method as it is");
+    assert!(faulty > 0, "{path}: boxes 45 % too small always held the truth");
+}
+
+fn boxed<M: Method + 'static>(method: Option<M>) -> Option<Box<dyn Method>> {
+    method.map(|method| Box::new(method) as Box<dyn Method>)
+}
+
+#[test]
+fn floor_tiles_with_boxes_45_percent_too_small_lose_the_truth() {
+    let method = |scene: &Scene| boxed(FloorTiles::new(&scene.map(), &scene.robot_model(), Chain::Direct));
+    assert_a_method_too_small_is_found("tiles.toml", [8.0, 0.0], Distribution::Corner, &method);
+}
+
+#[test]
+fn range_landmarks_with_boxes_45_percent_too_small_lose_the_truth() {
+    let method =
+        |scene: &Scene| boxed(RangeLandmarks::new(&scene.robot_model(), Freedom::Full, Solver::OneShot));
+    assert_a_method_too_small_is_found("papers/rigid_transform_loop.toml", [20.0, 0.0], Distribution::Drift, &method);
+}
+
+#[test]
+fn ceiling_markers_with_boxes_45_percent_too_small_lose_the_truth() {
+    let method = |scene: &Scene| boxed(CeilingMarkers::new(&scene.map(), &scene.robot_model()));
+    assert_a_method_too_small_is_found("navigation/lab.toml", [10.0, 0.0], Distribution::Corner, &method);
+}
+
+#[test]
+fn wall_directions_with_boxes_45_percent_too_small_lose_the_truth() {
+    let method = |scene: &Scene| {
+        let setup = scene.localizer.wall_directions();
+        let walls = wall_directions::Setup {
+            chain: wall_directions::Chain::Direct,
+            solves_lean: setup.solves_lean,
+            floor_edges: setup.floor_edges,
+            learns: setup.learns,
+            decides: true,
+            quotas: setup.quotas(),
+        };
+        boxed(WallDirections::new(&scene.map(), &scene.robot_model(), walls))
+    };
+    assert_a_method_too_small_is_found("dark/walls.toml", [15.0, 0.0], Distribution::Drift, &method);
 }
