@@ -141,7 +141,7 @@ fn a_loop_among_landmarks_holds_the_truth_with_bounds_that_a_person_can_know() {
 
 #[test]
 fn a_laboratory_holds_the_truth_with_bounds_that_a_person_can_know() {
-    assert_sound("navigation/lab.toml", 6.0);
+    assert_sound("papers/ir_markers_lab.toml", 25.0);
 }
 
 #[test]

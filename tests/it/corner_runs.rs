@@ -79,7 +79,7 @@ fn with_walls_in_a_drift_a_heading_45_percent_too_narrow_loses_the_truth() {
 #[test]
 fn with_markers_at_their_corners_a_place_45_percent_too_narrow_loses_the_truth() {
     let records: Vec<RunRecord> =
-        (0..3).map(|seed| contained("navigation/lab.toml", 20.0, Distribution::Corner, seed)).collect();
+        (0..3).map(|seed| contained("papers/ir_markers_lab.toml", 25.0, Distribution::Corner, seed)).collect();
     for axes in [&[0, 1, 2][..], &[0], &[1]] {
         assert!(records.iter().any(|record| would_lose(record, axes)), "axes {axes:?}");
     }
@@ -213,7 +213,7 @@ fn range_landmarks_with_boxes_45_percent_too_small_lose_the_truth() {
 #[test]
 fn ceiling_markers_with_boxes_45_percent_too_small_lose_the_truth() {
     let method = |scene: &Scene| boxed(CeilingMarkers::new(&scene.map(), &scene.robot_model()));
-    assert_a_method_too_small_is_found("navigation/lab.toml", [10.0, 0.0], Distribution::Corner, &method);
+    assert_a_method_too_small_is_found("papers/ir_markers_lab.toml", [25.0, 0.0], Distribution::Corner, &method);
 }
 
 #[test]

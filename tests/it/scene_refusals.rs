@@ -96,7 +96,14 @@ fn a_start_that_may_be_drawn_into_a_wall_is_refused() {
 #[test]
 fn a_station_outside_the_room_is_refused() {
     let scene = edited("[[route.waypoint]]", "[[station]]\nheading_deg = 0").replace("y_m = 1.2", "y_m = 1.9");
-    assert_refused("station", scene, &["`station[0].y_m = 1.9`", "from 0.25 to 1.75"]);
+    assert_refused("station", scene, &["`station[0].y_m = 1.9`", "from 0.26 to 1.74"]);
+}
+
+#[test]
+fn a_station_that_may_be_drawn_into_a_wall_by_the_starts_tolerance_is_refused() {
+    let scene = edited("[[route.waypoint]]", "[[station]]\nheading_deg = 0").replace("y_m = 1.2", "y_m = 1.6");
+    let scene = scene.replace("y_m = 0.6", "y_m = 0.6\ntolerance_m = 0.3");
+    assert_refused("station_drawn", scene, &["`station[0].y_m = 1.6`", "from 0.55 to 1.45", "drawn within 0.3 m"]);
 }
 
 #[test]

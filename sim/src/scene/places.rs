@@ -95,8 +95,9 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
         place(format!("errand[{index}]"), [errand.x_m, errand.y_m], radius_m, &body);
     }
     for (index, station) in scene.stations.iter().enumerate() {
-        let tolerance_m = station.tolerance_m.unwrap_or(0.0);
-        place(format!("station[{index}]"), [station.x_m, station.y_m], radius_m + tolerance_m, &body);
+        let tolerance_m = station.tolerance_m.unwrap_or(start.tolerance_m);
+        let drawn = format!("{body} and a station is drawn within {tolerance_m} m");
+        place(format!("station[{index}]"), [station.x_m, station.y_m], radius_m + tolerance_m, &drawn);
     }
 }
 
