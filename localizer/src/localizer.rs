@@ -23,7 +23,7 @@ use base_clock::BASE_STAMP;
 use doubt::Doubts;
 use heading_fixes::HeadingFixes;
 use hypothesis::{Failed, Hypothesis};
-use moves::{REACH, assumptions, motion_between, motion_history};
+use moves::{REACH, assumptions, memory_s, motion_between, motion_history};
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
 
@@ -63,6 +63,8 @@ pub struct Localizer {
     /// The wheels since the ring's last slot.
     integral: Option<WheelIntegral>,
     current: PoseUnion,
+    /// The headings last known, and when: those of the answer, whatever it lost since.
+    known_heading: (f64, Interval),
     now_s: f64,
     /// What may have failed: one hypothesis, that nothing has, unless an assumption is doubted. Slots hold a union for each.
     hypotheses: Vec<Hypothesis>,
@@ -86,6 +88,8 @@ impl Localizer {
     pub fn new(map: Map, robot: RobotModel, methods: Vec<Box<dyn Method>>, start: PoseBox) -> Self {
         let mut localizer = Localizer {
             wheels: motion_history(&robot),
+            slip: CertifiedSlip::new(memory_s(&robot)),
+            known_heading: (0.0, start[2]),
             relies_on: assumptions(&robot),
             map,
             robot,
@@ -96,7 +100,6 @@ impl Localizer {
             now_s: 0.0,
             hypotheses: vec![Hypothesis::new(Failed::Nothing)],
             doubts: Doubts::default(),
-            slip: CertifiedSlip::default(),
             stale_s: f64::INFINITY,
             fixes: None,
             at_rest: None,
@@ -115,7 +118,7 @@ impl Localizer {
         self.now_s = 0.0;
         self.hypotheses = vec![Hypothesis::new(Failed::Nothing)];
         self.doubts = Doubts::default();
-        self.slip = CertifiedSlip::default();
+        self.slip = CertifiedSlip::new(memory_s(&self.robot));
         self.stale_s = f64::INFINITY;
         self.relies_on = assumptions(&self.robot);
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
@@ -124,6 +127,7 @@ impl Localizer {
     }
 
     fn begin_at(&mut self, start: PoseBox) {
+        self.known_heading = (0.0, start[2]);
         self.current = self.inside_room(PoseUnion::single(start));
         self.ring.push(Slot { stamp_s: 0.0, unions: vec![self.current.clone()], constraint: None });
     }
@@ -224,16 +228,10 @@ impl Localizer {
             (Some(motion), Some(last)) if !self.is_doubted() => {
                 Some(self.inside_room(moved_union(&last.unions[0], &motion)))
             }
-            _ => self.ring.before(self.now_s).map(|slot| {
-                self.explained_at(slot, self.now_s).unwrap_or_else(|| {
-                    // The memory of the wheels is shorter than the way since the slot.
-                    let motion = self.wheels.reach_motion(slot.stamp_s, self.now_s, &self.robot.reach);
-                    self.inside_room(moved_union(&slot.merged(), &motion))
-                })
-            }),
+            _ => self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s)),
         };
         let Some(predicted) = predicted else { return };
-        self.current = predicted;
+        self.answer(predicted);
         if self.current.is_empty() {
             // No place in the room fits what the wheels told: they are the first to be doubted.
             self.begin_doubt(None);
@@ -356,10 +354,21 @@ impl Localizer {
             None => self.replay_all(from_s),
             Some(evidence) => self.weigh(evidence, from_s),
         };
+        // Not before: the slot was told from the one before it, which may be older than the window.
+        self.ring.forget();
         account.posterior = self.ring.at(stamp_s).map(Slot::merged).unwrap_or_default();
         self.restart_integral();
         self.predict();
         account
+    }
+
+    /// Answers with a union from now on.
+    fn answer(&mut self, union: PoseUnion) {
+        let heading = union.hull()[2];
+        if !heading.is_empty() {
+            self.known_heading = (self.now_s, heading);
+        }
+        self.current = union;
     }
 
     fn restart_integral(&mut self) {

@@ -98,6 +98,30 @@ fn a_turn_faster_than_reach_leaves_no_empty_box() {
 }
 
 #[test]
+fn readings_that_come_less_often_than_stamps_are_remembered_are_taken_all_the_same() {
+    let mut scene = scene("papers/rigid_transform_loop.toml");
+    scene.duration_s = 30.0;
+    // Slots are opened anew after two slip windows.
+    scene.bounds.slip_window_s = 3.0;
+    scene.robot.range_camera.as_mut().unwrap().period_s = 4.0;
+    let record = run(&scene, 0, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let verdict = verdict_of(&scene, &record);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    assert_eq!(first_doubt_s(&record), f64::INFINITY);
+    let method = &verdict.methods["range_landmarks"];
+    assert!(method.readings >= 7 && method.constraints >= 6, "{method:?}");
+}
+
+#[test]
+fn slip_windows_longer_than_stamps_are_remembered_are_no_cause_for_doubt() {
+    let scene = scene("found/slip_windows_longer_than_memory.toml");
+    let record = run(&scene, 36, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let verdict = verdict_of(&scene, &record);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    assert_eq!(first_doubt_s(&record), f64::INFINITY);
+}
+
+#[test]
 fn a_marker_off_its_place_at_the_very_start_takes_nothing_of_what_was_known_there() {
     for seed in [0, 1] {
         let (record, verdict) = judged(&scene("found/misplaced_from_the_start.toml"), seed);

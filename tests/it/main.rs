@@ -141,6 +141,8 @@ mod blame;
 mod corner_runs;
 /// What is doubted, how soon, and when the truth is in the box again.
 mod doubts;
+/// Readings that come long after the slot before them, or after wheels that were silent, and headings when nothing else is known.
+mod slots;
 /// Every bound that an estimate stands on is watched, and the other way round.
 mod bounds_watched;
 /// How much of the boxes is used, what counts as available, and what was not measured.

@@ -3,7 +3,7 @@
 use crate::{Contractor, Interval, IntervalBox, PoseBox, PoseUnion, motion::moved_union};
 
 use super::{
-    Localizer,
+    Localizer, REMEMBER_S,
     hypothesis::Failed,
     moves::motion_between,
     ring::{self, Slot},
@@ -12,7 +12,7 @@ use super::{
 impl Localizer {
     /// What is known of the pose at a past stamp; `None` when it lies outside of the memory, or before the end of the last doubt.
     pub(super) fn union_at(&self, stamp_s: f64) -> Option<PoseUnion> {
-        if stamp_s < self.doubts.ended_s {
+        if stamp_s < self.doubts.ended_s.max(self.now_s - REMEMBER_S) {
             return None;
         }
         self.explained_at(self.ring.before(stamp_s)?, stamp_s)
@@ -25,13 +25,16 @@ impl Localizer {
         Some(ring::merged(&carried?))
     }
 
-    /// One hypothesis's union of a slot, carried to a later stamp.
+    /// One hypothesis's union of a slot, carried to a later stamp: by reach, too, where the memory of the wheels is shorter than the way.
     pub(super) fn carried_of(&self, hypothesis: usize, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
+        self.wheels.latest()?;
         let doubted = !self.hypotheses[hypothesis].trusts_wheels(slot.stamp_s);
-        self.carried(&slot.unions[hypothesis], slot.stamp_s, stamp_s, doubted)
+        let union = &slot.unions[hypothesis];
+        let carried = self.carried(union, slot.stamp_s, stamp_s, doubted);
+        carried.or_else(|| self.carried(union, slot.stamp_s, stamp_s, true))
     }
 
-    /// A union carried from one stamp to a later one, by reach when the wheels are doubted.
+    /// A union carried from one stamp to a later one, by reach when the wheels are doubted; `None` where their memory does not reach.
     pub(super) fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
         let latest_s = self.wheels.latest()?.time_s;
         if doubted {

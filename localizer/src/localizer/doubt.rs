@@ -31,6 +31,8 @@ const DOUBT_S: f64 = 1.0;
 const DOUBT_AGAIN_S: f64 = 5.0;
 /// A robot that may be anywhere is looked for in so many sectors of heading: contractors of poses narrow headings only within a part of a turn.
 const HEADINGS: usize = 8;
+/// Beyond so many turns sectors are wider.
+const MOST_TURNS: f64 = 4.0;
 
 /// What a reading that is about to be hung tells of each hypothesis.
 pub(super) struct Evidence {
@@ -105,7 +107,7 @@ impl Localizer {
         self.drop_refuted();
         self.restart_integral();
         let explained = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s));
-        self.current = explained.unwrap_or_default();
+        self.answer(explained.unwrap_or_default());
         if self.current.is_empty() {
             self.begin_anywhere();
         }
@@ -121,19 +123,27 @@ impl Localizer {
             unions.truncate(1);
         }
         self.hypotheses = failed.into_iter().map(Hypothesis::new).collect();
-        self.current = merged(&unions);
+        self.answer(merged(&unions));
         self.ring.restart(Slot { stamp_s: self.now_s, unions, constraint: None });
         self.restart_integral();
     }
 
-    /// Any place in the room, in sectors of the headings about the one last known.
+    /// Any place in the room, in sectors of the headings about those last known: a whole turn, and as far as the robot can have turned since.
     fn anywhere(&self) -> PoseUnion {
         let room = self.whole_room();
-        let known = self.ring.iter().map(|slot| slot.merged().hull()[2]).chain([self.current.hull()[2]]);
-        let middle_rad = known.map(Interval::mid).filter(|middle_rad| middle_rad.is_finite()).last().unwrap_or(0.0);
-        let sector_rad = std::f64::consts::TAU / HEADINGS as f64;
-        let headings = (0..HEADINGS).map(|sector| {
-            let centre_rad = middle_rad + (sector as f64 - (HEADINGS / 2) as f64) * sector_rad;
+        let (known_s, known) = self.known_heading;
+        let turned = known + self.wheels.reach_motion(known_s, self.now_s, &self.robot.reach)[2];
+        let middle_rad = known.mid();
+        let n_turns = ((turned - middle_rad).magnitude() / std::f64::consts::PI).max(1.0);
+        if !n_turns.is_finite() || !middle_rad.is_finite() {
+            return PoseUnion::single(room);
+        }
+        // Headings count turns. What reaches beyond one has a sector more, so that as much lies on both sides of the middle one.
+        let n_aside = (n_turns.min(MOST_TURNS) * (HEADINGS / 2) as f64).ceil();
+        let n_sectors = 2 * n_aside as usize + usize::from(n_turns > 1.0);
+        let sector_rad = n_turns * std::f64::consts::PI / n_aside;
+        let headings = (0..n_sectors).map(|sector| {
+            let centre_rad = middle_rad + (sector as f64 - n_aside) * sector_rad;
             // A hair wider, so that no heading falls between two sectors by rounding.
             Interval::centred(centre_rad, 0.5 * sector_rad + 1e-9)
         });

@@ -2,7 +2,7 @@
 
 use crate::{Constraint, Interval, Localizer, Outcome, PoseUnion, motion::greatest_change_rad_per_s2};
 
-use super::{REMEMBER_S, after_turn::AfterTurn, heading_fixes::HeadingFixes};
+use super::{after_turn::AfterTurn, heading_fixes::HeadingFixes, moves::memory_s};
 
 impl Localizer {
     /// The same, learning the gyroscope's bias and scale between fixes of the heading, and at rest if the body turns by at most
@@ -68,8 +68,7 @@ impl Localizer {
     /// Tells what is known of bias and scale now: a bias that wanders is known the less the longer it has not been learnt.
     pub(super) fn tell_wheels_of_gyro(&mut self) {
         if let Some(fixes) = &self.fixes {
-            // The memory of motion goes back so far.
-            self.wheels.learn_gyro(fixes.bias_over(REMEMBER_S, self.now_s), fixes.scale());
+            self.wheels.learn_gyro(fixes.bias_over(memory_s(&self.robot), self.now_s), fixes.scale());
         }
     }
 

@@ -26,9 +26,16 @@ const FLOW: [Assumption; 7] = [
     "reach.turn_rate",
 ];
 
+/// How long motion is remembered: as far back as stamps may lie from now, or as slots may lie apart, which are opened anew after two slip
+/// windows, with as much for readings that come late.
+pub(super) fn memory_s(robot: &RobotModel) -> f64 {
+    let apart_s = 2.0 * robot.wheels.slip_window_s;
+    if apart_s < REMEMBER_S { REMEMBER_S } else { apart_s + REMEMBER_S }
+}
+
 /// The memory of what moves this robot.
 pub(super) fn motion_history(robot: &RobotModel) -> WheelHistory {
-    let wheels = WheelHistory::new(REMEMBER_S);
+    let wheels = WheelHistory::new(memory_s(robot));
     let wheels = match robot.gyro {
         Some(model) => wheels.with_gyro(model),
         None => wheels,

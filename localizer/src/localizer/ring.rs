@@ -70,12 +70,7 @@ impl Ring {
         self.slots.iter().map(|slot| slot.stamp_s).find(|stamp_s| *stamp_s > time_s)
     }
 
-    /// Every slot, the oldest first.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Slot> {
-        self.slots.iter()
-    }
-
-    /// The same, to be changed.
+    /// Every slot, the oldest first, to be changed.
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Slot> {
         self.slots.iter_mut()
     }
@@ -90,7 +85,8 @@ impl Ring {
         self.forget();
     }
 
-    /// Puts a slot in its place; anchors after it go, because what they hold is out of date and the slot anchors as well.
+    /// Puts a slot in its place; anchors after it go, because what they hold is out of date and the slot anchors as well. Nothing is
+    /// forgotten yet: what the slot holds is told from the one before it, however old that is.
     pub(super) fn insert(&mut self, slot: Slot) {
         let place = self.slots.iter().rposition(|other| other.stamp_s <= slot.stamp_s).map_or(0, |index| index + 1);
         self.slots.insert(place, slot);
@@ -102,7 +98,6 @@ impl Ring {
                 index += 1;
             }
         }
-        self.forget();
     }
 
     /// Removes the anchors after a stamp, but for the oldest slot, from which all others are told.
@@ -117,9 +112,10 @@ impl Ring {
         self.slots.push_back(slot);
     }
 
-    fn forget(&mut self) {
+    /// Forgets what is older than the window, but for two slots: a reading taken before the newest is told from the one before.
+    pub(super) fn forget(&mut self) {
         let Some(newest_s) = self.slots.back().map(|slot| slot.stamp_s) else { return };
-        while self.slots.len() > 1 && self.slots[0].stamp_s < newest_s - self.keep_s {
+        while self.slots.len() > 2 && self.slots[0].stamp_s < newest_s - self.keep_s {
             self.slots.pop_front();
         }
     }

@@ -5,8 +5,6 @@ use crate::{
     motion::{Agreement, Motion, WheelHistory, agree},
 };
 
-use super::REMEMBER_S;
-
 /// Wheels are left out for so long after they were last seen to slip: slip that goes on needs some time to show anew.
 const LEFT_OUT_S: f64 = 0.5;
 /// Slip that is seen now may have begun so long before: until wheels and flow sensor are farther apart than both are wide, what they have
@@ -14,16 +12,22 @@ const LEFT_OUT_S: f64 = 0.5;
 pub(super) const UNSEEN_S: f64 = 1.0;
 
 /// Spans in which the wheels are left out.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct CertifiedSlip {
     spans_s: Vec<[f64; 2]>,
+    keep_s: f64,
 }
 
 impl CertifiedSlip {
+    /// None yet; a span is kept for as long as the wheels are remembered.
+    pub(super) fn new(keep_s: f64) -> Self {
+        CertifiedSlip { spans_s: Vec::new(), keep_s }
+    }
+
     /// The wheels slipped somewhere in this span, the last of which is now, and perhaps [`UNSEEN_S`] before it. Answers whether that is
     /// news: whether no span before reached as far.
     pub(super) fn certify(&mut self, [from_s, now_s]: [f64; 2]) -> bool {
-        self.spans_s.retain(|span_s| span_s[1] > now_s - REMEMBER_S);
+        self.spans_s.retain(|span_s| span_s[1] > now_s - self.keep_s);
         match self.spans_s.last_mut() {
             Some(latest) if from_s <= latest[1] => {
                 latest[1] = now_s + LEFT_OUT_S;

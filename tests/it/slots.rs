@@ -1,0 +1,126 @@
+//! Slots farther apart than stamps are remembered: readings are told from the slot before them, however old that is.
+
+use localizer::{
+    Constraint, Interval, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, method::Twist,
+};
+
+use crate::range_landmarks_setup::{robot, says};
+
+/// Says x = 0, give or take a centimetre.
+struct AtZero;
+
+impl Method for AtZero {
+    fn name(&self) -> &'static str {
+        "at_zero"
+    }
+
+    fn reads(&self, reading: &Reading) -> bool {
+        matches!(reading, Reading::Range { .. })
+    }
+
+    fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
+        Some(says(self.name(), reading, 0, Interval::centred(0.0, 0.01)))
+    }
+}
+
+/// A robot that rests in the origin, with slip windows as long as this.
+fn resting(slip_window_s: f64) -> Localizer {
+    let mut robot: RobotModel = robot(0, 1);
+    robot.wheels.slip_window_s = slip_window_s;
+    let start = PoseBox::from([Interval::centred(0.0, 0.05); 3]);
+    Localizer::new(room(), robot, vec![Box::new(AtZero)], start)
+}
+
+fn room() -> Map {
+    Map {
+        room_m: [Interval::new(-3.0, 4.0), Interval::new(-3.0, 3.0)],
+        tiles: None,
+        markers: None,
+        wall_directions_rad: Vec::new(),
+    }
+}
+
+/// Wheels at rest at every 10 ms of a span.
+fn rest(localizer: &mut Localizer, [from_s, to_s]: [f64; 2]) {
+    for step in (from_s * 100.0).round() as i32..=(to_s * 100.0).round() as i32 {
+        let time_s = f64::from(step) * 0.01;
+        localizer.observe(&Reading::Wheels { measured_s: time_s, arrived_s: time_s, ticks: [0; 2] });
+    }
+}
+
+/// A look at a stamp, taken as if nothing were wrong: the truth stays inside, and nothing is doubted.
+fn look(localizer: &mut Localizer, measured_s: f64, arrived_s: f64) -> PoseUnion {
+    let accounts = localizer.observe(&Reading::Range { measured_s, arrived_s, sightings: Vec::new() });
+    let [account] = accounts.as_slice() else { panic!("the reading at {measured_s} s is refused") };
+    assert!(!account.emptied && account.posterior.hull().contains(&[0.0; 3]), "{:?}", account.posterior);
+    assert!(account.posterior.hull()[0].is_subset_of(Interval::centred(0.0, 0.01)));
+    let estimate = localizer.estimate();
+    assert!(estimate.status == Status::Sound && estimate.pose.hull().contains(&[0.0; 3]), "{estimate:?}");
+    account.posterior.clone()
+}
+
+#[test]
+fn a_reading_long_after_the_last_slot_is_told_from_it_by_the_wheels() {
+    let mut localizer = resting(5.0);
+    for [from_s, to_s] in [[0.0, 8.0], [8.01, 12.0], [12.01, 21.9]] {
+        rest(&mut localizer, [from_s, to_s]);
+        let posterior = look(&mut localizer, to_s - 0.05, to_s);
+        // Two slip windows of a robot at rest, and not as far as it could go in that time.
+        assert!(posterior.hull()[1].width() < 1.0 && posterior.hull()[2].width() < 1.0, "{posterior:?}");
+    }
+}
+
+#[test]
+fn a_reading_that_the_next_slot_overtakes_is_told_from_the_slot_before() {
+    let mut localizer = resting(5.0);
+    // Slots are opened anew after two slip windows.
+    rest(&mut localizer, [0.0, 10.1]);
+    look(&mut localizer, 9.95, 10.1);
+}
+
+#[test]
+fn a_reading_after_wheels_that_were_silent_for_longer_than_they_are_remembered_is_told_by_reach() {
+    let mut localizer = resting(0.2);
+    rest(&mut localizer, [0.0, 1.0]);
+    rest(&mut localizer, [8.0, 8.0]);
+    look(&mut localizer, 7.9, 8.0);
+}
+
+#[test]
+fn a_reading_older_than_stamps_are_remembered_is_refused_however_old_the_last_slot_is() {
+    let mut localizer = resting(5.0);
+    rest(&mut localizer, [0.0, 8.0]);
+    let late = Reading::Range { measured_s: 4.9, arrived_s: 8.0, sightings: Vec::new() };
+    assert!(localizer.observe(&late).is_empty());
+}
+
+#[test]
+fn a_robot_that_may_be_anywhere_still_has_turned_as_often_as_was_last_known() {
+    let headings_rad = [0.0, 20.0, -31.0];
+    for heading_rad in headings_rad {
+        // Said to stand in a wall, so that nothing is left from the first.
+        let start = PoseBox::from([Interval::point(9.0), Interval::ZERO, Interval::centred(heading_rad, 0.05)]);
+        let mut localizer = Localizer::new(room(), robot(0, 1), Vec::new(), start);
+        rest(&mut localizer, [0.0, 1.0]);
+        let estimate = localizer.estimate();
+        assert_eq!(estimate.status, Status::Recovering);
+        for aside_rad in [-3.1, 0.0, 3.1] {
+            let pose = localizer::Pose { x_m: 0.0, y_m: 0.0, heading_rad: heading_rad + aside_rad };
+            assert!(estimate.pose.contains(pose), "{heading_rad} {aside_rad}: {:?}", estimate.pose);
+        }
+    }
+}
+
+#[test]
+fn a_robot_that_may_be_anywhere_after_wheels_were_silent_has_turned_as_far_as_it_can() {
+    let start = PoseBox::from([Interval::point(9.0), Interval::ZERO, Interval::ZERO]);
+    let robot = robot(0, 1);
+    let turned_rad = 8.0 * robot.reach.turn_rate_rad_per_s;
+    assert!(turned_rad > 2.0 * std::f64::consts::PI);
+    let mut localizer = Localizer::new(room(), robot, Vec::new(), start);
+    rest(&mut localizer, [8.0, 8.0]);
+    for heading_rad in [-turned_rad, 0.0, turned_rad] {
+        let pose = localizer::Pose { x_m: 0.0, y_m: 0.0, heading_rad };
+        assert!(localizer.estimate().pose.contains(pose), "{heading_rad}: {:?}", localizer.estimate().pose);
+    }
+}
