@@ -12,6 +12,7 @@ mod draw;
 pub mod markers;
 mod repeated;
 pub mod tiles;
+mod walls;
 
 pub use markers::{DrawnDot, DrawnMarker};
 pub use repeated::Repeated;
@@ -45,6 +46,8 @@ pub struct Drawn {
     pub tiles: Option<LaidTiles>,
     /// By how much each piece of furniture is turned against where the scene has it.
     pub furniture_turn_deg: Vec<f64>,
+    /// By how much all walls, with what hangs on them, are turned about the middle of the robot's room against where the scene has them.
+    pub walls_turn_deg: f64,
     /// Goals of random errands, world; nothing secret, and the driver is told.
     pub goals_m: Vec<[f64; 2]>,
     /// The markers that are on the ceiling, as they were pasted.

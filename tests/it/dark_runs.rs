@@ -3,9 +3,17 @@
 use std::fs;
 
 use localizer::{Claim, Reading, Status};
-use sim::{check::is_true, run::RunRecord, scene::Scene};
+use sim::{
+    check::is_true,
+    run::{Counterfactual, RunRecord, run_otherwise},
+    scene::Scene,
+};
 
-use crate::{command::root, render_studio::judged};
+use crate::{
+    command::root,
+    judging::verdict_of,
+    render_studio::{judged, renderer},
+};
 
 /// The scene of the repository with some of its lines replaced, `setup` under `[localizer.wall_directions]`.
 fn scene(changes: &[[&str; 2]], setup: &str) -> Scene {
@@ -135,6 +143,26 @@ fn a_direction_that_no_wall_has_is_named() {
     // Lost, or noticed: images that agree on no heading are a contradiction.
     let is_noticed = verdict.metrics["recovering_share"] > 0.5;
     assert!(containment.bound_broken > 0 || is_noticed, "{containment:?}");
+}
+
+#[test]
+fn walls_as_askew_as_declared_keep_the_truth_and_ten_times_as_askew_are_named() {
+    let lines = [["duration_s = 60.0", "duration_s = 8.0"], ["[robot]\n", "[robot]\nerrors = \"corner\"\n"]];
+    let declared = scene(&lines, "tolerance_deg = 0.3");
+    let (record, verdict) = judged(&declared, 4);
+    assert_eq!(record.drawn.walls_turn_deg.abs(), 0.3);
+    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+    assert!(verdict.metrics["wall_fix_share"] > 0.3, "{:?}", verdict.metrics);
+    // The same walls, of which the localizer is told that they are ten times as straight.
+    let told = scene(&lines, "tolerance_deg = 0.03");
+    let again = run_otherwise(&told, &record, &Counterfactual::default(), Some(&mut renderer()), &mut |_| {});
+    let verdict = verdict_of(&told, &again.unwrap());
+    let violation = &verdict.violations[0];
+    assert_eq!((verdict.violations.len(), violation.bound.as_str()), (1, "wall_directions.direction"));
+    assert!((violation.true_value.to_degrees() - 0.3).abs() < 1e-9, "{violation:?}");
+    let containment = &verdict.containment;
+    assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
 }
 
 #[test]

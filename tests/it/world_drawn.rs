@@ -1,7 +1,10 @@
 //! Errors that stay the same all a run: inside their tolerance, all over it or at its ends, and each from its own stream.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 use sim::{
+    building::Building,
     drawn::{Drawn, DrawnCamera},
     scene::{Calibration, Scene},
     sensors::lens::Lens,
@@ -27,6 +30,7 @@ fn scene_with(errors: &str, yaw_tolerance_deg: f64) -> Scene {
     scene(serde_json::json!({
         "robot": robot, "start": start, "markers": { "marker": marker }, "floor": { "tiles": {} },
         "furniture": [cupboard(4.0), cupboard(6.0)], "building": { "furniture_tolerance_deg": 2.0 },
+        "localizer": { "methods": ["wall_directions"], "wall_directions": { "tolerance_deg": 0.3 } },
     }))
 }
 
@@ -127,7 +131,7 @@ fn other_devices(drawn: &Drawn) -> Vec<Share> {
 }
 
 fn places(drawn: &Drawn) -> Vec<Share> {
-    let mut shares = Vec::new();
+    let mut shares = vec![share("walls", drawn.walls_turn_deg / 0.3)];
     for (marker, [x_m, y_m]) in drawn.markers.iter().zip([[3.0, 2.0], [5.0, 4.0]]) {
         let name = |what: &str| format!("marker {} {what}", marker.id.0);
         let off_m = (marker.centre_m[0] - x_m).hypot(marker.centre_m[1] - y_m);
@@ -197,6 +201,82 @@ fn furniture_is_felt_and_seen_as_it_stands_and_mapped_as_stated() {
     for (stated, stands) in scene.furniture.iter().zip(&built.furniture) {
         assert_eq!(stated.rotation_deg, 30.0);
         assert!([28.0, 32.0].contains(&stands.rotation_deg), "{}", stands.rotation_deg);
+    }
+}
+
+/// The same place with walls whose directions are known to a tolerance, read by these methods.
+fn walls(methods: &[&str], setup: serde_json::Value) -> Scene {
+    let door = serde_json::json!([{ "from_m": [0.0, 1.0], "to_m": [0.0, 2.0] }]);
+    scene(serde_json::json!({
+        "robot": { "errors": "corner", "forward_camera": {} }, "building": { "door": door },
+        "localizer": { "methods": methods, "wall_directions": setup },
+    }))
+}
+
+#[test]
+fn walls_turn_together_about_the_middle_of_the_room_and_furniture_stays() {
+    let scene = Scene {
+        furniture: scene_with("corner", 0.1).furniture,
+        ..walls(&["wall_directions"], serde_json::json!({ "tolerance_deg": 1.0 }))
+    };
+    for seed in 0..4 {
+        let drawn = Drawn::draw(&scene, seed);
+        assert_eq!(drawn.walls_turn_deg.abs(), 1.0, "seed {seed}");
+        let built = scene.as_built(&drawn);
+        assert_eq!(built.furniture[0].rotation_deg, scene.furniture[0].rotation_deg + drawn.furniture_turn_deg[0]);
+        let building = Building::new(&built, &drawn);
+        // Of a room of 8 m by 6 m: each wall is turned, and as far from the middle as it was.
+        let off_rad = drawn.walls_turn_deg.to_radians();
+        for wall in building.walls() {
+            let quarters = (wall.along.y.atan2(wall.along.x) - off_rad) / FRAC_PI_2;
+            assert!((quarters - quarters.round()).abs() < 1e-12, "seed {seed}: {:?}", wall.along);
+            let from_middle = wall.corner - Point3::new(4.0, 3.0, wall.corner.z);
+            let away_m = from_middle.cross(&wall.along.normalize()).norm();
+            let expected_m = if quarters.round() as i32 % 2 == 0 { 3.0 } else { 4.0 };
+            assert!((away_m - expected_m).abs() < 1e-12, "seed {seed}: {away_m} m from the middle");
+        }
+        // By hand, to first order: a turn to the left takes what is 2 m below the middle and 4 m left of it to the right and down.
+        let [x_m, y_m] = built.building.doors[0].from_m;
+        assert!((x_m - 2.0 * off_rad).abs() < 1e-3 && (y_m - (1.0 - 4.0 * off_rad)).abs() < 1e-3, "{x_m}, {y_m}");
+        // What is told is the same whatever was drawn: the directions as stated, and the room however it is turned.
+        let map = scene.map();
+        assert!(map.wall_directions_rad[0].mid().abs() < 1e-12);
+        let corners = [[0.0, 0.0], [8.0, 0.0], [0.0, 6.0], [8.0, 6.0]];
+        for turn_deg in [-1.0, -0.3, 0.0, 0.7, 1.0_f64] {
+            let (sin, cos) = turn_deg.to_radians().sin_cos();
+            for [x_m, y_m] in corners.map(|[x_m, y_m]: [f64; 2]| [x_m - 4.0, y_m - 3.0]) {
+                let turned_m = [4.0 + cos * x_m - sin * y_m, 3.0 + sin * x_m + cos * y_m];
+                assert!((0..2).all(|axis| map.room_m[axis].inflate(1e-12).contains(turned_m[axis])), "{turned_m:?}");
+            }
+        }
+        assert!(map.room_m[0].hi() < 8.0 + 3.0 * 0.01746, "{:?}", map.room_m);
+    }
+}
+
+#[test]
+fn walls_stand_as_stated_where_nobody_reads_them_or_their_map_is_already_off() {
+    let turn_deg = |scene: &Scene| Drawn::draw(scene, 3).walls_turn_deg.abs();
+    let with = |setup: serde_json::Value| walls(&["wall_directions"], setup);
+    assert_eq!(turn_deg(&walls(&[], serde_json::json!({ "tolerance_deg": 1.0 }))), 0.0);
+    assert_eq!(walls(&[], serde_json::json!({ "tolerance_deg": 1.0 })).map().room_m[0].hi(), 8.0);
+    assert_eq!(turn_deg(&with(serde_json::json!({ "tolerance_deg": 0.0 }))), 0.0);
+    assert_eq!(turn_deg(&with(serde_json::json!({ "tolerance_deg": 1.0, "mapped_deg": [1.5] }))), 0.0);
+    let half = turn_deg(&with(serde_json::json!({ "tolerance_deg": 1.0, "mapped_deg": [0.5] })));
+    assert!((half - 0.5).abs() < 1e-12, "{half}");
+}
+
+#[test]
+fn walls_leave_the_robot_the_place_that_the_scene_gives_it() {
+    // By hand: 2 m beside the middle a wall that turns by 1° comes 2 m · sin 1° = 35 mm nearer, and 20 mm are free.
+    let mut scene = walls(&["wall_directions"], serde_json::json!({ "tolerance_deg": 1.0 }));
+    (scene.start.x_m, scene.start.y_m) = (scene.robot.body_radius_m + 0.02, 0.5 * scene.room.depth_m + 2.0);
+    for seed in 0..6 {
+        let drawn = Drawn::draw(&scene, seed);
+        let (sin, cos) = drawn.walls_turn_deg.to_radians().sin_cos();
+        // The wall of x = 0, of normal (cos, sin) and 4 m from the middle.
+        let to_wall_m = 4.0 + cos * (drawn.start.x_m - 4.0) + sin * (drawn.start.y_m - 3.0);
+        assert!(to_wall_m >= scene.robot.body_radius_m - 1e-9, "seed {seed}: {to_wall_m} m");
+        assert!(drawn.walls_turn_deg != 0.0, "seed {seed}: not turned at all");
     }
 }
 

@@ -73,12 +73,12 @@ impl Enclosure {
     }
 }
 
-/// The rooms of a scene, the robot's own first.
+/// The rooms of a scene, the robot's own first; of a scene as built, as they truly stand.
 pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
-    let height_m = scene.building.ceiling_height_m;
+    let (height_m, plan) = (scene.building.ceiling_height_m, scene.plan());
     let own = Enclosure {
-        corner: Point3::origin(),
-        heading_rad: 0.0,
+        corner: raised(plan.stands([0.0; 2]), 0.0),
+        heading_rad: plan.turn_rad,
         width_m: scene.room.width_m,
         depth_m: scene.room.depth_m,
         height_m,
@@ -161,8 +161,13 @@ pub(super) fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
         let beside_m = side.inward.dot(&from_corner).abs();
         (from_corner.dot(&along) / along.norm_squared(), beside_m)
     });
-    let stands = shares.iter().all(|(share, beside_m)| *beside_m <= DOOR_TO_WALL_M && (0.0..=1.0).contains(share));
-    stands.then(|| [shares[0].0.min(shares[1].0), shares[0].0.max(shares[1].0)])
+    // A door that ends with its wall still does when both are turned.
+    const ROUNDING: f64 = 1e-9;
+    let is_near = |beside_m: f64| beside_m <= DOOR_TO_WALL_M + ROUNDING;
+    let stands =
+        shares.iter().all(|(share, beside_m)| is_near(*beside_m) && (-ROUNDING..=1.0 + ROUNDING).contains(share));
+    let [one, other] = shares.map(|(share, _)| share.clamp(0.0, 1.0));
+    stands.then(|| [one.min(other), one.max(other)])
 }
 
 /// What is left of 0 to 1 without the gaps.

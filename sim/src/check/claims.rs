@@ -82,7 +82,7 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
 }
 
 /// Direction from world x of a wall of some room, or across it, along which, or as far askew of which as furniture may stand, a level line runs
-/// that passes within the bound of both ends.
+/// that passes within the bound of both ends. Walls run as they truly stand; furniture, and what is laid on the floor, as the scene has them.
 pub fn wall_line_deg(
     ends_px: [[f64; 2]; 2],
     bound_px: f64,
@@ -92,7 +92,8 @@ pub fn wall_line_deg(
 ) -> Option<f64> {
     let planes = sight_planes(ends_px, bound_px, scene, drawn, truth)?;
     let along_or_across = |heading_deg| [heading_deg, heading_deg + 90.0];
-    scene.true_wall_directions_deg().into_iter().flat_map(along_or_across).find(|heading_deg| {
+    let stands_deg = scene.true_wall_directions_deg(drawn).into_iter().chain(scene.stated_wall_directions_deg());
+    stands_deg.flat_map(along_or_across).find(|heading_deg| {
         let askew_deg = scene.localizer.wall_directions().askew_deg;
         let directions = [-askew_deg, askew_deg].map(|off_deg| {
             let (sin, cos) = (heading_deg + off_deg).to_radians().sin_cos();

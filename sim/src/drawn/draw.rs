@@ -13,7 +13,7 @@ use crate::{
 
 use super::{
     Drawn, DrawnCamera, DrawnFloorCamera, DrawnFlow, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, Repeated,
-    draw_within,
+    draw_within, walls::draw_walls,
 };
 
 impl Drawn {
@@ -60,6 +60,7 @@ impl Drawn {
             flow: robot.flow.as_ref().map(|flow| draw_flow(flow, errors, &mut stream(seed, "flow.mount"))),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
             furniture_turn_deg: draw_furniture(scene, seed),
+            walls_turn_deg: draw_walls(scene, seed),
             goals_m: draw_goals(scene, seed),
             markers: DrawnMarker::draw_all(scene, seed),
         }
@@ -90,12 +91,13 @@ impl DrawnCamera {
 }
 
 impl Scene {
-    /// The scene with its furniture as it truly stands, for all that feels and sees it. Its keys, the map and the localizer are told nothing.
+    /// The scene with its walls and its furniture as they truly stand, for all that feels and sees it. Its keys, the map and the localizer are told nothing.
     pub fn as_built(&self, drawn: &Drawn) -> Scene {
         let mut built = self.clone();
         for (piece, turn_deg) in built.furniture.iter_mut().zip(&drawn.furniture_turn_deg) {
             piece.rotation_deg += turn_deg;
         }
+        built.turn_walls(drawn.walls_turn_deg);
         built
     }
 }

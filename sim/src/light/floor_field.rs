@@ -5,9 +5,12 @@ use nalgebra::Vector2;
 use super::{Illuminance, LightMap, Patch};
 use crate::building::{Building, Part};
 
-/// Equivalent visible lux over a rectangular floor with a corner at the world origin, for each lux of its mean.
+/// Equivalent visible lux over a rectangular floor, for each lux of its mean.
 #[derive(Clone, Debug)]
 pub struct FloorField {
+    /// Where the first row begins, and the directions along it and across, world.
+    corner_m: Vector2<f64>,
+    axes: [Vector2<f64>; 2],
     count: [usize; 2],
     distance_m: [f64; 2],
     /// Row by row along x.
@@ -18,11 +21,14 @@ impl FloorField {
     /// The first room's floor of a light map, with these nodes: its own, or those with the shadows of people.
     pub fn new(building: &Building, map: &LightMap, nodes: &[[f32; 2]]) -> Option<FloorField> {
         let index = building.panels.iter().position(|panel| panel.part == Part::Floor)?;
-        let (Patch { first, count }, size_m) = (map.patches[index], building.panels[index].size_m());
+        let panel = &building.panels[index];
+        let (Patch { first, count }, size_m) = (map.patches[index], panel.size_m());
         let Illuminance { lux: mean_lux, .. } = map.mean_at_floor;
         let node = |i: usize, j: usize| f64::from(nodes[(first[1] + j) * map.size[0] + first[0] + i][0]);
         let share = (0..count[1]).flat_map(|j| (0..count[0]).map(move |i| (i, j)));
         Some(FloorField {
+            corner_m: panel.corner.coords.xy(),
+            axes: [panel.along, panel.up].map(|side| side.xy().normalize()),
             count,
             distance_m: [0, 1].map(|axis| size_m[axis] / (count[axis] - 1) as f64),
             share: share.map(|(i, j)| if mean_lux > 0.0 { node(i, j) / mean_lux } else { 0.0 }).collect(),
@@ -33,7 +39,7 @@ impl FloorField {
     pub fn at(&self, place_m: Vector2<f64>) -> f64 {
         let split = |axis: usize| {
             let last = (self.count[axis] - 1) as f64;
-            let node = (place_m[axis] / self.distance_m[axis]).clamp(0.0, last);
+            let node = ((place_m - self.corner_m).dot(&self.axes[axis]) / self.distance_m[axis]).clamp(0.0, last);
             let low = (node as usize).min(self.count[axis] - 2);
             (low, node - low as f64)
         };

@@ -17,14 +17,12 @@ impl Clearance {
     /// The room that a robot has among walls, furniture and people.
     pub fn of(scene: &Scene, truth: &Truth, people: &[Bystander]) -> Clearance {
         let (radius_m, place_m) = (scene.robot.body_radius_m, [truth.pose.x_m, truth.pose.y_m]);
-        let room_m = [scene.room.width_m, scene.room.depth_m];
-        let wall_m = |axis: usize| place_m[axis].min(room_m[axis] - place_m[axis]);
         let furniture = scene.furniture.iter().map(|piece| piece.distance_m(place_m));
         let people = people
             .iter()
             .map(|person| (person.place_m[0] - place_m[0]).hypot(person.place_m[1] - place_m[1]) - person.radius_m);
         Clearance {
-            walls_m: wall_m(0).min(wall_m(1)) - radius_m,
+            walls_m: scene.plan().wall_distance_m(place_m) - radius_m,
             furniture_m: furniture.fold(f64::INFINITY, f64::min) - radius_m,
             people_m: people.fold(f64::INFINITY, f64::min) - radius_m,
         }

@@ -68,7 +68,7 @@ impl Counterfactual {
                 Change::Clipped { bound } => {
                     otherwise.drawn.clip(bound, scene);
                     otherwise.world.to_mut().clip_placed(bound);
-                    otherwise.told.to_mut().clip_mapped(bound);
+                    otherwise.told.to_mut().clip_mapped(bound, drawn);
                 }
                 Change::Withheld { .. } => {}
                 Change::Weakened { factor } => otherwise.told.to_mut().weaken(*factor),

@@ -26,6 +26,9 @@ pub struct Building {
     /// stated.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub furniture_tolerance_deg: f64,
+    /// By how much all walls stand turned about the middle of `[room]`; no key, as the map and the localizer must not know: a seed draws it.
+    #[serde(skip)]
+    pub(crate) turned_rad: f64,
     /// Rooms beside `[room]`, rectangles at any angle. Where two rooms overlap there is no wall.
     #[serde(rename = "room")]
     pub rooms: Vec<FurtherRoom>,
@@ -156,6 +159,7 @@ impl Default for Building {
             skirting_height_m: 0.08,
             skirting_albedo: 0.35,
             furniture_tolerance_deg: 0.0,
+            turned_rad: 0.0,
             rooms: Vec::new(),
             doors: Vec::new(),
             pictures: Vec::new(),

@@ -1,6 +1,7 @@
 //! The keys by which a scene tells the localizer its bounds: what tells it other bounds than those that hold.
 
 use super::{Bounds, Robot, Scene};
+use crate::drawn::Drawn;
 
 /// One key of the scene that states a bound.
 struct Key<'a> {
@@ -75,12 +76,12 @@ impl Scene {
         self.landmarks.iter_mut().for_each(|landmark| landmark.height_m = landmark.height_m.clamp(low_m, high_m));
     }
 
-    /// Moves back to its bound what the map tells beyond the bound of this name.
-    pub(crate) fn clip_mapped(&mut self, bound: &str) {
+    /// Moves back to its bound what the map tells beyond the bound of this name of what truly stands there.
+    pub(crate) fn clip_mapped(&mut self, bound: &str, drawn: &Drawn) {
         if bound != "wall_directions.direction" {
             return;
         }
-        let (true_deg, mut setup) = (self.true_wall_directions_deg(), self.localizer.wall_directions());
+        let (true_deg, mut setup) = (self.true_wall_directions_deg(drawn), self.localizer.wall_directions());
         let off_deg = |from_deg: f64, to_deg: f64| (from_deg - to_deg + 45.0).rem_euclid(90.0) - 45.0;
         let nearest = |deg: f64, others_deg: &[f64]| {
             others_deg.iter().map(|other_deg| off_deg(deg, *other_deg)).min_by(|a, b| a.abs().total_cmp(&b.abs()))

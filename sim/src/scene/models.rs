@@ -20,7 +20,7 @@ use super::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, 
 impl Scene {
     /// The building as surveyed.
     pub fn map(&self) -> Map {
-        let room_m = [Interval::new(0.0, self.room.width_m), Interval::new(0.0, self.room.depth_m)];
+        let room_m = self.room_hull_m();
         Map {
             room_m,
             tiles: self.floor.tiles.as_ref().map(|tiles| tile_grid(tiles, self)),
@@ -69,6 +69,13 @@ impl Scene {
         model.ceiling_camera.iter_mut().for_each(|camera| camera.stamp_error_s += base_s);
         model.range_camera.iter_mut().for_each(|camera| camera.stamp_error_s += base_s);
         model
+    }
+
+    /// What the room takes up however its walls stand within their tolerance.
+    pub(crate) fn room_hull_m(&self) -> [Interval; 2] {
+        let most_deg = if self.draws_walls() { self.localizer.wall_directions().tolerance_deg } else { 0.0 };
+        let (plan, beyond_m) = (self.plan(), self.plan().beyond_m(most_deg.to_radians()));
+        [0, 1].map(|axis| Interval::new(-beyond_m[axis], plan.size_m[axis] + beyond_m[axis]))
     }
 
     fn wall_directions_rad(&self) -> Vec<Interval> {

@@ -4,7 +4,8 @@ use localizer::methods::wall_directions::Quotas;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Scene;
+use super::{MethodName, Scene};
+use crate::drawn::Drawn;
 
 /// What `wall_directions` knows of the building and how it looks for level edges.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -16,7 +17,7 @@ pub struct WallDirectionsSetup {
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mapped_deg: Option<Vec<f64>>,
     /// `wall_directions.direction`: a direction that the map tells is within this of a wall's, and each wall's, unless `learns` is set, is
-    /// within this of one that the map tells.
+    /// within this of one that the map tells. A seed draws by how much all walls together stand turned within it.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
     /// How far furniture may stand askew of the walls: level edges run along a direction of the map, or within this of it. Every box of headings
@@ -97,14 +98,53 @@ impl WallDirectionsSetup {
 }
 
 impl Scene {
-    /// True directions of the walls from world x, modulo 90: the room's, then each further room's.
-    pub fn true_wall_directions_deg(&self) -> Vec<f64> {
+    /// Directions of the walls from world x as the scene states them, modulo 90: the room's, then each further room's.
+    pub fn stated_wall_directions_deg(&self) -> Vec<f64> {
         std::iter::once(0.0).chain(self.building.rooms.iter().map(|room| room.heading_deg)).collect()
+    }
+
+    /// The same as the walls truly stand.
+    pub fn true_wall_directions_deg(&self, drawn: &Drawn) -> Vec<f64> {
+        self.stated_wall_directions_deg().into_iter().map(|stated_deg| stated_deg + drawn.walls_turn_deg).collect()
     }
 
     /// Directions that the map tells.
     pub fn mapped_wall_directions_deg(&self) -> Vec<f64> {
         let mapped = self.localizer.wall_directions.as_ref().and_then(|setup| setup.mapped_deg.clone());
-        mapped.unwrap_or_else(|| self.true_wall_directions_deg())
+        mapped.unwrap_or_else(|| self.stated_wall_directions_deg())
+    }
+
+    /// How far the map is off: its direction that is farthest from every wall's, or the wall's that is farthest from every mapped one,
+    /// modulo quarter turns.
+    pub(crate) fn wall_directions_off_deg(&self, true_deg: &[f64]) -> f64 {
+        let mapped_deg = self.mapped_wall_directions_deg();
+        let farthest_deg = |some_deg: &[f64], others_deg: &[f64]| {
+            let off_deg = |of_deg: &f64| {
+                let from = |other_deg: &f64| {
+                    let turn_deg = (of_deg - other_deg).rem_euclid(90.0);
+                    turn_deg.min(90.0 - turn_deg)
+                };
+                others_deg.iter().map(from).fold(90.0, f64::min)
+            };
+            some_deg.iter().map(off_deg).fold(0.0, f64::max)
+        };
+        // A direction that the map does not tell is as wrong as one that no wall has, unless the building is said to have such.
+        let untold_deg =
+            if self.localizer.wall_directions().learns { 0.0 } else { farthest_deg(true_deg, &mapped_deg) };
+        farthest_deg(&mapped_deg, true_deg).max(untold_deg)
+    }
+
+    /// Whether a seed draws how walls stand: where a method reads them.
+    pub(crate) fn draws_walls(&self) -> bool {
+        self.localizer.methods.contains(&MethodName::WallDirections)
+    }
+
+    /// How far walls may stand turned against where the scene has them: what a map that is off as stated leaves of its tolerance.
+    pub(crate) fn walls_askew_deg(&self) -> f64 {
+        if !self.draws_walls() {
+            return 0.0;
+        }
+        let off_deg = self.wall_directions_off_deg(&self.stated_wall_directions_deg());
+        (self.localizer.wall_directions().tolerance_deg - off_deg).max(0.0)
     }
 }

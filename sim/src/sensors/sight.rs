@@ -9,14 +9,17 @@ use rapier3d_f64::{
     prelude::{Pose, Vector},
 };
 
-use crate::{scene::Scene, world::Bystander};
+use crate::{
+    scene::{Plan, Scene},
+    world::Bystander,
+};
 
 /// A landmark is fixed to a surface: what is this near to it hides nothing of it.
 const ON_SURFACE_M: f64 = 0.005;
 
 /// Everything in a scene that hides what is behind it and stays where it is.
 pub(crate) struct Obstacles {
-    room_m: [f64; 2],
+    plan: Plan,
     boxes: Vec<(Pose, SharedShape)>,
 }
 
@@ -33,13 +36,15 @@ impl Obstacles {
                 (pose, SharedShape::new(Cuboid::new(half)))
             })
             .collect();
-        Obstacles { room_m: [scene.room.width_m, scene.room.depth_m], boxes }
+        Obstacles { plan: scene.plan(), boxes }
     }
 
     /// Whether the way from an eye to a landmark is free.
     pub(crate) fn leave_free(&self, eye: Point3<f64>, landmark: Point3<f64>, people: &[Bystander]) -> bool {
+        // A landmark that is stated on a wall is on it, however the wall stands.
+        let stated = Plan { turn_rad: 0.0, ..self.plan };
         let inside = |point: &Point3<f64>| {
-            (0..2).all(|axis| (-ON_SURFACE_M..=self.room_m[axis] + ON_SURFACE_M).contains(&point[axis]))
+            [self.plan, stated].iter().any(|plan| plan.wall_distance_m([point.x, point.y]) >= -ON_SURFACE_M)
         };
         // A room is convex: between two points inside of it there is no wall.
         if !inside(&eye) || !inside(&landmark) {
@@ -63,10 +68,13 @@ impl Obstacles {
     ) -> Option<f64> {
         let (sin, cos) = direction_rad.sin_cos();
         let ray = Ray::new(vector(eye), Vector::new(cos, sin, 0.0));
+        // From where walls are along the axes.
+        let stated_m = self.plan.stated([eye.x, eye.y]);
         let wall_m = |axis: usize, along: f64| {
-            let face_m = if along > 0.0 { self.room_m[axis] } else { 0.0 };
-            if along == 0.0 { f64::INFINITY } else { ((face_m - eye[axis]) / along).max(0.0) }
+            let face_m = if along > 0.0 { self.plan.size_m[axis] } else { 0.0 };
+            if along == 0.0 { f64::INFINITY } else { ((face_m - stated_m[axis]) / along).max(0.0) }
         };
+        let (sin, cos) = (direction_rad - self.plan.turn_rad).sin_cos();
         let boxes = self.boxes.iter().filter_map(|(pose, shape)| shape.cast_ray(pose, &ray, range_m, true));
         let people = people.iter().filter_map(|person| person_at(person, &ray, range_m));
         let nearest_m = boxes.chain(people).fold(wall_m(0, cos).min(wall_m(1, sin)), f64::min);

@@ -234,16 +234,19 @@ fn build_people(physics: &mut PhysicsWorld, scene: &Scene) -> Vec<RigidBodyHandl
 }
 
 fn build_walls(physics: &mut PhysicsWorld, scene: &Scene) {
-    let (half_x_m, half_y_m) = (0.5 * scene.room.width_m, 0.5 * scene.room.depth_m);
+    let plan = scene.plan();
+    let [half_x_m, half_y_m] = plan.size_m.map(|extent_m| 0.5 * extent_m);
     let half_thick_m = 0.5 * WALL_THICKNESS_M;
     let height_m = 2.0;
-    // Centre in world and half extents of each wall; those along x cover the corners.
+    // Centre as stated and half extents of each wall; those along x cover the corners.
     let along_x = [-half_thick_m, 2.0 * half_y_m + half_thick_m]
         .map(|y_m| ([half_x_m, y_m], [half_x_m + WALL_THICKNESS_M, half_thick_m]));
     let along_y = [-half_thick_m, 2.0 * half_x_m + half_thick_m].map(|x_m| ([x_m, half_y_m], [half_thick_m, half_y_m]));
-    for ([x_m, y_m], [extent_x_m, extent_y_m]) in along_x.into_iter().chain(along_y) {
+    for (stated_m, [extent_x_m, extent_y_m]) in along_x.into_iter().chain(along_y) {
+        let [x_m, y_m] = plan.stands(stated_m);
         let wall = ColliderBuilder::cuboid(extent_x_m, extent_y_m, 0.5 * height_m)
             .translation(Vector::new(x_m, y_m, 0.5 * height_m))
+            .rotation(Vector::new(0.0, 0.0, plan.turn_rad))
             .friction(WALL_FRICTION)
             .build();
         physics.colliders.insert(wall);

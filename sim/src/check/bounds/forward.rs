@@ -44,23 +44,9 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     ]
 }
 
-/// The mapped direction that is farthest from every wall's, or the wall's that is farthest from every mapped one, modulo quarter turns.
+/// How far the map is off what stands there.
 fn mapped_directions(scene: &Scene, record: &RunRecord) -> Monitor {
-    let true_deg = scene.true_wall_directions_deg();
-    let mapped_deg = scene.mapped_wall_directions_deg();
-    let farthest_deg = |some_deg: &[f64], others_deg: &[f64]| {
-        let off_deg = |of_deg: &f64| {
-            let from = |other_deg: &f64| {
-                let turn_deg = (of_deg - other_deg).rem_euclid(90.0);
-                turn_deg.min(90.0 - turn_deg)
-            };
-            others_deg.iter().map(from).fold(90.0, f64::min)
-        };
-        some_deg.iter().map(off_deg).fold(0.0, f64::max)
-    };
-    // A direction that the map does not tell is as wrong as one that no wall has, unless the building is said to have such.
-    let untold_deg = if scene.localizer.wall_directions().learns { 0.0 } else { farthest_deg(&true_deg, &mapped_deg) };
-    let farthest_deg = farthest_deg(&mapped_deg, &true_deg).max(untold_deg);
+    let off_deg = scene.wall_directions_off_deg(&scene.true_wall_directions_deg(&record.drawn));
     let tolerance_deg = scene.localizer.wall_directions().tolerance_deg;
-    constant(record, "wall_directions.direction", tolerance_deg.to_radians(), farthest_deg.to_radians())
+    constant(record, "wall_directions.direction", tolerance_deg.to_radians(), off_deg.to_radians())
 }

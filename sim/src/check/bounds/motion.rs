@@ -120,7 +120,7 @@ fn reach(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
 }
 
 fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
-    let (bounds, room) = (&scene.bounds, &scene.room);
+    let (bounds, [x, y]) = (&scene.bounds, scene.room_hull_m());
     let keep_m = scene.robot_model().body.clearance_m;
     let (mut tilt, mut heave, mut walls) =
         (Monitor::new("body.tilt"), Monitor::new("body.heave"), Monitor::new("room.walls"));
@@ -128,9 +128,9 @@ fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
         let span_s = [truth.time_s, truth.time_s];
         tilt.watch(span_s, bounds.body_tilt_deg.to_radians(), truth.tilt_rad[0].hypot(truth.tilt_rad[1]));
         heave.watch(span_s, bounds.body_heave_m, truth.heave_m.abs());
-        let to_wall_m = [truth.pose.x_m, room.width_m - truth.pose.x_m, truth.pose.y_m, room.depth_m - truth.pose.y_m]
-            .into_iter()
-            .fold(f64::INFINITY, f64::min);
+        let (x_m, y_m) = (truth.pose.x_m, truth.pose.y_m);
+        let to_wall_m =
+            [x_m - x.lo(), x.hi() - x_m, y_m - y.lo(), y.hi() - y_m].into_iter().fold(f64::INFINITY, f64::min);
         // Declared is how close the robot origin may come to a wall, so the bound is on how much closer it is.
         walls.watch(span_s, 0.0, keep_m - to_wall_m);
     }

@@ -1,7 +1,7 @@
 //! What a view sees of a floor: its uniform, its faces and its bands.
 
 use bytemuck::{Pod, Zeroable};
-use nalgebra::{Isometry3, Matrix3, Vector2, vector};
+use nalgebra::{Isometry3, Matrix3, Vector2};
 
 use super::{
     geometry::{self, BandInstance, Footprint, TileInstance},
@@ -15,7 +15,7 @@ use crate::{
         exposure::{MAX_SUB_FRAMES, Path, interpolate},
         lens::LensSlot,
     },
-    scene::{Pattern, Region, Room, Scene, Stray, Tiles},
+    scene::{Pattern, Plan, Region, Scene, Stray, Tiles},
     sensors::camera::Intrinsics,
 };
 
@@ -30,7 +30,7 @@ pub(in crate::render) const LAMPLIGHT_PX: u32 = 65;
 pub(in crate::render) struct Floor {
     tiled: Option<(Tiles, LaidTiles)>,
     strays: Vec<Stray>,
-    room: Room,
+    plan: Plan,
     light: FloorLight,
     /// Light of the scene's lamps, if it has any.
     pub(in crate::render) lamplight: Option<FloorField>,
@@ -79,7 +79,7 @@ impl Floor {
         Floor {
             tiled: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
             strays: scene.floor.strays.clone(),
-            room: scene.room.clone(),
+            plan: scene.plan(),
             light: FloorLight::new(&scene.light, &scene.room),
             lamplight,
             coverings: scene.floor.regions.iter().filter(|region| region.covering.is_some()).cloned().collect(),
@@ -106,7 +106,7 @@ impl Floor {
         };
         bands.extend(geometry::coverings_in_view(&self.coverings, &frame, &seen));
         bands.extend(geometry::strays_in_view(&self.strays, &frame, &seen));
-        bands.extend(geometry::walls_in_view(&self.room, &frame, &seen));
+        bands.extend(geometry::walls_in_view(&self.plan, &frame, &seen));
         Ok(Cut { uniform: self.uniform((view, &plate), &path, &frame)?, faces, bands })
     }
 
@@ -210,9 +210,9 @@ impl Floor {
     }
 
     fn whole_room(&self, frame: &LocalFrame) -> Footprint {
-        let (width, depth) = (self.room.width_m, self.room.depth_m);
+        let [width, depth] = self.plan.size_m;
         let corners = [[0.0, 0.0], [width, 0.0], [0.0, depth], [width, depth]]
-            .map(|corner| frame.place(vector![corner[0], corner[1]]));
+            .map(|corner| frame.place(self.plan.stands(corner).into()));
         Footprint {
             low: corners.iter().fold(corners[0], |low, corner| low.inf(corner)),
             high: corners.iter().fold(corners[0], |high, corner| high.sup(corner)),

@@ -9,7 +9,7 @@ use super::local::LocalFrame;
 use crate::{
     building::covering_albedo,
     drawn::LaidTiles,
-    scene::{Region, Room, Stray, Tiles},
+    scene::{Plan, Region, Stray, Tiles},
 };
 
 /// Albedo of a floor without tiles: grey screed.
@@ -232,16 +232,16 @@ pub(super) fn strays_in_view<'a>(
 
 /// What lies beyond the room's walls, as far as it is in view.
 pub(super) fn walls_in_view<'a>(
-    room: &Room,
+    plan: &Plan,
     frame: &'a LocalFrame,
     seen: &'a Footprint,
 ) -> impl Iterator<Item = BandInstance> + 'a {
-    let (width, depth) = (room.width_m, room.depth_m);
-    let corners = [vector![0.0, 0.0], vector![width, 0.0], vector![width, depth], vector![0.0, depth]];
+    let [width, depth] = plan.size_m;
+    let corners = [[0.0, 0.0], [width, 0.0], [width, depth], [0.0, depth]].map(|corner| plan.stands(corner));
     // Far enough to fill the view beyond a wall from any place within the room.
     let depth_m = (seen.high - seen.low).norm() + 1.0;
     (0..4).filter_map(move |side| {
-        let [from, to] = [corners[side], corners[(side + 1) % 4]].map(|corner| frame.place(corner));
+        let [from, to] = [corners[side], corners[(side + 1) % 4]].map(|corner| frame.place(corner.into()));
         let along = (to - from).normalize();
         let outward = vector![along.y, -along.x];
         // Of the view's four corners, the one farthest out.

@@ -1,0 +1,91 @@
+//! The plan of the building as it truly stands: turned as a whole about the middle of the robot's room.
+
+use super::{LampKind, Scene};
+
+/// The robot's room and how the building stands against what its scene states.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    /// Extents of the robot's room along its own sides.
+    pub(crate) size_m: [f64; 2],
+    /// Counter-clockwise turn of all walls about the middle of that room.
+    pub(crate) turn_rad: f64,
+}
+
+impl Plan {
+    /// Where a place of the plan stands, given where the scene states it.
+    pub(crate) fn stands(&self, stated_m: [f64; 2]) -> [f64; 2] {
+        self.turned(stated_m, self.turn_rad)
+    }
+
+    /// Where the scene states what stands at a place, so that walls are along the axes.
+    pub(crate) fn stated(&self, stands_m: [f64; 2]) -> [f64; 2] {
+        self.turned(stands_m, -self.turn_rad)
+    }
+
+    /// Distance of a place from the nearest wall of the robot's room; negative outside.
+    pub(crate) fn wall_distance_m(&self, at_m: [f64; 2]) -> f64 {
+        let stated_m = self.stated(at_m);
+        let to_wall_m = |axis: usize| stated_m[axis].min(self.size_m[axis] - stated_m[axis]);
+        to_wall_m(0).min(to_wall_m(1))
+    }
+
+    /// How far beyond its stated extent along each axis the room may reach when it is turned by up to `most_rad` either way.
+    pub(crate) fn beyond_m(&self, most_rad: f64) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let (half_m, other_m) = (0.5 * self.size_m[axis], 0.5 * self.size_m[1 - axis]);
+            // A corner reaches farthest when it lies on the axis.
+            let (sin, cos) = most_rad.min(other_m.atan2(half_m)).sin_cos();
+            (half_m * (cos - 1.0) + other_m * sin).max(0.0)
+        })
+    }
+
+    /// Written as what is added, so that without a turn every place stays to the last bit.
+    fn turned(&self, at_m: [f64; 2], turn_rad: f64) -> [f64; 2] {
+        let (sin, cos) = turn_rad.sin_cos();
+        let [x_m, y_m] = [0, 1].map(|axis| at_m[axis] - 0.5 * self.size_m[axis]);
+        [at_m[0] + ((cos - 1.0) * x_m - sin * y_m), at_m[1] + (sin * x_m + (cos - 1.0) * y_m)]
+    }
+}
+
+impl Scene {
+    /// The robot's room, and by how much it and all others stand askew.
+    pub(crate) fn plan(&self) -> Plan {
+        Plan { size_m: [self.room.width_m, self.room.depth_m], turn_rad: self.building.turned_rad }
+    }
+
+    /// Turns all walls and what hangs on them; what stands on the floor or lies in it, and what is under the ceiling, stays.
+    pub(crate) fn turn_walls(&mut self, turn_deg: f64) {
+        self.building.turned_rad = turn_deg.to_radians();
+        let plan = self.plan();
+        for room in &mut self.building.rooms {
+            [room.x_m, room.y_m] = plan.stands([room.x_m, room.y_m]);
+            room.heading_deg += turn_deg;
+        }
+        for door in &mut self.building.doors {
+            (door.from_m, door.to_m) = (plan.stands(door.from_m), plan.stands(door.to_m));
+        }
+        for picture in &mut self.building.pictures {
+            (picture.from_m, picture.to_m) = (plan.stands(picture.from_m), plan.stands(picture.to_m));
+        }
+        for window in self.lamps.iter_mut().filter(|lamp| lamp.kind == LampKind::Window) {
+            [window.x_m, window.y_m] = plan.stands([window.x_m, window.y_m]);
+            window.heading_deg += turn_deg;
+        }
+    }
+
+    /// Whether walls that are turned so leave the robot's body its place wherever the scene puts it.
+    pub(crate) fn leaves_places(&self, turn_rad: f64) -> bool {
+        let plan = Plan { turn_rad, ..self.plan() };
+        let ways = self.route.iter().flat_map(|route| &route.waypoints).map(|at| ([at.x_m, at.y_m], 0.0));
+        let goals = self.errands.iter().map(|errand| ([errand.x_m, errand.y_m], 0.0));
+        let drawn_m = self.start.tolerance_m;
+        let stations =
+            self.stations.iter().map(|station| ([station.x_m, station.y_m], station.tolerance_m.unwrap_or(drawn_m)));
+        let start = std::iter::once(([self.start.x_m, self.start.y_m], drawn_m));
+        let (sin, cos) = turn_rad.sin_cos();
+        start.chain(ways).chain(goals).chain(stations).all(|(at_m, tolerance_m)| {
+            // The square of places that are drawn about a stated one reaches so far across a wall.
+            plan.wall_distance_m(at_m) >= self.robot.body_radius_m + tolerance_m * (cos + sin.abs())
+        })
+    }
+}
