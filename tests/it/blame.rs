@@ -118,7 +118,9 @@ fn a_truth_outside_without_a_cause_is_our_own_fault() {
 
 #[test]
 fn slip_beyond_its_bound_takes_the_blame_and_is_measured() {
-    let scene = scene();
+    let mut scene = scene();
+    // A wheel that spins from one step to the next gathers speed at 10 m/s².
+    scene.bounds.reach_acceleration_m_per_s2 = 11.0;
     let mut record = record(&scene);
     spin(&mut record, 0.01);
     lose_the_truth(&mut record);
@@ -475,4 +477,15 @@ fn scenes_whose_broken_bounds_were_once_called_unsound_are_blamed_rightly() {
             assert!(containment.bound_broken > 0, "{name} {seed}: {containment:?}");
         }
     }
+}
+
+#[test]
+fn a_wheel_that_gathers_speed_faster_than_reach_allows_breaks_reach_though_the_body_does_not() {
+    let scene = scene();
+    let mut record = record(&scene);
+    spin(&mut record, 0.01);
+    let verdict = judged_at_once(&scene, &record);
+    let reach = verdict.violations.iter().find(|violation| violation.bound == "reach.acceleration").unwrap();
+    // 0.1 m/s more from one step of 10 ms to the next.
+    assert!((reach.true_value - 10.0).abs() < 0.01 && (reach.from_s - 0.29).abs() < 0.011, "{reach:?}");
 }

@@ -205,8 +205,7 @@ fn floor_tiles_with_boxes_45_percent_too_small_lose_the_truth() {
 
 #[test]
 fn range_landmarks_with_boxes_45_percent_too_small_lose_the_truth() {
-    let method =
-        |scene: &Scene| boxed(RangeLandmarks::new(&scene.robot_model(), Freedom::Full, Solver::OneShot));
+    let method = |scene: &Scene| boxed(RangeLandmarks::new(&scene.robot_model(), Freedom::Full, Solver::OneShot));
     assert_a_method_too_small_is_found("papers/rigid_transform_loop.toml", [20.0, 0.0], Distribution::Drift, &method);
 }
 

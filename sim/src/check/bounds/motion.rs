@@ -9,7 +9,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let mut all = Vec::new();
     for truths in record.drives() {
         all.extend(slip(scene, truths, record.drawn.wheel_radius_m));
-        all.extend(reach(scene, truths));
+        all.extend(reach(scene, truths, record.drawn.wheel_radius_m));
         all.extend(posture(scene, truths));
     }
     all
@@ -98,7 +98,8 @@ fn rolled(truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Rolled> {
         .collect()
 }
 
-fn reach(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
+/// The acceleration is that of the places over the wheels, and of the wheels' rims: counts are taken to bend by no more between two readings.
+fn reach(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monitor> {
     let bounds = &scene.bounds;
     let mut speed = Monitor::new("reach.speed");
     let mut turn_rate = Monitor::new("reach.turn_rate");
@@ -114,6 +115,15 @@ fn reach(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
             let along = |truth: &Truth| truth.velocity[0] + side * 0.5 * scene.robot.track_m * truth.velocity[2];
             let change = (along(truth) - along(before)).abs() / step_s;
             acceleration.watch(span_s, bounds.reach_acceleration_m_per_s2, change);
+        }
+    }
+    for [before, truth, after] in truths.array_windows() {
+        let (span_s, step_s) = ([before.time_s, after.time_s], 0.5 * (after.time_s - before.time_s));
+        for (wheel, radius_m) in wheel_radius_m.into_iter().enumerate() {
+            let turned_rad = after.wheel_angle_rad[wheel] - truth.wheel_angle_rad[wheel];
+            let turned_before_rad = truth.wheel_angle_rad[wheel] - before.wheel_angle_rad[wheel];
+            let rim_m_per_s2 = radius_m * (turned_rad - turned_before_rad).abs() / (step_s * step_s);
+            acceleration.watch(span_s, bounds.reach_acceleration_m_per_s2, rim_m_per_s2);
         }
     }
     vec![speed, turn_rate, acceleration]
