@@ -1,8 +1,10 @@
-//! What the papers compare themselves with, and what they print: point methods and the printed contractor, to stand beside our boxes.
+//! What the papers compare themselves with, and what they print: point methods and the printed contractor, to stand beside our boxes;
+//! and the point methods of a careful engineer, which a comparison has to beat to be worth anything.
 
 mod corrected_reckoning;
 mod dead_reckoning;
 mod direction_database;
+mod gyro_at_rest;
 mod icp;
 mod least_squares;
 pub mod pose_graph;
@@ -16,8 +18,9 @@ use crate::{
 };
 
 pub use corrected_reckoning::CorrectedReckoning;
-pub use dead_reckoning::DeadReckoning;
+pub use dead_reckoning::{DeadReckoning, Way};
 pub use direction_database::DirectionDatabase;
+pub use gyro_at_rest::GyroAtRest;
 pub use icp::closest_points;
 pub use least_squares::least_squares;
 pub use printed_table_iv::printed_table_iv;

@@ -1,12 +1,126 @@
-//! Paper 2's point methods on cases worked out by hand.
+//! Paper 2's point methods, and those of a careful engineer on its sensors, on cases worked out by hand.
 
 use localizer::{
-    Pose,
+    Interval, Pose,
     baselines::{
-        CorrectedReckoning, DirectionDatabase, SlipDecision,
+        CorrectedReckoning, DeadReckoning, DirectionDatabase, GyroAtRest, SlipDecision, Way,
         pose_graph::{Step, Weights, optimised},
     },
+    robot::{FlowModel, GyroModel, WheelModel},
 };
+
+/// 100 Hz, a bias of at most 0.01 rad/s, noise of at most 0.01 rad/s.
+fn gyro() -> GyroModel {
+    GyroModel {
+        bias_rad_per_s: Interval::centred(0.0, 0.01),
+        scale: Interval::point(1.0),
+        noise_rad_per_s: 0.01,
+        angle_floor_rad: f64::INFINITY,
+        angle_rad_per_s: f64::INFINITY,
+        bias_wander_rad_per_s2: 0.0,
+        period_s: 0.01,
+    }
+}
+
+/// A tick is a millimetre: 1000 of them in a turn of a metre.
+fn wheels() -> WheelModel {
+    let radius_m = Interval::point(1.0 / std::f64::consts::TAU);
+    WheelModel {
+        radius_m: [radius_m; 2],
+        track_m: Interval::point(0.3),
+        ticks_per_turn: 1000.0,
+        slip_ratio: 0.0,
+        slip_floor_m: 0.0,
+        side_slip_ratio: 0.0,
+        side_slip_floor_m: 0.0,
+        slip_window_s: 0.2,
+    }
+}
+
+/// 0.1 m ahead of the axle, turned by nothing; a count is a tenth of a millimetre.
+fn flow() -> FlowModel {
+    FlowModel {
+        position_m: [Interval::point(0.1), Interval::ZERO],
+        metres_per_count: Interval::point(1e-4),
+        scale_change: 0.0,
+        yaw_rad: Interval::ZERO,
+        quantisation_counts: 1.0,
+        back_and_forth_m: 0.0,
+        period_s: 0.01,
+    }
+}
+
+#[test]
+fn the_bias_is_the_mean_rate_at_rest_without_its_begin_and_end() {
+    let mut at_rest = GyroAtRest::new(gyro());
+    let stands = |at_rest: &mut GyroAtRest, n: usize| {
+        (0..n).for_each(|step| at_rest.rate(if step % 2 == 0 { 0.003 } else { 0.005 }));
+        at_rest.bias_rad_per_s()
+    };
+    // 0.3 s of standing do not count, and 0.1 s are held back.
+    assert_eq!(stands(&mut at_rest, 38), 0.0);
+    // Nothing is believed at once: each time the encoders count it begins anew.
+    at_rest.moved();
+    assert_eq!(stands(&mut at_rest, 38), 0.0);
+    // About 60 rates of 0.003 and 0.005 in turn: at most one of them is without its fellow.
+    let bias_rad_per_s = stands(&mut at_rest, 62);
+    assert!((bias_rad_per_s - 0.004).abs() < 0.001 / 50.0, "{bias_rad_per_s}");
+    // A robot that begins to turn before its encoders count: within what is held back.
+    (0..9).for_each(|_| at_rest.rate(0.015));
+    at_rest.moved();
+    let after_rad_per_s = at_rest.bias_rad_per_s();
+    assert!((after_rad_per_s - 0.004).abs() < 0.001 / 50.0, "{after_rad_per_s}");
+    // One that is turned by hand on standing wheels, faster than bias and noise together.
+    (0..500).for_each(|_| at_rest.rate(0.3));
+    assert_eq!(at_rest.bias_rad_per_s(), after_rad_per_s);
+}
+
+#[test]
+fn dead_reckoning_takes_off_the_bias_that_it_found_at_rest() {
+    let driven = |mut reckoning: DeadReckoning| {
+        for step in 0..2000 {
+            reckoning.turn(0.01);
+            // 10 s at rest, then 10 s straight on at 0.1 m/s.
+            let ticks = i64::from((step - 999).max(0));
+            reckoning.roll([ticks, ticks]);
+        }
+        reckoning.pose()
+    };
+    let nominal = driven(DeadReckoning::new(Pose::default(), wheels(), gyro(), Way::Wheels));
+    let corrected = driven(DeadReckoning::new(Pose::default(), wheels(), gyro(), Way::Wheels).with_gyro_at_rest());
+    // 20 s of 0.01 rad/s, but for the turn since the first encoder reading.
+    assert!((nominal.heading_rad - 0.2).abs() < 2e-4, "{nominal:?}");
+    // 0.4 s of it, until the first rate is believed; then nothing more.
+    assert!(corrected.heading_rad > 0.0035 && corrected.heading_rad < 0.0045, "{corrected:?}");
+    assert!(
+        (corrected.x_m - 1.0).abs() < 1e-4 && (corrected.y_m - corrected.heading_rad).abs() < 1e-5,
+        "{corrected:?}"
+    );
+}
+
+#[test]
+fn the_way_by_flow_alone_leaves_out_the_arm_and_slip_and_has_the_wheels_where_it_is_blind() {
+    let mut reckoning = DeadReckoning::new(Pose::default(), wheels(), gyro(), Way::Flow(flow()));
+    reckoning.flow([0, 0], 0);
+    reckoning.roll([0, 0]);
+    // A turn on the spot by 0.5 rad: the sensor goes 0.1 m · 0.5 to the left.
+    (0..50).for_each(|_| reckoning.turn(1.0));
+    reckoning.flow([0, 500], 0);
+    reckoning.roll([-75, 75]);
+    let turned = reckoning.pose();
+    assert!(turned.x_m.abs() < 1e-12 && turned.y_m.abs() < 1e-12 && (turned.heading_rad - 0.5).abs() < 1e-12);
+    // Wheels that roll 0.2 m over 0.1 m of floor; then one blind period, in which nothing is counted of 0.05 m.
+    reckoning.flow([1000, 500], 0);
+    reckoning.roll([125, 275]);
+    let blind_m = |reckoning: &DeadReckoning| reckoning.pose().x_m.hypot(reckoning.pose().y_m);
+    assert!((blind_m(&reckoning) - 0.1).abs() < 1e-12, "{:?}", reckoning.pose());
+    // The wheels are read twice before the flow sensor says that it was blind.
+    reckoning.roll([150, 300]);
+    assert!((blind_m(&reckoning) - 0.1).abs() < 1e-12);
+    reckoning.flow([1000, 500], 1);
+    reckoning.roll([175, 325]);
+    assert!((blind_m(&reckoning) - 0.15).abs() < 1e-12, "{:?}", reckoning.pose());
+}
 
 #[test]
 fn encoders_count_without_slip_and_the_flow_sensor_by_its_weight_with_it() {

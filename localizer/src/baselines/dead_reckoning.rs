@@ -1,4 +1,5 @@
-//! Dead reckoning as a point: paper 2's odometry of 10 ms by wheels and gyroscope, with or without its flow sensor.
+//! Dead reckoning as a point: paper 2's odometry of 10 ms by wheels and gyroscope, with or without its flow sensor, and what a careful
+//! engineer makes of the same sensors: the gyroscope's bias taken off, and the way by the flow sensor alone.
 
 use std::collections::VecDeque;
 
@@ -7,7 +8,18 @@ use crate::{
     robot::{FlowModel, GyroModel, WheelModel},
 };
 
-use super::SlipDecision;
+use super::{GyroAtRest, SlipDecision};
+
+/// By what the way is told; the turn is always the gyroscope's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// The wheels.
+    Wheels,
+    /// Paper 2's decision between wheels and flow sensor.
+    Decided(FlowModel, SlipDecision),
+    /// The flow sensor, which slip does not concern; the wheels where it is blind.
+    Flow(FlowModel),
+}
 
 /// A pose that is carried on by nominal sensors.
 #[derive(Clone, Debug)]
@@ -15,12 +27,15 @@ pub struct DeadReckoning {
     pose: Pose,
     wheels: WheelModel,
     gyro: GyroModel,
-    flow: Option<(FlowModel, SlipDecision)>,
+    at_rest: Option<GyroAtRest>,
+    way: Way,
     ticks: Option<[i64; 2]>,
     /// Turn by the gyroscope, and counts of the flow sensor, since the wheels' latest reading.
     turn_rad: f64,
     counts: Option<[i64; 2]>,
     counted: [i64; 2],
+    /// What wheels and gyroscope told since the flow sensor's latest reading.
+    unseen: Unseen,
     /// Whether the flow sensor saw nothing since then.
     blind_periods: u64,
     is_blind: bool,
@@ -28,30 +43,51 @@ pub struct DeadReckoning {
     latest_m: VecDeque<(f64, [f64; 2])>,
 }
 
+/// Motion that the flow sensor has not yet told of.
+#[derive(Clone, Copy, Debug, Default)]
+struct Unseen {
+    rolled_m: f64,
+    turn_rad: f64,
+    /// Whether it has told now.
+    is_over: bool,
+}
+
 /// Steps over which the two are compared: in one of 10 ms the encoders' own steps are as large as slip is.
 const COMPARED_STEPS: usize = 10;
 
 impl DeadReckoning {
-    /// Starts at `start`; with a flow sensor the wheels' travel is decided on by comparing the two.
-    pub fn new(start: Pose, wheels: WheelModel, gyro: GyroModel, flow: Option<(FlowModel, SlipDecision)>) -> Self {
+    /// Starts at `start`, with the gyroscope's nominal bias.
+    pub fn new(start: Pose, wheels: WheelModel, gyro: GyroModel, way: Way) -> Self {
         DeadReckoning {
             pose: start,
             wheels,
             gyro,
-            flow,
+            at_rest: None,
+            way,
             ticks: None,
             turn_rad: 0.0,
             counts: None,
             counted: [0; 2],
+            unseen: Unseen::default(),
             blind_periods: 0,
             is_blind: false,
             latest_m: VecDeque::new(),
         }
     }
 
+    /// The same with the gyroscope's bias as it is found whenever the robot stands.
+    pub fn with_gyro_at_rest(self) -> Self {
+        DeadReckoning { at_rest: Some(GyroAtRest::new(self.gyro)), ..self }
+    }
+
     /// Takes in a turn rate, the mean over the gyroscope's period.
     pub fn turn(&mut self, rate_rad_per_s: f64) {
-        let rate_rad_per_s = (rate_rad_per_s - self.gyro.bias_rad_per_s.mid()) / self.gyro.scale.mid();
+        let nominal_rad_per_s = self.gyro.bias_rad_per_s.mid();
+        let bias_rad_per_s = self.at_rest.as_mut().map_or(nominal_rad_per_s, |at_rest| {
+            at_rest.rate(rate_rad_per_s);
+            at_rest.bias_rad_per_s()
+        });
+        let rate_rad_per_s = (rate_rad_per_s - bias_rad_per_s) / self.gyro.scale.mid();
         self.turn_rad += rate_rad_per_s * self.gyro.period_s;
     }
 
@@ -60,6 +96,7 @@ impl DeadReckoning {
         if let Some(before) = self.counts.replace(counts) {
             (0..2).for_each(|axis| self.counted[axis] += counts[axis] - before[axis]);
         }
+        self.unseen.is_over = true;
         self.is_blind |= blind_periods != self.blind_periods;
         self.blind_periods = blind_periods;
     }
@@ -67,29 +104,23 @@ impl DeadReckoning {
     /// Goes on to the next encoder reading: (dx_r, dy_r, dθ_gyro), in the frame of the robot at the middle of the step.
     pub fn roll(&mut self, ticks: [i64; 2]) {
         let turn_rad = std::mem::take(&mut self.turn_rad);
-        let (counted, is_blind) = (std::mem::take(&mut self.counted), std::mem::take(&mut self.is_blind));
-        let Some(before) = self.ticks.replace(ticks) else { return };
+        let Some(before) = self.ticks.replace(ticks) else {
+            (self.counted, self.is_blind) = ([0; 2], false);
+            return;
+        };
+        if ticks != before
+            && let Some(at_rest) = &mut self.at_rest
+        {
+            at_rest.moved();
+        }
         let rolled_m = 0.5
             * (0..2)
                 .map(|wheel| (ticks[wheel] - before[wheel]) as f64 * self.wheels.metres_per_tick(wheel).mid())
                 .sum::<f64>();
-        let travel_m = match &self.flow {
-            Some((model, decision)) if !is_blind => {
-                let seen_m = counted.map(|count| count as f64 * model.metres_per_count.mid());
-                // The sensor's own place moves by turn × arm.
-                let [arm_f_m, arm_l_m] = model.position_m.map(|at| at.mid());
-                let flow_m = [seen_m[0] + turn_rad * arm_l_m, seen_m[1] - turn_rad * arm_f_m];
-                self.latest_m.push_back((rolled_m, flow_m));
-                if self.latest_m.len() > COMPARED_STEPS {
-                    self.latest_m.pop_front();
-                }
-                let sum = |part: fn(&(f64, [f64; 2])) -> f64| self.latest_m.iter().map(part).sum::<f64>();
-                let (rolled, seen) = (sum(|step| step.0), [sum(|step| step.1[0]), sum(|step| step.1[1])]);
-                let is_slip = decision.travel_m(rolled, seen) != [rolled, 0.0];
-                let level_m = if is_slip { 0.0 } else { f64::INFINITY };
-                SlipDecision { level_m, ..*decision }.travel_m(rolled_m, flow_m)
-            }
-            _ => [rolled_m, 0.0],
+        let travel_m = match self.way {
+            Way::Wheels => [rolled_m, 0.0],
+            Way::Decided(model, decision) => self.decided_m(&model, &decision, rolled_m, turn_rad),
+            Way::Flow(model) => self.seen_m(&model, rolled_m, turn_rad),
         };
         let (sin, cos) = (self.pose.heading_rad + 0.5 * turn_rad).sin_cos();
         self.pose.x_m += cos * travel_m[0] - sin * travel_m[1];
@@ -97,8 +128,48 @@ impl DeadReckoning {
         self.pose.heading_rad += turn_rad;
     }
 
+    /// What the flow sensor counted since this was last asked, in metres of its own axes; `None` if it was blind.
+    fn take_counted_m(&mut self, model: &FlowModel) -> Option<[f64; 2]> {
+        let (counted, is_blind) = (std::mem::take(&mut self.counted), std::mem::take(&mut self.is_blind));
+        (!is_blind).then(|| counted.map(|count| count as f64 * model.metres_per_count.mid()))
+    }
+
+    fn decided_m(&mut self, model: &FlowModel, decision: &SlipDecision, rolled_m: f64, turn_rad: f64) -> [f64; 2] {
+        let Some(counted_m) = self.take_counted_m(model) else { return [rolled_m, 0.0] };
+        let flow_m = without_arm(model, counted_m, turn_rad);
+        self.latest_m.push_back((rolled_m, flow_m));
+        if self.latest_m.len() > COMPARED_STEPS {
+            self.latest_m.pop_front();
+        }
+        let sum = |part: fn(&(f64, [f64; 2])) -> f64| self.latest_m.iter().map(part).sum::<f64>();
+        let (rolled, seen) = (sum(|step| step.0), [sum(|step| step.1[0]), sum(|step| step.1[1])]);
+        let is_slip = decision.travel_m(rolled, seen) != [rolled, 0.0];
+        let level_m = if is_slip { 0.0 } else { f64::INFINITY };
+        SlipDecision { level_m, ..*decision }.travel_m(rolled_m, flow_m)
+    }
+
+    /// Nothing until the flow sensor's next reading, which may be of several steps of the wheels.
+    fn seen_m(&mut self, model: &FlowModel, rolled_m: f64, turn_rad: f64) -> [f64; 2] {
+        self.unseen.rolled_m += rolled_m;
+        self.unseen.turn_rad += turn_rad;
+        if !self.unseen.is_over {
+            return [0.0, 0.0];
+        }
+        let unseen = std::mem::take(&mut self.unseen);
+        let Some([forward_m, left_m]) = self.take_counted_m(model) else { return [unseen.rolled_m, 0.0] };
+        let (sin, cos) = model.yaw_rad.mid().sin_cos();
+        let in_robot_m = [cos * forward_m - sin * left_m, sin * forward_m + cos * left_m];
+        without_arm(model, in_robot_m, unseen.turn_rad)
+    }
+
     /// The pose so far.
     pub fn pose(&self) -> Pose {
         self.pose
     }
+}
+
+/// The robot origin's way, of what a sensor saw whose own place moves by turn × arm.
+fn without_arm(model: &FlowModel, seen_m: [f64; 2], turn_rad: f64) -> [f64; 2] {
+    let [arm_forward_m, arm_left_m] = model.position_m.map(|at| at.mid());
+    [seen_m[0] + turn_rad * arm_left_m, seen_m[1] - turn_rad * arm_forward_m]
 }

@@ -1,8 +1,9 @@
-//! Paper 2's comparisons on the same readings: dead reckoning by wheels and gyroscope, by the flow sensor too, and its whole system.
+//! Paper 2's comparisons on the same readings: dead reckoning by wheels and gyroscope, by the flow sensor too, and its whole system;
+//! and dead reckoning that knows the gyroscope's bias from rest, which the paper's does not.
 
 use localizer::{
     Pose, Reading, RobotModel,
-    baselines::{CorrectedReckoning, DeadReckoning, SlipDecision},
+    baselines::{CorrectedReckoning, DeadReckoning, SlipDecision, Way},
 };
 
 use crate::scene::{MethodName, Scene};
@@ -15,8 +16,8 @@ const SLIP_DECISION: SlipDecision = SlipDecision { level_m: 0.001, flow_weight: 
 pub struct MotionBaselines {
     /// Name and reckoning.
     running: Vec<(&'static str, DeadReckoning)>,
-    /// On top of the last of them, where the robot looks ahead.
-    corrected: Option<CorrectedReckoning>,
+    /// On top of the paper's own reckoning, which has this index, where the robot looks ahead.
+    corrected: Option<(usize, CorrectedReckoning)>,
     /// Name and poses, in the same order, the corrected one last.
     pub poses: Vec<(&'static str, Vec<Pose>)>,
 }
@@ -24,24 +25,29 @@ pub struct MotionBaselines {
 impl MotionBaselines {
     /// Those that a scene's robot allows.
     pub(super) fn new(scene: &Scene, robot: &RobotModel) -> Self {
-        let mut running = Vec::new();
+        let (mut running, mut papers) = (Vec::new(), 0);
         if let (Some(gyro), true) = (robot.gyro, robot.flow.is_some() || scene.is_led()) {
-            let start = scene.nominal_start();
-            running.push(("wheels_and_gyro", DeadReckoning::new(start, robot.wheels.clone(), gyro, None)));
+            let reckoning = |way| DeadReckoning::new(scene.nominal_start(), robot.wheels.clone(), gyro, way);
+            running.push(("wheels_and_gyro", reckoning(Way::Wheels)));
             if let Some(flow) = robot.flow {
-                let decision = Some((flow, SLIP_DECISION));
-                running.push(("slip_decision", DeadReckoning::new(start, robot.wheels.clone(), gyro, decision)));
+                running.push(("slip_decision", reckoning(Way::Decided(flow, SLIP_DECISION))));
+            }
+            papers = running.len() - 1;
+            running.push(("gyro_at_rest", reckoning(Way::Wheels).with_gyro_at_rest()));
+            if let Some(flow) = robot.flow {
+                running.push(("flow_and_gyro", reckoning(Way::Flow(flow)).with_gyro_at_rest()));
             }
         }
         let looks = scene.localizer.methods.contains(&MethodName::WallDirections);
-        let corrected = (looks && !running.is_empty()).then(|| CorrectedReckoning::new(scene.nominal_start()));
+        let corrected =
+            (looks && !running.is_empty()).then(|| (papers, CorrectedReckoning::new(scene.nominal_start())));
         let names = running.iter().map(|(name, _)| *name).chain(corrected.iter().map(|_| "pose_graph"));
         MotionBaselines { poses: names.map(|name| (name, Vec::new())).collect(), running, corrected }
     }
 
     /// Takes in the direction of walls that the paper's chain saw from the robot.
     pub(super) fn see(&mut self, measured_s: f64, seen_rad: f64) {
-        if let Some(corrected) = &mut self.corrected {
+        if let Some((_, corrected)) = &mut self.corrected {
             corrected.see(measured_s, seen_rad);
         }
     }
@@ -63,8 +69,8 @@ impl MotionBaselines {
         for ((_, reckoning), (_, poses)) in self.running.iter().zip(&mut self.poses) {
             poses.push(reckoning.pose());
         }
-        if let (Some(corrected), Some((_, reckoning)), Some((_, poses))) =
-            (&mut self.corrected, self.running.last(), self.poses.last_mut())
+        if let (Some((papers, corrected)), Some((_, poses))) = (&mut self.corrected, self.poses.last_mut())
+            && let Some((_, reckoning)) = self.running.get(*papers)
         {
             corrected.reckon(time_s, reckoning.pose());
             poses.push(corrected.pose());
