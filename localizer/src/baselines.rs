@@ -4,12 +4,15 @@
 mod corrected_reckoning;
 mod dead_reckoning;
 mod direction_database;
+mod gated_icp;
 mod gyro_at_rest;
 mod icp;
 mod least_squares;
 pub mod pose_graph;
 mod printed_table_iv;
+mod ransac;
 mod slip_decision;
+mod weighted_points;
 
 use crate::{
     Contractor, PoseBox,
@@ -20,11 +23,14 @@ use crate::{
 pub use corrected_reckoning::CorrectedReckoning;
 pub use dead_reckoning::{DeadReckoning, Way};
 pub use direction_database::DirectionDatabase;
+pub use gated_icp::GatedIcp;
 pub use gyro_at_rest::GyroAtRest;
 pub use icp::closest_points;
 pub use least_squares::least_squares;
 pub use printed_table_iv::printed_table_iv;
+pub use ransac::{RansacMap, ransac};
 pub use slip_decision::SlipDecision;
+pub use weighted_points::{LearntPoint, SQUARED_GATE, SQUARED_GATE_OF_POSE, WeightedPoint, WeightedPose, weighted_fit};
 
 /// The solvers of the planar pose that a run tabulates, by name.
 pub const SOLVERS: [(&str, Solver); 4] = [

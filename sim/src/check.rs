@@ -71,7 +71,7 @@ pub fn check(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
     Ok(verdict)
 }
 
-/// Odometry alone, and what others made of the range readings.
+/// Odometry alone, and what others made of the same readings.
 fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> {
     let point = |poses: &[Pose]| {
         let known = truths.get(truths.len() - poses.len()..).unwrap_or_default();
@@ -82,7 +82,13 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
         baselines.insert((*name).to_owned(), point(poses));
     }
     let range = &record.range_baselines;
-    for (name, poses) in [("least_squares", &range.svd), ("closest_points", &range.icp)] {
+    let of_range = [
+        ("least_squares", &range.svd),
+        ("closest_points", &range.icp),
+        ("ransac", &range.ransac),
+        ("gated_icp", &range.gated_icp),
+    ];
+    for (name, poses) in of_range {
         if !poses.is_empty() {
             baselines.insert(name.to_owned(), point(poses));
         }

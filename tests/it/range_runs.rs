@@ -49,7 +49,7 @@ fn a_round_among_landmarks_keeps_the_truth_and_closes() {
     }
     let [printed, all] = kept("table_iv_printed");
     assert!(all > 20 && 4 * printed < all, "the printed table kept {printed} of {all}");
-    for name in ["least_squares", "closest_points", "odometry"] {
+    for name in ["least_squares", "closest_points", "ransac", "gated_icp", "odometry"] {
         assert!(table[name].error.is_some(), "{name}");
     }
 }

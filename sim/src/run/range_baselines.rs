@@ -4,10 +4,14 @@ use std::{collections::BTreeMap, time::Instant};
 
 use localizer::{
     Claim, Interval, IntervalBox, Pose, PoseBox,
-    baselines::{SOLVERS, closest_points, least_squares, printed_table_iv, solve},
+    baselines::{
+        GatedIcp, RansacMap, SOLVERS, WeightedPoint, WeightedPose, closest_points, least_squares, printed_table_iv,
+        solve,
+    },
     contractor,
     localizer::Account,
     reading::LandmarkId,
+    robot::{RangeCameraModel, WheelModel},
 };
 
 /// Problems are put to the solvers at every so many readings of a drive; set inversion would take most of its time otherwise.
@@ -25,11 +29,17 @@ pub struct RangeBaselines {
     pub svd: Vec<Pose>,
     /// Pose by iterative closest point without correspondences, at each step.
     pub icp: Vec<Pose>,
+    /// Pose by weighted least squares of the correspondences that agree, at each step.
+    pub ransac: Vec<Pose>,
+    /// Pose by iterative closest point that is predicted and gated, at each step.
+    pub gated_icp: Vec<Pose>,
     /// Each solver's answers, by its name; and the printed Table IV's.
     pub solvers: BTreeMap<&'static str, Answers>,
     n_readings: usize,
     with_codes: PointMap,
     without_codes: PointMap,
+    agreeing: Tracked<RansacMap>,
+    gated: Tracked<GatedIcp>,
     boxes: BTreeMap<LandmarkId, [Interval; 2]>,
 }
 
@@ -54,9 +64,27 @@ struct PointMap {
     fixed: Option<[Pose; 2]>,
 }
 
+/// A map with spreads and the pose against it, carried on by odometry.
+#[derive(Clone, Debug, Default)]
+struct Tracked<M> {
+    map: M,
+    /// Pose at the last reading, and what odometry said then.
+    fixed: Option<(WeightedPose, Pose)>,
+}
+
+/// What point methods are told besides the reading: what the localizer is told.
+pub(super) struct Told<'a> {
+    /// Where the drive began, as declared: the middle, and all of it.
+    pub(super) start: Pose,
+    pub(super) start_box: &'a PoseBox,
+    pub(super) camera: &'a RangeCameraModel,
+    pub(super) wheels: &'a WheelModel,
+}
+
 impl RangeBaselines {
     /// Takes note of a reading: `odometry` at its stamp, and where the robot truly was.
-    pub(super) fn observe(&mut self, account: &Account, start: Pose, odometry: Pose, truth: Pose, every_one: bool) {
+    pub(super) fn observe(&mut self, account: &Account, told: &Told<'_>, odometry: Pose, truth: Pose, every_one: bool) {
+        let start = told.start;
         let seen: Vec<(LandmarkId, [Interval; 2])> = account
             .claims
             .iter()
@@ -77,6 +105,12 @@ impl RangeBaselines {
             let view: Vec<[f64; 2]> = points.iter().map(|(_, b)| *b).collect();
             (places.len() >= 2).then(|| closest_points(&places, &view, guess))
         });
+        let baseline_m = told.camera.baseline_m.mid();
+        let weighted = |(code, b): &(LandmarkId, [Interval; 2])| (*code, WeightedPoint::of_stereo(*b, baseline_m));
+        let view: Vec<(LandmarkId, WeightedPoint)> = seen.iter().map(weighted).collect();
+        self.agreeing.fix(told, odometry, |map, predicted| map.fix(&view, predicted));
+        let nameless: Vec<WeightedPoint> = view.iter().map(|(_, point)| *point).collect();
+        self.gated.fix(told, odometry, |map, predicted| map.fix(&nameless, predicted));
         if account.q_items == 0 && (every_one || self.n_readings.is_multiple_of(EVERY)) {
             self.put_to_solvers(&seen, &account.posterior.hull(), truth);
         }
@@ -88,6 +122,8 @@ impl RangeBaselines {
     pub(super) fn restart(&mut self) {
         self.with_codes.fixed = None;
         self.without_codes.fixed = None;
+        self.agreeing.fixed = None;
+        self.gated.fixed = None;
     }
 
     /// Takes note of a step.
@@ -95,6 +131,8 @@ impl RangeBaselines {
         if self.n_readings > 0 {
             self.svd.push(self.with_codes.pose(odometry));
             self.icp.push(self.without_codes.pose(odometry));
+            self.ransac.push(self.agreeing.pose(odometry));
+            self.gated_icp.push(self.gated.pose(odometry));
         }
     }
 
@@ -156,12 +194,32 @@ impl PointMap {
 
     /// The pose when odometry says `odometry`.
     fn pose(&self, odometry: Pose) -> Pose {
-        let Some([pose, then]) = self.fixed else { return odometry };
-        let (sin, cos) = then.heading_rad.sin_cos();
-        let (x_m, y_m) = (odometry.x_m - then.x_m, odometry.y_m - then.y_m);
-        let [x_m, y_m] = place(pose, [cos * x_m + sin * y_m, cos * y_m - sin * x_m]);
-        Pose { x_m, y_m, heading_rad: pose.heading_rad + odometry.heading_rad - then.heading_rad }
+        self.fixed.map_or(odometry, |[pose, then]| carried(pose, then, odometry))
     }
+}
+
+impl<M> Tracked<M> {
+    /// Solves the pose against the map from where odometry predicts it.
+    fn fix(&mut self, told: &Told<'_>, odometry: Pose, solved: impl FnOnce(&mut M, WeightedPose) -> WeightedPose) {
+        let predicted = match &self.fixed {
+            Some((pose, then)) => pose.carried_on(*then, odometry, told.wheels),
+            None => WeightedPose::of_bounds(told.start, [0, 1, 2].map(|axis| told.start_box[axis].radius())),
+        };
+        self.fixed = Some((solved(&mut self.map, predicted), odometry));
+    }
+
+    /// The pose when odometry says `odometry`.
+    fn pose(&self, odometry: Pose) -> Pose {
+        self.fixed.as_ref().map_or(odometry, |(fixed, then)| carried(fixed.pose, *then, odometry))
+    }
+}
+
+/// A pose carried on as odometry went.
+fn carried(pose: Pose, then: Pose, now: Pose) -> Pose {
+    let (sin, cos) = then.heading_rad.sin_cos();
+    let (x_m, y_m) = (now.x_m - then.x_m, now.y_m - then.y_m);
+    let [x_m, y_m] = place(pose, [cos * x_m + sin * y_m, cos * y_m - sin * x_m]);
+    Pose { x_m, y_m, heading_rad: pose.heading_rad + now.heading_rad - then.heading_rad }
 }
 
 fn place(pose: Pose, [forward_m, left_m]: [f64; 2]) -> [f64; 2] {

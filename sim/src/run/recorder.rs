@@ -2,11 +2,12 @@
 
 use std::time::Instant;
 
-use localizer::{Localizer, Map, Pose, Reading, RobotModel, motion::PointOdometry, reading::Camera};
+use localizer::{Localizer, Map, Pose, PoseBox, Reading, RobotModel, motion::PointOdometry, reading::Camera};
 use sha2::{Digest, Sha256};
 
 use crate::{drawn::Drawn, frames::FramesPolicy, scene::Scene, sensors::Observation, truth::Truth, world::World};
 
+use super::range_baselines::Told;
 use super::{Clearance, ImageRecord, MotionBaselines, RunOptions, RunRecord, STEP_S, Timing, Witness};
 
 /// Writes the run's history down while it happens.
@@ -21,8 +22,9 @@ pub(super) struct Recorder<'a> {
     pub(super) asks_baselines: bool,
     /// Time at which the present drive began.
     pub(super) offset_s: f64,
-    /// Where the localizer is told that it began, in the middle.
+    /// Where the localizer is told that it began: the middle, and all of it.
     start: Pose,
+    start_box: PoseBox,
     pub(super) witness: &'a mut dyn Witness,
 }
 
@@ -51,6 +53,7 @@ impl<'a> Recorder<'a> {
             offset_s: 0.0,
             witness,
             start: scene.nominal_start(),
+            start_box: scene.start_box(),
         }
     }
 
@@ -58,6 +61,7 @@ impl<'a> Recorder<'a> {
     pub(super) fn restart(&mut self, index: usize, lasts_s: f64, here: &Scene) {
         self.offset_s = index as f64 * (lasts_s + STEP_S);
         self.start = here.nominal_start();
+        self.start_box = here.start_box();
         self.odometry = PointOdometry::new(self.start);
         self.history.range_baselines.restart();
         self.history.motion_sensors.restart();
@@ -125,12 +129,13 @@ impl<'a> Recorder<'a> {
             }
         }
         for account in accounts {
-            if asks && matches!(reading, Reading::Range { .. }) {
+            if let (Reading::Range { .. }, Some(camera), true) = (&reading, &self.robot.range_camera, asks) {
                 // Odometry stands still until the stamp's own step has been recorded.
                 let step = (self.history.odometry.len() as f64 - 1.0).min((truth.time_s / STEP_S).round());
                 let odometry = self.history.odometry.get(step.max(0.0) as usize).copied().unwrap_or(self.start);
-                let (start, truth, restarted) = (self.start, truth.pose, !self.history.restarts.is_empty());
-                self.history.range_baselines.observe(&account, start, odometry, truth, restarted);
+                let told = Told { start: self.start, start_box: &self.start_box, camera, wheels: &self.robot.wheels };
+                let restarted = !self.history.restarts.is_empty();
+                self.history.range_baselines.observe(&account, &told, odometry, truth.pose, restarted);
             }
             let failed = account.emptied || !account.posterior.contains(truth.pose);
             let kept = self.keep_images.keeps(number, failed).then(|| reading.clone());

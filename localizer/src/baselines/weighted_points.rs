@@ -1,0 +1,201 @@
+//! Points with the spread that a stereo camera gives them, and the pose that fits many of them best.
+//!
+//! A stereo camera errs along its ray by far more than across, and with the square of the distance. Fits that weigh all points alike, or by
+//! one number each, lose most of what near points and all bearings tell: L. Matthies, S. Shafer, "Error modeling in stereo navigation",
+//! IEEE Journal of Robotics and Automation 3 (1987).
+
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Rotation2, Vector2, Vector3};
+
+use crate::{Interval, Pose, robot::WheelModel};
+
+use super::{least_squares, pose_graph::Step};
+
+/// Greatest squared Mahalanobis distance of a point from the place that it is of: χ² with two degrees of freedom is above it once in a thousand.
+pub const SQUARED_GATE: f64 = 13.82;
+
+/// Greatest squared Mahalanobis distance of a pose from a prediction of it: χ² with three degrees of freedom is above it once in a thousand.
+pub const SQUARED_GATE_OF_POSE: f64 = 16.27;
+
+/// A standard deviation of a value of which only the half-width of its bounds is told: as if all between were equally likely.
+const DEVIATION_OF_BOUND: f64 = 0.577_350_269_189_625_8;
+/// Steps of Gauss and Newton's method at most, and the least that is one, in metres and radians.
+const MOST_STEPS: usize = 20;
+const SETTLED: f64 = 1e-10;
+
+/// A point with its spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightedPoint {
+    /// Where it is.
+    pub at_m: Vector2<f64>,
+    /// Covariance of that.
+    pub covariance_m2: Matrix2<f64>,
+}
+
+/// A pose with its spread: of x, y and heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightedPose {
+    /// The pose.
+    pub pose: Pose,
+    /// Covariance of its three numbers.
+    pub covariance: Matrix3<f64>,
+}
+
+/// A landmark as it is learnt: the running weighted mean of all that agreed with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearntPoint {
+    mean_m: Vector2<f64>,
+    information_per_m2: Matrix2<f64>,
+    /// What the first sight inherited from the pose that it was seen from: no later sight takes it off again.
+    inherited_m2: Matrix2<f64>,
+    /// Sights in the mean.
+    pub n_sights: usize,
+}
+
+impl WeightedPoint {
+    /// In the robot frame, from the box that a reading claims. Its diagonal is the error along the ray, which is f·b/d² times that of the
+    /// disparity d; across, a column errs by as much as the disparity does, which leaves baseline over range of the error along.
+    pub fn of_stereo(in_robot_m: [Interval; 2], baseline_m: f64) -> Self {
+        let at_m = Vector2::from(in_robot_m.map(Interval::mid));
+        let along_m = DEVIATION_OF_BOUND * Vector2::from(in_robot_m.map(Interval::radius)).norm();
+        let range_m = at_m.norm().max(baseline_m);
+        let across_m = along_m * baseline_m / range_m;
+        let ray = Rotation2::new(at_m.y.atan2(at_m.x));
+        let covariance_m2 = turned(Matrix2::from_diagonal(&Vector2::new(along_m.powi(2), across_m.powi(2))), &ray);
+        WeightedPoint { at_m, covariance_m2 }
+    }
+
+    /// This point of the robot frame in the world, its own spread alone.
+    pub fn in_world(&self, pose: Pose) -> Self {
+        let rotation = Rotation2::new(pose.heading_rad);
+        WeightedPoint {
+            at_m: Vector2::new(pose.x_m, pose.y_m) + rotation * self.at_m,
+            covariance_m2: turned(self.covariance_m2, &rotation),
+        }
+    }
+
+    /// Squared Mahalanobis distance from a place, the spread of the pose counted too.
+    pub fn squared_distance(&self, from: &WeightedPose, place: &WeightedPoint) -> f64 {
+        let seen = self.in_world(from.pose);
+        let slope = slope(from.pose, self.at_m);
+        let covariance = seen.covariance_m2 + place.covariance_m2 + slope * from.covariance * slope.transpose();
+        let off_m = place.at_m - seen.at_m;
+        covariance.try_inverse().map_or(f64::INFINITY, |inverse| off_m.dot(&(inverse * off_m)))
+    }
+}
+
+impl WeightedPose {
+    /// A pose that is known within bounds.
+    pub fn of_bounds(pose: Pose, half_widths: [f64; 3]) -> Self {
+        let variances = Vector3::from(half_widths.map(|half| (DEVIATION_OF_BOUND * half).powi(2)));
+        WeightedPose { pose, covariance: Matrix3::from_diagonal(&variances) }
+    }
+
+    /// This pose carried on as odometry went from one of its poses to another. The spread grows by what slip and unequal wheels can do
+    /// within their declared bounds.
+    pub fn carried_on(&self, from: Pose, to: Pose, wheels: &WheelModel) -> Self {
+        let step = Step::between(from, to);
+        let pose = step.after(self.pose);
+        let mut carry = Matrix3::identity();
+        carry[(0, 2)] = -(pose.y_m - self.pose.y_m);
+        carry[(1, 2)] = pose.x_m - self.pose.x_m;
+        let track_m = wheels.track_m.mid();
+        let rolled_m = step.travel_m[0].hypot(step.travel_m[1]) + 0.5 * track_m * step.turn_rad.abs();
+        let unequal =
+            (0..2).map(|wheel| wheels.radius_m[wheel].radius() / wheels.radius_m[wheel].mid()).fold(0.0, f64::max);
+        let along_m = (wheels.slip_ratio + unequal) * rolled_m + wheels.slip_floor_m;
+        let aside_m = wheels.side_slip_ratio * rolled_m + wheels.side_slip_floor_m;
+        let way_m = along_m.max(aside_m);
+        let turn_rad = 2.0 * along_m / track_m + step.turn_rad.abs() * wheels.track_m.radius() / track_m;
+        let grown = WeightedPose::of_bounds(pose, [way_m, way_m, turn_rad]);
+        WeightedPose { pose, covariance: carry * self.covariance * carry.transpose() + grown.covariance }
+    }
+
+    /// Whether this pose and another, found apart from each other, may be the same.
+    pub fn agrees_with(&self, other: &WeightedPose) -> bool {
+        let (here, there) = (self.pose.to_array(), other.pose.to_array());
+        let off = Vector3::from_fn(|axis, _| here[axis] - there[axis]);
+        let inverse = (self.covariance + other.covariance).try_inverse();
+        inverse.is_some_and(|inverse| off.dot(&(inverse * off)) <= SQUARED_GATE_OF_POSE)
+    }
+
+    /// The same pose with its heading in the turn nearest to another's: headings are on the real line.
+    pub fn near(self, heading_rad: f64) -> Self {
+        let turns = ((self.pose.heading_rad - heading_rad) / std::f64::consts::TAU).round();
+        let heading_rad = self.pose.heading_rad - turns * std::f64::consts::TAU;
+        WeightedPose { pose: Pose { heading_rad, ..self.pose }, ..self }
+    }
+}
+
+impl LearntPoint {
+    /// A landmark at first sight; `None` for a point without spread.
+    pub fn new(seen: &WeightedPoint, from: &WeightedPose) -> Option<Self> {
+        let slope = slope(from.pose, seen.at_m);
+        let first = seen.in_world(from.pose);
+        Some(LearntPoint {
+            mean_m: first.at_m,
+            information_per_m2: first.covariance_m2.try_inverse()?,
+            inherited_m2: slope * from.covariance * slope.transpose(),
+            n_sights: 1,
+        })
+    }
+
+    /// Where it is, and how well that is known.
+    pub fn place(&self) -> WeightedPoint {
+        let own_m2 = self.information_per_m2.try_inverse().unwrap_or_default();
+        WeightedPoint { at_m: self.mean_m, covariance_m2: own_m2 + self.inherited_m2 }
+    }
+
+    /// Takes in another sight.
+    pub fn learn(&mut self, seen: &WeightedPoint, from: Pose) {
+        let again = seen.in_world(from);
+        let Some(information) = again.covariance_m2.try_inverse() else { return };
+        let all = self.information_per_m2 + information;
+        let Some(inverse) = all.try_inverse() else { return };
+        self.mean_m += inverse * information * (again.at_m - self.mean_m);
+        self.information_per_m2 = all;
+        self.n_sights += 1;
+    }
+}
+
+/// The pose that carries points of the robot frame nearest to their places in the world, each distance weighed by its spread: Gauss and
+/// Newton's method from [`least_squares`], or from `start` if there is one. `None` for fewer than two points, or where the pose stays open.
+pub fn weighted_fit(matches: &[(WeightedPoint, WeightedPoint)], start: Option<Pose>) -> Option<WeightedPose> {
+    if matches.len() < 2 {
+        return None;
+    }
+    let alike = || {
+        let pairs: Vec<_> = matches.iter().map(|(place, seen)| (place.at_m.into(), seen.at_m.into())).collect();
+        least_squares(&pairs)
+    };
+    let mut pose = start.or_else(alike)?;
+    let mut covariance = Matrix3::zeros();
+    for _ in 0..MOST_STEPS {
+        let (mut normal, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
+        for (place, seen) in matches {
+            let in_world = seen.in_world(pose);
+            let weight = (place.covariance_m2 + in_world.covariance_m2).try_inverse()?;
+            let slope = slope(pose, seen.at_m);
+            normal += slope.transpose() * weight * slope;
+            gradient += slope.transpose() * weight * (place.at_m - in_world.at_m);
+        }
+        covariance = normal.try_inverse()?;
+        let change = covariance * gradient;
+        pose.x_m += change.x;
+        pose.y_m += change.y;
+        pose.heading_rad += change.z;
+        if change.amax() < SETTLED {
+            break;
+        }
+    }
+    Some(WeightedPose { pose, covariance })
+}
+
+/// Derivatives of a point's place in the world by x, y and heading.
+fn slope(pose: Pose, at_m: Vector2<f64>) -> Matrix2x3<f64> {
+    let arm_m = Rotation2::new(pose.heading_rad) * at_m;
+    Matrix2x3::new(1.0, 0.0, -arm_m.y, 0.0, 1.0, arm_m.x)
+}
+
+fn turned(covariance: Matrix2<f64>, by: &Rotation2<f64>) -> Matrix2<f64> {
+    by.matrix() * covariance * by.matrix().transpose()
+}
