@@ -12,6 +12,7 @@ pub mod pose_graph;
 mod printed_table_iv;
 mod ransac;
 mod slip_decision;
+mod vertical_known;
 mod weighted_points;
 
 use crate::{
@@ -30,6 +31,7 @@ pub use least_squares::least_squares;
 pub use printed_table_iv::printed_table_iv;
 pub use ransac::{RansacMap, ransac};
 pub use slip_decision::SlipDecision;
+pub use vertical_known::{locate_upright, vertical_known};
 pub use weighted_points::{LearntPoint, SQUARED_GATE, SQUARED_GATE_OF_POSE, WeightedPoint, WeightedPose, weighted_fit};
 
 /// The solvers of the planar pose that a run tabulates, by name.

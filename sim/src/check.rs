@@ -28,7 +28,7 @@ use localizer::{Pose, Status};
 
 use crate::{
     render::RenderError,
-    run::{Counterfactual, RunRecord},
+    run::{Counterfactual, PaperAnswer, RunRecord},
     scene::Scene,
 };
 use claims::FalseClaims;
@@ -71,6 +71,9 @@ pub fn check(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
     Ok(verdict)
 }
 
+/// The pose that a method on markers told of a picture.
+type ToldPose = fn(&PaperAnswer) -> Option<Pose>;
+
 /// Odometry alone, and what others made of the same readings.
 fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> {
     let point = |poses: &[Pose]| {
@@ -93,11 +96,15 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
             baselines.insert(name.to_owned(), point(poses));
         }
     }
-    let fixed: (Vec<Pose>, Vec<Pose>) =
-        record.marker_baselines.answers.iter().filter_map(|answer| Some((answer.fix?.pose, answer.truth))).unzip();
-    if !fixed.0.is_empty() {
-        let error = Some(statistics::errors(&fixed.0, &fixed.1));
-        baselines.insert("nearest_marker".to_owned(), Baseline { error, ..Baseline::default() });
+    let by_markers: [(&str, ToldPose); 2] =
+        [("nearest_marker", |answer| Some(answer.fix?.pose)), ("vertical_known", |answer| answer.upright)];
+    for (name, told) in by_markers {
+        let answers = record.marker_baselines.answers.iter();
+        let fixed: (Vec<Pose>, Vec<Pose>) = answers.filter_map(|answer| Some((told(answer)?, answer.truth))).unzip();
+        if !fixed.0.is_empty() {
+            let error = Some(statistics::errors(&fixed.0, &fixed.1));
+            baselines.insert(name.to_owned(), Baseline { error, ..Baseline::default() });
+        }
     }
     baselines.extend(range.solvers.iter().map(|(name, answers)| {
         let containment = BaselineContainment { checks: answers.problems, contained: answers.contained };

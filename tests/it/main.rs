@@ -32,6 +32,8 @@ mod range_landmarks_drive;
 mod range_landmarks_gaps;
 /// Point methods and the printed contractor beside the sound ones.
 mod landmark_baselines;
+/// Where markers put a robot whose camera's vertical is known.
+mod marker_baselines;
 /// The gyroscope's turn against turns integrated much finer.
 mod gyro_enclosure;
 mod gyro_errors;

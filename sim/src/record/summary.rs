@@ -94,6 +94,7 @@ impl Timing {
         let paper = &record.marker_baselines;
         if !paper.answers.is_empty() {
             solve_us.insert("nearest_marker", 1e6 * paper.spent_s / paper.answers.len() as f64);
+            solve_us.insert("vertical_known", 1e6 * paper.spent_upright_s / paper.answers.len() as f64);
         }
         Timing {
             duration_s: duration_s(record),

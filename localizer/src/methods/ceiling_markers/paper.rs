@@ -32,9 +32,7 @@ pub struct PaperFix {
 /// Reads the marker nearest to the middle of the picture and solves Eqs. (10) to (15), then Eq. (17); `None` without a marker of the map.
 pub fn locate(image: &image::GrayImage, map: &MarkerMap, robot: &RobotModel) -> Option<PaperFix> {
     let camera = robot.ceiling_camera.as_ref()?;
-    let heights = map.markers.iter().map(|placed| placed.height_m.mid() - camera.height_m.mid());
-    let distance_m = heights.fold(f64::INFINITY, f64::min);
-    let seen = paper::detect(image, camera.focal_px[0].mid() * DOT_RADIUS_M / distance_m)?;
+    let seen = paper::detect(image, dot_radius_px(map, camera))?;
     let placed = map.markers.iter().find(|placed| placed.id == seen.id)?;
     let [o, x, y] = DIRECTION_DOTS.map(|place| in_world_m(placed, place));
     let solutions = p3p::solve(&seen.direction_dots_px.map(|pixel| ray(camera, pixel)), &[x, o, y]);
@@ -60,6 +58,12 @@ pub fn locate(image: &image::GrayImage, map: &MarkerMap, robot: &RobotModel) -> 
     Some(PaperFix { pose, camera_m: centre_m.into(), marker: seen.id, confidence: seen.confidence })
 }
 
+/// Radius of a dot that is overhead.
+pub(crate) fn dot_radius_px(map: &MarkerMap, camera: &CeilingCameraModel) -> f64 {
+    let heights = map.markers.iter().map(|placed| placed.height_m.mid() - camera.height_m.mid());
+    camera.focal_px[0].mid() * DOT_RADIUS_M / heights.fold(f64::INFINITY, f64::min)
+}
+
 /// Sum of squared distances, in focal lengths, between all dots and where a solution puts them.
 fn misfit(pose: &CameraPose, seen: &PaperMarker, placed: &PlacedMarker, camera: &CeilingCameraModel) -> f64 {
     let squares = seen.dots_px.iter().map(|(place, pixel)| {
@@ -75,7 +79,7 @@ fn ray(camera: &CeilingCameraModel, pixel: [f64; 2]) -> Vector3<f64> {
     Vector3::new(x, y, 1.0)
 }
 
-fn in_world_m(placed: &PlacedMarker, place: GridPlace) -> Vector3<f64> {
+pub(crate) fn in_world_m(placed: &PlacedMarker, place: GridPlace) -> Vector3<f64> {
     let [x, y] = dot_in_marker_m(place);
     let (sin, cos) = placed.rotation_rad.sin_cos();
     let [centre_x, centre_y] = placed.centre_m;
@@ -83,7 +87,7 @@ fn in_world_m(placed: &PlacedMarker, place: GridPlace) -> Vector3<f64> {
 }
 
 /// Nominal posture of the camera.
-fn body_from_camera(camera: &CeilingCameraModel) -> Matrix3<f64> {
+pub(crate) fn body_from_camera(camera: &CeilingCameraModel) -> Matrix3<f64> {
     let [forward, left] = camera.lean_rad;
     let lean = Rotation3::new(Vector3::new(-left, forward, 0.0));
     let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), camera.yaw_rad.mid());

@@ -6,7 +6,7 @@ use image::GrayImage;
 use imageproc::distance_transform::Norm;
 use imageproc::morphology::{dilate, erode};
 
-use super::components::{Component, components};
+use super::components::components;
 use super::confidence::{REFLECTIVE_GREY, confidence};
 use crate::markers::{GridPlace, MarkerId};
 
@@ -33,31 +33,58 @@ pub struct PaperMarker {
 
 /// Reads the marker nearest to the middle of the picture; `dot_radius_px` is a dot's expected radius.
 pub fn detect(image: &GrayImage, dot_radius_px: f64) -> Option<PaperMarker> {
-    let width = image.width() as usize;
-    let bright = GrayImage::from_fn(image.width(), image.height(), |u, v| {
-        image::Luma([if image.get_pixel(u, v)[0] >= REFLECTIVE_GREY { 255 } else { 0 }])
-    });
-    let dots = without_clutter(&bright, dot_radius_px);
-    let eroded = erode(&dots, Norm::LInf, EROSION_PX);
-    // Dots of a marker are up to three pitches apart; growing each by half of that joins them.
-    let reach_px = (6.0 * dot_radius_px).ceil().min(255.0) as u8;
-    let dilated = dilate(&eroded, Norm::LInf, reach_px);
-    let middle = [0.5 * (f64::from(image.width()) - 1.0), 0.5 * (f64::from(image.height()) - 1.0)];
-    let mut mask: Vec<bool> = dilated.as_raw().iter().map(|grey| *grey > 0).collect();
-    let regions = components(&mut mask, width, usize::MAX);
-    let distance = |region: &Component| norm(minus(region.centre_px, middle));
-    let chosen = regions.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    // "Image and": the dots whose growth is the chosen region.
-    let mut mask: Vec<bool> = eroded.as_raw().iter().map(|grey| *grey > 0).collect();
-    let all = components(&mut mask, width, usize::MAX);
-    let nearest_region = |dot: &Component| {
-        let away = |region: &&Component| norm(minus(region.centre_px, dot.centre_px));
-        regions.iter().min_by(|a, b| away(a).total_cmp(&away(b))).map(|region| region.centre_px)
-    };
-    let centres: Vec<[f64; 2]> =
-        all.iter().filter(|dot| nearest_region(dot) == Some(chosen.centre_px)).map(|dot| dot.centre_px).collect();
-    let [x, o, y] = direction_dots(&centres)?;
-    let dots_px = places(&centres, o, y, minus(x, o));
+    let dots = Dots::new(image, dot_radius_px);
+    read(image, &dots.of_region(dots.regions.first()?), dot_radius_px)
+}
+
+/// Reads every marker of the picture in the same way, the nearest to its middle first.
+pub fn detect_all(image: &GrayImage, dot_radius_px: f64) -> Vec<PaperMarker> {
+    let dots = Dots::new(image, dot_radius_px);
+    dots.regions.iter().filter_map(|region| read(image, &dots.of_region(region), dot_radius_px)).collect()
+}
+
+/// What may be dots, and the regions that they grow into; middles of both.
+struct Dots {
+    centres_px: Vec<[f64; 2]>,
+    /// The nearest to the middle of the picture first.
+    regions: Vec<[f64; 2]>,
+}
+
+impl Dots {
+    fn new(image: &GrayImage, dot_radius_px: f64) -> Self {
+        let width = image.width() as usize;
+        let bright = GrayImage::from_fn(image.width(), image.height(), |u, v| {
+            image::Luma([if image.get_pixel(u, v)[0] >= REFLECTIVE_GREY { 255 } else { 0 }])
+        });
+        let dots = without_clutter(&bright, dot_radius_px);
+        let eroded = erode(&dots, Norm::LInf, EROSION_PX);
+        // Dots of a marker are up to three pitches apart; growing each by half of that joins them.
+        let reach_px = (6.0 * dot_radius_px).ceil().min(255.0) as u8;
+        let dilated = dilate(&eroded, Norm::LInf, reach_px);
+        let middle = [0.5 * (f64::from(image.width()) - 1.0), 0.5 * (f64::from(image.height()) - 1.0)];
+        let centres = |picture: &GrayImage| -> Vec<[f64; 2]> {
+            let mut mask: Vec<bool> = picture.as_raw().iter().map(|grey| *grey > 0).collect();
+            components(&mut mask, width, usize::MAX).iter().map(|component| component.centre_px).collect()
+        };
+        let mut regions = centres(&dilated);
+        regions.sort_by(|a, b| norm(minus(*a, middle)).total_cmp(&norm(minus(*b, middle))));
+        // "Image and": the dots whose growth is a region.
+        Dots { centres_px: centres(&eroded), regions }
+    }
+
+    fn of_region(&self, region: &[f64; 2]) -> Vec<[f64; 2]> {
+        let nearest = |dot: &[f64; 2]| {
+            let away = |region: &&[f64; 2]| norm(minus(**region, *dot));
+            self.regions.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
+        };
+        self.centres_px.iter().filter(|dot| nearest(dot) == Some(region)).copied().collect()
+    }
+}
+
+/// Reads the marker that these dots are of.
+fn read(image: &GrayImage, centres: &[[f64; 2]], dot_radius_px: f64) -> Option<PaperMarker> {
+    let [x, o, y] = direction_dots(centres)?;
+    let dots_px = places(centres, o, y, minus(x, o));
     let id = MarkerId::from_dots(dots_px.iter().map(|(place, _)| *place));
     let radius_px = dot_radius_px.ceil() as i64;
     let greys = centres.iter().flat_map(|centre| {
