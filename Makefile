@@ -7,7 +7,7 @@ DEMO_SCENE = scenes/home.toml
 # Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
 export NODEVICE_SELECT = 1
 
-.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments falsify falsify-scenes driver build
+.PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments falsify falsify-scenes power driver build
 
 help:
 	@echo "make demo          run the main scene and show its results and pictures"
@@ -23,6 +23,7 @@ help:
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P: 50 minutes"
 	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
+	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; two hours"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 
 demo: driver build
@@ -76,6 +77,9 @@ SEED ?= $(shell date +%s)
 MINUTES ?= 10
 falsify-scenes: driver build
 	$(WHEREIN) falsify --seed $(SEED) --minutes $(MINUTES) $(FLAGS)
+
+power: driver build
+	$(PYTHON) scripts/power --wherein $(WHEREIN)
 
 driver:
 	@scripts/driver
