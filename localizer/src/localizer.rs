@@ -129,7 +129,7 @@ impl Localizer {
     fn begin_at(&mut self, start: PoseBox) {
         self.known_heading = (0.0, start[2]);
         self.current = self.inside_room(PoseUnion::single(start));
-        self.ring.push(Slot { stamp_s: 0.0, unions: vec![self.current.clone()], constraint: None });
+        self.ring.push(Slot::anchor(0.0, vec![self.current.clone()]));
     }
 
     /// Takes in one reading; readings come in order of arrival. Answers with an account of each method that read an image.
@@ -282,7 +282,7 @@ impl Localizer {
             self.begin_doubt(None);
             return;
         }
-        self.ring.push(Slot { stamp_s: self.now_s, unions, constraint: None });
+        self.ring.push(Slot::anchor(self.now_s, unions));
         self.restart_integral();
     }
 
@@ -345,9 +345,10 @@ impl Localizer {
                 self.relies_on.push(assumption);
             }
         }
-        let evidence = self.evidence(&constraint);
+        let witnesses = self.witnesses(&constraint);
+        let evidence = self.evidence(&constraint, &witnesses);
         let unions = vec![PoseUnion::default(); self.hypotheses.len()];
-        self.ring.insert(Slot { stamp_s, unions, constraint: Some(constraint) });
+        self.ring.insert(Slot { stamp_s, unions, constraint: Some(constraint), witnesses });
         let from_s = stamp_s.min(self.stale_s);
         self.stale_s = f64::INFINITY;
         account.emptied = match evidence {

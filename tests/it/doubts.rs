@@ -60,6 +60,22 @@ fn a_kick_beyond_reach_is_noticed_within_a_second_and_right_again_within_five() 
 }
 
 #[test]
+fn a_robot_that_stands_below_the_same_markers_after_a_kick_is_sure_of_itself_again() {
+    // On errands a robot that doubts stands and turns about, so that no other markers come into view.
+    let mut scene = scene("papers/ir_markers_lab.toml");
+    scene.duration_s = 14.0;
+    scene.events = vec![Event::Push { at_s: 6.0, displacement_m: [0.0, 0.6], lasts_s: 0.4 }];
+    for seed in 0..2 {
+        let (record, verdict) = judged(&scene, seed);
+        assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+        assert!((6.0..7.0).contains(&first_doubt_s(&record)), "seed {seed}: {}", first_doubt_s(&record));
+        assert_eq!(outside_s(&record, 7.0), 0.0, "seed {seed}");
+        let later = record.truths.iter().zip(&record.estimates).filter(|(truth, _)| truth.time_s > 11.0);
+        assert!(later.clone().count() > 100 && later.clone().all(|(_, estimate)| estimate.status == Status::Sound));
+    }
+}
+
+#[test]
 fn a_push_among_tiles_alone_is_followed_tile_by_tile() {
     let mut scene = scene("broken/push_4cm.toml");
     scene.duration_s = 12.0;

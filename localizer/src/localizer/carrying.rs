@@ -81,7 +81,7 @@ impl Localizer {
             let Some(predicted) = self.carried_of(hypothesis, before, slot.stamp_s) else { continue };
             let contracted = match &slot.constraint {
                 Some(constraint) if failed == Failed::Memory && predicted.is_empty() => self.located(constraint),
-                Some(constraint) if !self.hypotheses[hypothesis].disbelieves(constraint) => {
+                Some(constraint) if !self.hypotheses[hypothesis].disbelieves(&slot.witnesses) => {
                     contract_union(&predicted, constraint.on_pose.as_ref())
                 }
                 _ => predicted.clone(),

@@ -16,7 +16,7 @@ use crate::{Constraint, Interval, IntervalBox, PoseUnion};
 use super::{
     Localizer, REMEMBER_S,
     carrying::contract_union,
-    hypothesis::{Failed, Hypothesis, Witness, witnesses},
+    hypothesis::{Failed, Hypothesis, Witness, named},
     moves::{REACH, WHEELS},
     ring::{Slot, merged},
 };
@@ -93,15 +93,13 @@ impl Localizer {
                 .map(|(failed, _)| if *failed == Failed::Memory { PoseUnion::default() } else { believed.clone() })
                 .collect();
         }
-        let doubted = contradicting_s.and_then(|stamp_s| self.ring.at(stamp_s)?.constraint.as_ref());
-        if let Some(false_ones) = doubted.map(witnesses) {
-            self.hypotheses[0].contradict(&false_ones);
+        if let Some(doubted) = contradicting_s.and_then(|stamp_s| self.ring.at(stamp_s)) {
+            self.hypotheses[0].contradict(&doubted.witnesses);
         }
         for (hypothesis, (_, from_s)) in since.into_iter().enumerate() {
             for stamp_s in self.replay(hypothesis, from_s) {
-                let at = self.ring.at(stamp_s).and_then(|slot| slot.constraint.as_ref());
-                let Some(against) = at.map(witnesses) else { continue };
-                self.hypotheses[hypothesis].contradict(&against);
+                let Some(against) = self.ring.at(stamp_s).filter(|slot| slot.constraint.is_some()) else { continue };
+                self.hypotheses[hypothesis].contradict(&against.witnesses);
             }
         }
         self.drop_refuted();
@@ -124,7 +122,7 @@ impl Localizer {
         }
         self.hypotheses = failed.into_iter().map(Hypothesis::new).collect();
         self.answer(merged(&unions));
-        self.ring.restart(Slot { stamp_s: self.now_s, unions, constraint: None });
+        self.ring.restart(Slot::anchor(self.now_s, unions));
         self.restart_integral();
     }
 
@@ -153,17 +151,26 @@ impl Localizer {
 
     /// Where a constraint that names its place on the map says that the robot is, whatever was known; nothing for any other.
     pub(super) fn located(&self, constraint: &Constraint) -> PoseUnion {
-        if !witnesses(constraint).iter().any(|witness| matches!(witness, Witness::Marker(_))) {
+        if named(constraint).is_empty() {
             return PoseUnion::default();
         }
         contract_union(&self.anywhere(), constraint.on_pose.as_ref())
     }
 
+    /// What a constraint bears witness of: the one marker that it names, or those that do not agree with each other; else the reading. Markers of one
+    /// reading that agree are not all misplaced: if it is false, then for a reason of its own, such as a body that leaned, and the next
+    /// reading of the same markers is another witness.
+    pub(super) fn witnesses(&self, constraint: &Constraint) -> Vec<Witness> {
+        let named = named(constraint);
+        let is_one_thing = named.len() == 1 || (named.len() > 1 && self.located(constraint).is_empty());
+        if is_one_thing { named } else { vec![Witness::Reading(constraint.stamp_s)] }
+    }
+
     /// What a constraint that is about to be hung tells of each hypothesis; `None` without a doubt.
-    pub(super) fn evidence(&self, constraint: &Constraint) -> Option<Evidence> {
+    pub(super) fn evidence(&self, constraint: &Constraint, witnesses: &[Witness]) -> Option<Evidence> {
         self.is_doubted().then(|| Evidence {
             stamp_s: constraint.stamp_s,
-            witnesses: witnesses(constraint),
+            witnesses: witnesses.to_vec(),
             decides: constraint.decides,
             agrees: (0..self.hypotheses.len())
                 .map(|hypothesis| self.agrees_with_wheels(hypothesis, constraint))
@@ -176,7 +183,7 @@ impl Localizer {
         let mut n_against = 0;
         let n_hypotheses = self.hypotheses.len();
         for hypothesis in 0..n_hypotheses {
-            if self.hypotheses[hypothesis].disbelieves_any(&evidence.witnesses) {
+            if self.hypotheses[hypothesis].disbelieves(&evidence.witnesses) {
                 self.replay(hypothesis, from_s);
                 continue;
             }

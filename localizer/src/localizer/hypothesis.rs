@@ -47,12 +47,8 @@ impl Hypothesis {
         from_s >= self.rolls_since_s
     }
 
-    /// Whether a constraint is left out: where a reading is said to be false, all else that its witnesses tell is.
-    pub(super) fn disbelieves(&self, constraint: &Constraint) -> bool {
-        self.disbelieves_any(&witnesses(constraint))
-    }
-
-    pub(super) fn disbelieves_any(&self, witnesses: &[Witness]) -> bool {
+    /// Whether a reading is left out: where one is said to be false, all else that its witnesses tell is.
+    pub(super) fn disbelieves(&self, witnesses: &[Witness]) -> bool {
         self.failed == Failed::Reading && self.knows_any(witnesses)
     }
 
@@ -110,12 +106,11 @@ pub(super) enum Witness {
     Reading(f64),
 }
 
-/// The things named, or else the reading.
-pub(super) fn witnesses(constraint: &Constraint) -> Vec<Witness> {
-    let named = constraint.claims.iter().filter_map(|claim| match claim {
+/// The things that a constraint names.
+pub(super) fn named(constraint: &Constraint) -> Vec<Witness> {
+    let markers = constraint.claims.iter().filter_map(|claim| match claim {
         Claim::Marker { marker, .. } => Some(Witness::Marker(*marker)),
         _ => None,
     });
-    let named: Vec<Witness> = named.collect();
-    if named.is_empty() { vec![Witness::Reading(constraint.stamp_s)] } else { named }
+    markers.collect()
 }

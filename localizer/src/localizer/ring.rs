@@ -7,6 +7,8 @@ use std::{
 
 use crate::{Constraint, PoseUnion};
 
+use super::hypothesis::Witness;
+
 /// What is known of the pose at one stamp.
 pub(super) struct Slot {
     pub(super) stamp_s: f64,
@@ -14,9 +16,16 @@ pub(super) struct Slot {
     pub(super) unions: Vec<PoseUnion>,
     /// What an image says of this stamp; none for an anchor.
     pub(super) constraint: Option<Constraint>,
+    /// What the image bears witness of.
+    pub(super) witnesses: Vec<Witness>,
 }
 
 impl Slot {
+    /// A slot of no image.
+    pub(super) fn anchor(stamp_s: f64, unions: Vec<PoseUnion>) -> Slot {
+        Slot { stamp_s, unions, constraint: None, witnesses: Vec::new() }
+    }
+
     /// The pose is in this, if one of the hypotheses is right.
     pub(super) fn merged(&self) -> PoseUnion {
         merged(&self.unions)
