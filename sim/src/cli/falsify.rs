@@ -26,13 +26,13 @@ use super::{CommandError, print};
 #[command(after_help = AFTER_HELP)]
 pub(super) struct FalsifyArguments {
     /// Seed of all scenes; a case's number and this determine its scene.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
     /// Numbers of the cases, A included and B not. With --minutes there is no end unless stated, else 100.
     #[arg(long, value_name = "A..B")]
     cases: Option<Seeds>,
     /// Begin no more cases after so many minutes.
-    #[arg(long, value_name = "N", value_parser = minutes)]
+    #[arg(long, value_name = "N", value_parser = minutes, allow_negative_numbers = true)]
     minutes: Option<f64>,
     /// Scenes with wheels, gyroscope, flow sensor and range camera alone, some ten times faster.
     #[arg(long)]
@@ -69,7 +69,8 @@ a wish is made as small as it gets and written to DIR/found/, with the command t
   crash              the process ended: a panic, an abort, more than 3 GB of memory
   hang               far more processor time than its like
   unsound            the truth outside though every bound held and the claims were true
-  sound_but_outside  the same for more than a second, sound said all the while, whatever the judge says
+  sound_but_outside  the truth outside for more than a second, sound said all the while, and no bound that the estimate relied
+                     on exceeded until then, whatever the judge says
   digest_differs     another run of the same case gave other bytes
   empty_box          no pose left
   wider_than_room    a sound box that is wider than the room

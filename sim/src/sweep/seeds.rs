@@ -13,7 +13,7 @@ impl FromStr for Seeds {
         let ends = text.split_once("..").and_then(|(first, end)| Some((first.parse().ok()?, end.parse().ok()?)));
         match ends {
             Some((first, end)) if first < end => Ok(Seeds(first..end)),
-            _ => Err("expected A..B with whole numbers, A less than B: 0..20 are the seeds 0 to 19".to_owned()),
+            _ => Err("expected A..B with whole numbers, A less than B: 0..20 are 0 to 19".to_owned()),
         }
     }
 }

@@ -102,6 +102,7 @@ fn settle_images(robot: &mut Table, draws: &Draws) {
         {
             sensor.remove("longest_exposure_s");
         }
+        bend(camera, &mut draws.dice(&format!("barrel of the {name}")));
         camera.remove("turning_exposure_s").filter(|_| draws.dice("turning exposure").chance(0.3)).map(|exposure| {
             // Within the longest exposure of every preset.
             let exposure_s = exposure.as_float().unwrap_or(0.002).min(0.002);
@@ -116,6 +117,15 @@ fn settle_images(robot: &mut Table, draws: &Draws) {
         {
             camera.insert("period_s".to_owned(), Value::Float(rounded(1.2 * timing.longest_s, 3)));
         }
+    }
+}
+
+/// Now and then a lens as bent as cheap wide ones are: k1 between -0.3 and -0.1, and k2 near k1², with which the image is not folded over.
+fn bend(camera: &mut Table, dice: &mut Dice) {
+    let (is_bent, k1, share) = (dice.chance(0.15), dice.uniform(-0.3, -0.1), dice.uniform(0.8, 1.5));
+    if is_bent {
+        let bent = [k1, share * k1 * k1, 0.0, 0.0, 0.0].map(|value| Value::Float(rounded(value, 3)));
+        table(camera, "lens").insert("distortion".to_owned(), Value::Array(bent.to_vec()));
     }
 }
 
