@@ -117,6 +117,17 @@ pub struct DrawnGyro {
     pub bias_rad_per_s: f64,
     /// Constant over a run.
     pub scale: f64,
+    /// Which bounds its noise is cut to, in a run as it should have been.
+    pub cuts: GyroCuts,
+}
+
+/// Bounds of a gyroscope beyond which nothing of its noise is left; none of them in a run as a seed draws it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GyroCuts {
+    /// `gyro.noise`, of each reading.
+    pub noise: bool,
+    /// `gyro.angle`, of what errors of readings add up to.
+    pub angle: bool,
 }
 
 /// Draws an error within ±tolerance that stays the same all the run.

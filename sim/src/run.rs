@@ -33,7 +33,7 @@ pub use forward_baselines::ForwardBaselines;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use motion_baselines::MotionBaselines;
-pub use motion_sensors::{FlowSight, MotionSensors};
+pub use motion_sensors::{FlowSight, GyroSight, MotionSensors};
 pub use range_baselines::{Answers, RangeBaselines};
 pub(crate) use setup::localizer;
 pub use witness::Witness;

@@ -2,7 +2,7 @@
 
 use localizer::Pose;
 use sim::{
-    drawn::Drawn,
+    drawn::{Drawn, GyroCuts},
     run::{RunOptions, run},
     scene::Scene,
     sensors::gyro::GyroSensor,
@@ -63,6 +63,48 @@ fn a_floor_that_fails_once_in_a_million_hours_holds_for_hours() {
     }
 }
 
+/// Errors of the readings of a gyroscope at rest, in order, as drawn or cut to `gyro.angle` and `gyro.noise`.
+fn errors_rad_per_s(scene: &Scene, n_readings: usize, is_cut: bool) -> Vec<f64> {
+    let mut drawn = Drawn::draw(scene, 1);
+    drawn.gyro.as_mut().unwrap().cuts = GyroCuts { noise: is_cut, angle: is_cut };
+    let bias_rad_per_s = drawn.gyro.unwrap().bias_rad_per_s;
+    let mut sensor = GyroSensor::new(scene, 1, &drawn).unwrap();
+    let at = |step: usize| Truth { time_s: step as f64 * 0.005, ..Truth::default() };
+    let read = (0..=n_readings).filter_map(|step| sensor.observe(&at(step)));
+    read.map(|read| read.gyro_noise_rad_per_s + read.gyro_bias_rad_per_s - bias_rad_per_s).collect()
+}
+
+#[test]
+fn noise_cut_to_its_bounds_keeps_the_band_over_every_span_and_stays_as_drawn_until_it_leaves_it() {
+    let mut scene = noisy(0.002);
+    // Three standard deviations of a reading, so that single readings are cut as well; and a bias that wanders within its own share of the band.
+    let gyro = scene.robot.gyro.as_mut().unwrap();
+    (gyro.noise_deg_per_s, gyro.bias_tolerance_deg_per_s, gyro.bias_wander_deg_per_s2) = (0.2, 0.01, 0.003);
+    gyro.rate_random_walk_deg_per_h_per_sqrt_h = 600.0;
+    let (drawn, cut) = (errors_rad_per_s(&scene, 4000, false), errors_rad_per_s(&scene, 4000, true));
+    let [floor_rad, rate_rad_per_s] = [0.002_f64, 0.005].map(f64::to_radians);
+    // Sums of errors at every time, and over every span by how much the greatest of them leaves the band.
+    let beyond_rad = |errors: &[f64]| {
+        let mut sums_rad = vec![0.0];
+        sums_rad.extend(errors.iter().scan(0.0, |sum, error| {
+            *sum += 0.005 * error;
+            Some(*sum)
+        }));
+        let spans = (0..sums_rad.len()).flat_map(|end| (0..end).map(move |start| (start, end)));
+        let left_rad = |(start, end): (usize, usize)| {
+            (sums_rad[end] - sums_rad[start]).abs() - floor_rad - rate_rad_per_s * 0.005 * (end - start) as f64
+        };
+        spans.map(left_rad).fold(f64::NEG_INFINITY, f64::max)
+    };
+    assert!(beyond_rad(&drawn) > 0.5 * floor_rad, "{}", beyond_rad(&drawn));
+    assert!(beyond_rad(&cut) < 1e-9 * floor_rad, "{}", beyond_rad(&cut));
+    // The bound itself is reached: what was taken off was the least.
+    assert!(beyond_rad(&cut) > -1e-9, "{}", beyond_rad(&cut));
+    let first = drawn.iter().zip(&cut).position(|(drawn, cut)| drawn != cut).unwrap();
+    assert!(beyond_rad(&drawn[..first]) <= 0.0 && first > 0);
+    assert!(beyond_rad(&drawn[..=first]) > 0.0 || drawn[first].abs() > 0.19_f64.to_radians(), "reading {first}");
+}
+
 #[test]
 fn a_run_that_leaves_its_band_has_a_broken_bound() {
     for (floor_deg, is_broken) in [(0.002, true), (0.06, false)] {
@@ -71,6 +113,11 @@ fn a_run_that_leaves_its_band_has_a_broken_bound() {
         let verdict = verdict_of(&scene, &record);
         let named = verdict.violations.iter().any(|violation| violation.bound == "gyro.angle");
         assert_eq!(named, is_broken, "{:?}", verdict.violations);
+        if let Some(broken) = verdict.violations.iter().find(|violation| violation.bound == "gyro.angle") {
+            // From the reading on with which it leaves the band, not from the start; the robot stands.
+            let left_s = lasts_s(&scene, 1, 20.0).0;
+            assert!(left_s > 0.1 && (broken.from_s - left_s).abs() < 0.006, "{broken:?}, left at {left_s} s");
+        }
         assert_eq!(verdict.containment.unsound, 0);
     }
 }

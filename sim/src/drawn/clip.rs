@@ -16,6 +16,9 @@ impl Drawn {
                     self.wheel_radius_m.map(|m| near(m, robot.wheel_radius_m, robot.wheel_radius_tolerance));
             }
             "wheels.track" => self.track_m = near(self.track_m, robot.track_m, robot.track_tolerance),
+            // Noise is drawn reading by reading: its sensor takes off what is beyond.
+            "gyro.noise" => self.gyro.iter_mut().for_each(|gyro| gyro.cuts.noise = true),
+            "gyro.angle" => self.gyro.iter_mut().for_each(|gyro| gyro.cuts.angle = true),
             "floor_tiles.laying" | "floor_tiles.straightness" => {
                 let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &mut self.tiles) else { return };
                 if bound == "floor_tiles.laying" {

@@ -12,8 +12,8 @@ use crate::{
 };
 
 use super::{
-    Drawn, DrawnCamera, DrawnFloorCamera, DrawnFlow, DrawnGyro, DrawnMarker, DrawnRangeCamera, LaidTiles, Repeated,
-    draw_within, walls::draw_walls,
+    Drawn, DrawnCamera, DrawnFloorCamera, DrawnFlow, DrawnGyro, DrawnMarker, DrawnRangeCamera, GyroCuts, LaidTiles,
+    Repeated, draw_within, walls::draw_walls,
 };
 
 impl Drawn {
@@ -181,6 +181,7 @@ fn draw_gyro(gyro: &Gyro, errors: Distribution, rng: &mut ChaCha8Rng) -> DrawnGy
     DrawnGyro {
         bias_rad_per_s: draw_within(gyro.bias_tolerance_deg_per_s.to_radians(), errors, rng),
         scale: 1.0 + draw_within(gyro.scale_tolerance, errors, rng),
+        cuts: GyroCuts::default(),
     }
 }
 

@@ -7,16 +7,10 @@ use crate::sensors::{Observation, flow::FlowTruth};
 /// True values that the declared bounds of gyroscope and flow sensor are about.
 #[derive(Clone, Debug, Default)]
 pub struct MotionSensors {
-    /// Greatest noise in a reading of the gyroscope.
-    pub greatest_gyro_noise_rad_per_s: f64,
-    /// Greatest bias in one.
-    pub greatest_gyro_bias_rad_per_s: f64,
-    /// What the noise added up to beyond its rate, at most.
-    pub greatest_gyro_angle_rad: f64,
-    /// Greatest change of the bias over time, between two readings in a row.
-    pub greatest_gyro_wander_rad_per_s2: f64,
-    /// Greatest noise in a column of the range camera.
-    pub greatest_range_noise_px: f64,
+    /// Each reading of the gyroscope.
+    pub gyro: Vec<GyroSight>,
+    /// Each reading of the range camera: when it was taken and when it arrived, and the greatest noise in one of its columns.
+    pub range_noise_px: Vec<([f64; 2], f64)>,
     /// Each reading of the flow sensor.
     pub flow: Vec<FlowSight>,
     /// Rests of the encoders, from half a second after their last count on.
@@ -25,6 +19,21 @@ pub struct MotionSensors {
     counted: Option<Counted>,
     /// Stamp and bias of the gyroscope's latest reading.
     latest_bias: Option<(f64, f64)>,
+}
+
+/// What was wrong with one reading of the gyroscope.
+#[derive(Clone, Copy, Debug)]
+pub struct GyroSight {
+    /// When it was taken.
+    pub time_s: f64,
+    /// Size of its noise.
+    pub noise_rad_per_s: f64,
+    /// Size of its bias.
+    pub bias_rad_per_s: f64,
+    /// What errors up to it have added up to beyond their rate, over any span that ends with it.
+    pub angle_rad: f64,
+    /// Change of the bias over time since the reading before; 0 in the first.
+    pub wander_rad_per_s2: f64,
 }
 
 /// One reading of the flow sensor.
@@ -63,24 +72,27 @@ impl MotionSensors {
         let measured_s = observation.reading.measured_s() + offset_s;
         match observation.reading {
             Reading::Gyro { .. } => {
-                let (noise, bias) = (observation.gyro_noise_rad_per_s.abs(), observation.gyro_bias_rad_per_s);
-                self.greatest_gyro_noise_rad_per_s = self.greatest_gyro_noise_rad_per_s.max(noise);
-                self.greatest_gyro_bias_rad_per_s = self.greatest_gyro_bias_rad_per_s.max(bias.abs());
-                self.greatest_gyro_angle_rad = self.greatest_gyro_angle_rad.max(observation.gyro_angle_rad);
-                if let Some((before_s, before)) = self.latest_bias
-                    && measured_s > before_s
-                {
-                    let wander = (bias - before).abs() / (measured_s - before_s);
-                    self.greatest_gyro_wander_rad_per_s2 = self.greatest_gyro_wander_rad_per_s2.max(wander);
-                }
-                self.latest_bias = Some((measured_s, bias));
+                let bias_rad_per_s = observation.gyro_bias_rad_per_s;
+                let before = self.latest_bias.replace((measured_s, bias_rad_per_s));
+                let wander_rad_per_s2 = before
+                    .filter(|(before_s, _)| measured_s > *before_s)
+                    .map_or(0.0, |(before_s, before)| (bias_rad_per_s - before).abs() / (measured_s - before_s));
+                self.gyro.push(GyroSight {
+                    time_s: observation.truth.time_s + offset_s,
+                    noise_rad_per_s: observation.gyro_noise_rad_per_s.abs(),
+                    bias_rad_per_s: bias_rad_per_s.abs(),
+                    angle_rad: observation.gyro_angle_rad,
+                    wander_rad_per_s2,
+                });
             }
             Reading::Flow { blind_periods, .. } => {
                 self.flow.push(FlowSight { measured_s, truth: observation.flow, blind_periods });
             }
             Reading::Wheels { ticks, .. } => self.note_rest(measured_s, ticks, observation.truth.pose.heading_rad),
             Reading::Range { .. } => {
-                self.greatest_range_noise_px = self.greatest_range_noise_px.max(observation.range_noise_px);
+                let span_s =
+                    [observation.truth.time_s, observation.reading.arrived_s()].map(|time_s| time_s + offset_s);
+                self.range_noise_px.push((span_s, observation.range_noise_px));
             }
             Reading::Camera { .. } => {}
         }

@@ -50,7 +50,7 @@ impl Scene {
     /// Whether the true value behind a bound is drawn by the simulator or placed by the scene, so that a run can have it within its bound.
     /// All else emerges from the physics, or is drawn within its bound by construction.
     pub(crate) fn places(bound: &str) -> bool {
-        const PLACED: [&str; 12] = [
+        const PLACED: [&str; 14] = [
             "wheels.radius",
             "wheels.track",
             "floor_tiles.laying",
@@ -59,6 +59,8 @@ impl Scene {
             "markers.rotation",
             "markers.print",
             "markers.height",
+            "gyro.noise",
+            "gyro.angle",
             "range_camera.height_span",
             "range_landmarks.q_items",
             "range_landmarks.wrong_spacing",

@@ -90,9 +90,24 @@ impl GyroSensor {
                 return noise_rad_per_s;
             }
         }
-        let noise_rad_per_s = if self.redraws() { 0.0 } else { self.draw_noise_rad_per_s() };
+        let drawn_rad_per_s = if self.redraws() { 0.0 } else { self.draw_noise_rad_per_s() };
+        let noise_rad_per_s = self.cut_rad_per_s(drawn_rad_per_s, departed_rad_per_s);
         self.angle.take(departed_rad_per_s + noise_rad_per_s);
         noise_rad_per_s
+    }
+
+    /// Noise without what of it is beyond the bounds that it is cut to, reading by reading the least that has to be taken off. As the bias alone
+    /// departs by no more than the band grows, noise of 0 keeps to it: what is cut is nearer to 0, and keeps to both bounds if it is cut to both.
+    fn cut_rad_per_s(&self, noise_rad_per_s: f64, departed_rad_per_s: f64) -> f64 {
+        let (cuts, bound_rad_per_s) = (self.calibration.cuts, self.gyro.noise_deg_per_s.to_radians());
+        let noise_rad_per_s =
+            if cuts.noise { noise_rad_per_s.clamp(-bound_rad_per_s, bound_rad_per_s) } else { noise_rad_per_s };
+        let error_rad_per_s = departed_rad_per_s + noise_rad_per_s;
+        if cuts.angle && !self.angle.allows(error_rad_per_s) {
+            self.angle.nearest_allowed(error_rad_per_s) - departed_rad_per_s
+        } else {
+            noise_rad_per_s
+        }
     }
 
     /// Whether noise keeps to its bounds by being drawn again. At corners it does so anyway: they are about what bounds allow.

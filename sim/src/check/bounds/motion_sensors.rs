@@ -26,27 +26,27 @@ fn rests(scene: &Scene, record: &RunRecord) -> Monitor {
     monitor
 }
 
+/// What varies is dated by the readings that show it.
 fn gyro(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let (Some(gyro), Some(drawn)) = (&scene.robot.gyro, &record.drawn.gyro) else { return Vec::new() };
-    let truth = &record.motion_sensors;
-    let greatest_bias_rad_per_s = truth.greatest_gyro_bias_rad_per_s.max(drawn.bias_rad_per_s.abs());
     // Stamps 5 ms apart have lost some digits of their difference.
     const ROUNDING: f64 = 1.0 - 1e-6;
-    let mut all = vec![
-        constant(record, "gyro.bias", gyro.bias_tolerance_deg_per_s.to_radians(), greatest_bias_rad_per_s),
-        constant(record, "gyro.scale", gyro.scale_tolerance, (drawn.scale - 1.0).abs()),
-        constant(
-            record,
-            "gyro.angle",
-            gyro.angle_floor_deg.map_or(f64::INFINITY, f64::to_radians),
-            truth.greatest_gyro_angle_rad * ROUNDING,
-        ),
-        constant(record, "gyro.noise", gyro.noise_deg_per_s.to_radians(), truth.greatest_gyro_noise_rad_per_s),
-    ];
+    let (mut bias, mut noise) = (Monitor::new("gyro.bias"), Monitor::new("gyro.noise"));
+    let (mut angle, mut wander) = (Monitor::new("gyro.angle"), Monitor::new("gyro.wander"));
+    let floor_rad = gyro.angle_floor_deg.map_or(f64::INFINITY, f64::to_radians);
+    bias.watch([0.0, 0.0], gyro.bias_tolerance_deg_per_s.to_radians(), drawn.bias_rad_per_s.abs());
+    for sight in &record.motion_sensors.gyro {
+        let span_s = [sight.time_s - gyro.period_s, sight.time_s];
+        bias.watch(span_s, gyro.bias_tolerance_deg_per_s.to_radians(), sight.bias_rad_per_s);
+        noise.watch(span_s, gyro.noise_deg_per_s.to_radians(), sight.noise_rad_per_s);
+        angle.watch(span_s, floor_rad, sight.angle_rad * ROUNDING);
+        wander.watch(span_s, gyro.bias_wander_deg_per_s2.to_radians(), sight.wander_rad_per_s2 * ROUNDING);
+    }
+    let scale = constant(record, "gyro.scale", gyro.scale_tolerance, (drawn.scale - 1.0).abs());
+    let mut all = vec![bias, scale, angle, noise];
     // Only what is learnt of the bias has to hold from one fix to the next, and where `gyro.angle` is declared, that tells it.
     if scene.localizer.learns_gyro && gyro.angle_floor_deg.is_none() {
-        let wander_rad_per_s2 = truth.greatest_gyro_wander_rad_per_s2 * ROUNDING;
-        all.push(constant(record, "gyro.wander", gyro.bias_wander_deg_per_s2.to_radians(), wander_rad_per_s2));
+        all.push(wander);
     }
     all
 }

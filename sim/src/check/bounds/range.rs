@@ -37,7 +37,6 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
         constant(record, "range_camera.yaw", camera.yaw_tolerance_deg.to_radians(), yaw_error_rad),
         constant(record, "range_camera.tilt", camera.tilt_tolerance_deg.to_radians(), tilt_rad),
         constant(record, "range_camera.height_span", camera.height_span_m, farthest_m),
-        constant(record, "range_camera.columns", camera.column_noise_px, record.motion_sensors.greatest_range_noise_px),
     ];
     let (mut stamp, mut latency) = (Monitor::new("range_camera.stamp"), Monitor::new("range_camera.latency"));
     for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
@@ -46,7 +45,11 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
         let late_s = reading.arrived_s - reading.truth.time_s - camera.latency_s;
         latency.watch(span_s, camera.latency_tolerance_s + ROUNDING_S, late_s.abs());
     }
-    all.extend([stamp, latency]);
+    let mut columns = Monitor::new("range_camera.columns");
+    for (span_s, noise_px) in &record.motion_sensors.range_noise_px {
+        columns.watch(*span_s, camera.column_noise_px, *noise_px);
+    }
+    all.extend([stamp, latency, columns]);
     all.extend(wrong_codes(record, camera));
     all
 }
