@@ -195,6 +195,8 @@ const WEAKEN_AFTER_HELP: &str = "\
 Each run is simulated again by its own commands and with its own draws, the localizer told 0.9, 0.8, … 0.1 of every bound that
 the scene declares, until the truth is outside, no box is left, or an assumption is doubted. 1 / that share is printed: 1.0 for
 bounds that are all used, above 3 where nobody would notice boxes a third as wide. Where the robot starts is told as it is.
+What is lost in the first 5 s of a drive, or in its first half where it is shorter than 10 s, does not count unless it still is lost then:
+before, wheels and gyroscope are alone with errors at their corners, and no method has told anything.
 With robot.errors=corner errors are as large as declared. Exit code: 0 it ran, 2 it could not.";
 
 /// What `wherein map` is asked.

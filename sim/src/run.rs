@@ -209,7 +209,8 @@ impl Simulation<'_> {
     fn has_ended(&self, record: &Recorder<'_>, time_s: f64) -> bool {
         // Half a step of slack, as times are sums of decimals.
         self.asked.until_s.is_some_and(|until_s| record.offset_s + time_s > until_s + 0.5 * STEP_S)
-            || self.asked.until_lost && record.history.lost_at_last_step()
+            || self.asked.until_lost_after_s.is_some_and(|after_s| time_s > after_s - 0.5 * STEP_S)
+                && record.history.lost_at_last_step()
     }
 
     /// Hands what arrives at one instant to the localizer.

@@ -4,6 +4,7 @@ use localizer::Status;
 use serde::Serialize;
 
 use crate::{
+    check::SETTLED_S,
     render::{RenderError, Renderer},
     run::{Change, Counterfactual, RunRecord, run_otherwise},
     scene::Scene,
@@ -19,6 +20,8 @@ pub struct Weakened {
     pub factor: Option<f64>,
     /// 1 / factor: 1 for bounds that are all used, above 3 for a run in which nobody would notice boxes a third as wide.
     pub tightness: Option<f64>,
+    /// From when on in a drive a loss counts.
+    pub counted_after_s: f64,
     /// When it is lost.
     pub lost_at_s: Option<f64>,
     /// How.
@@ -51,6 +54,9 @@ impl Lost {
 /// Simulates a recorded run again by its commands and with its draws, the localizer told 0.9, 0.8, … 0.1 of every bound that the scene
 /// declares, until it loses the truth. Where the robot starts is told as it is. `progress` is told which share, and the simulated time.
 ///
+/// Losses count from 5 s of a drive on, and from half of it where it is shorter than 10 s: before, wheels and gyroscope are alone with errors at
+/// their corners, and what they lose says nothing of what methods tell.
+///
 /// Errors when a camera cannot be rendered.
 pub fn weaken(
     scene: &Scene,
@@ -58,30 +64,44 @@ pub fn weaken(
     mut renderer: Option<&mut Renderer>,
     progress: &mut dyn FnMut(f64, f64),
 ) -> Result<Weakened, RenderError> {
-    if let Some((at_s, lost)) = first_lost(record) {
-        return Ok(Weakened::at(1.0, at_s, lost));
+    let drives_s = record.drives().filter_map(|truths| Some(truths.last()?.time_s - truths.first()?.time_s));
+    let after_s = drives_s.map(|lasts_s| 0.5 * lasts_s).fold(SETTLED_S, f64::min);
+    if let Some(lost) = first_lost(record, after_s) {
+        return Ok(Weakened::of(Some((1.0, lost)), after_s));
     }
     for tenths in TENTHS {
         let factor = f64::from(tenths) / 10.0;
-        let asked = Counterfactual { changes: vec![Change::Weakened { factor }], until_s: None, until_lost: true };
+        let changes = vec![Change::Weakened { factor }];
+        let asked = Counterfactual { changes, until_s: None, until_lost_after_s: Some(after_s) };
         let told = &mut |simulated_s: f64| progress(factor, simulated_s);
         let again = run_otherwise(scene, record, &asked, renderer.as_deref_mut(), told)?;
-        if let Some((at_s, lost)) = first_lost(&again) {
-            return Ok(Weakened::at(factor, at_s, lost));
+        if let Some(lost) = first_lost(&again, after_s) {
+            return Ok(Weakened::of(Some((factor, lost)), after_s));
         }
     }
-    Ok(Weakened { factor: None, tightness: None, lost_at_s: None, lost: None })
+    Ok(Weakened::of(None, after_s))
 }
 
 impl Weakened {
-    fn at(factor: f64, at_s: f64, lost: Lost) -> Weakened {
-        Weakened { factor: Some(factor), tightness: Some(1.0 / factor), lost_at_s: Some(at_s), lost: Some(lost) }
+    /// At which share the truth was lost, when and how, unless at none.
+    fn of(lost: Option<(f64, (f64, Lost))>, counted_after_s: f64) -> Weakened {
+        let factor = lost.map(|(factor, _)| factor);
+        let (lost_at_s, lost) = lost.map(|(_, lost)| lost).unzip();
+        Weakened { factor, tightness: factor.map(f64::recip), counted_after_s, lost_at_s, lost }
     }
 }
 
-/// The first step at which the truth is lost.
-fn first_lost(record: &RunRecord) -> Option<(f64, Lost)> {
-    record.truths.iter().zip(&record.estimates).find_map(|(truth, estimate)| {
+/// The first step, so far into its drive or later, at which the truth is lost.
+fn first_lost(record: &RunRecord, after_s: f64) -> Option<(f64, Lost)> {
+    let mut drive_began_s = 0.0;
+    record.truths.iter().zip(&record.estimates).enumerate().find_map(|(step, (truth, estimate))| {
+        if record.restarts.contains(&step) {
+            drive_began_s = truth.time_s;
+        }
+        // A hair for times that are sums of decimals.
+        if truth.time_s - drive_began_s < after_s - 1e-6 {
+            return None;
+        }
         let lost = match () {
             () if estimate.pose.is_empty() => Lost::Empty,
             () if !estimate.pose.contains(truth.pose) => Lost::Outside,

@@ -1,14 +1,15 @@
 //! What is left when the localizer is told narrower bounds than hold.
 
+use localizer::PoseUnion;
 use serde_json::Value;
 use sim::{
     run::{RunOptions, RunRecord, run},
-    scene::{Bounds, Scene},
+    scene::{Bounds, Distribution, Scene, SceneFile},
     weaken::{Lost, weaken},
 };
 
 use crate::{
-    command::{blind_scene, folder, outcome, wherein},
+    command::{blind_scene, folder, outcome, root, wherein},
     judging::verdict_of,
 };
 
@@ -47,7 +48,34 @@ fn a_run_that_loses_the_truth_anyway_is_lost_at_its_own_bounds() {
         cornered("[[event]]\nkind = \"push\"\nat_s = 1.0\ndisplacement_m = [0.0, 0.15]\nlasts_s = 0.3\n");
     let weakened = weaken(&scene, &record, None, &mut |_, _| {}).unwrap();
     assert_eq!((weakened.factor, weakened.tightness), (Some(1.0), Some(1.0)));
-    assert!((1.0..1.4).contains(&weakened.lost_at_s.unwrap()), "{weakened:?}");
+    // Lost when it was pushed and ever since; counted from half of its 6 s on.
+    assert_eq!((weakened.counted_after_s, weakened.lost_at_s), (3.0, Some(3.0)), "{weakened:?}");
+}
+
+#[test]
+fn what_is_lost_before_a_method_has_told_anything_and_held_again_since_does_not_count() {
+    let (scene, record) = cornered("");
+    let lost_to = |share: f64| {
+        let mut record = run(&scene, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
+        let n_lost = (share * record.estimates.len() as f64) as usize;
+        record.estimates[1..n_lost].iter_mut().for_each(|estimate| estimate.pose = PoseUnion::default());
+        weaken(&scene, &record, None, &mut |_, _| {}).unwrap()
+    };
+    assert_eq!(lost_to(0.4), weaken(&scene, &record, None, &mut |_, _| {}).unwrap());
+    let late = lost_to(0.6);
+    assert_eq!((late.factor, late.lost_at_s, late.lost), (Some(1.0), Some(3.0), Some(Lost::Empty)));
+}
+
+#[test]
+fn landmarks_in_a_drift_are_not_lost_by_the_first_steps_of_wheels_and_gyroscope() {
+    let path = root().join("scenes/papers/rigid_transform_loop.toml");
+    let mut scene = SceneFile::load_all(&[path]).unwrap().remove(0).scene;
+    (scene.duration_s, scene.robot.errors) = (12.0, Distribution::Drift);
+    let record = run(&scene, 0, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let weakened = weaken(&scene, &record, None, &mut |_, _| {}).unwrap();
+    println!("{weakened:?}");
+    assert_eq!(weakened.counted_after_s, 5.0);
+    assert!(weakened.lost_at_s.is_none_or(|lost_at_s| lost_at_s >= 5.0 - 1e-6), "{weakened:?}");
 }
 
 #[test]
@@ -65,5 +93,6 @@ fn the_command_prints_how_tight_bounds_are() {
         assert_eq!(weakened["factor"].is_null(), weakened["lost"].is_null());
     }
     let (_, table, _) = outcome(&mut wherein(&place, &arguments[..6]));
+    assert!(table.lines().next().unwrap().ends_with("lost at"), "{table}");
     assert!(table.starts_with("scene") && table.lines().count() == 3, "{table}");
 }

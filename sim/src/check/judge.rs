@@ -205,7 +205,7 @@ impl Trial<'_, '_> {
         self.n_replays += 1;
         // Only as far as something is left to explain.
         let until_s = self.open().map(|span| self.end_s(span)).reduce(f64::max);
-        (self.replay)(&Counterfactual { changes, until_s, until_lost: false })
+        (self.replay)(&Counterfactual { changes, until_s, until_lost_after_s: None })
     }
 
     /// A cause as the verdict tells it.

@@ -61,7 +61,7 @@ pub(super) fn fix_width(hulls: &[PoseBox]) -> FixWidth {
 }
 
 /// From this time of a drive on, what the localizer knows comes from its sensors rather than from its start.
-const SETTLED_S: f64 = 5.0;
+pub(crate) const SETTLED_S: f64 = 5.0;
 
 /// |error of the midpoint| over half the width, step by step, over the run and from 5 s of each drive on.
 pub(super) fn power(record: &RunRecord) -> PowerTable {

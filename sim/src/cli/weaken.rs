@@ -58,15 +58,15 @@ fn as_json(rows: &[Row]) -> String {
 
 fn as_table(rows: &[Row]) -> String {
     let longest = rows.iter().map(|(scene, ..)| scene.len()).max().unwrap_or(0).max("scene".len());
-    let mut text = format!("{:longest$}  seed  loses the truth at  1 / that\n", "scene");
+    let mut text = format!("{:longest$}  seed  loses the truth at  1 / that  lost at\n", "scene");
     for (scene, seed, weakened) in rows {
         let (factor, tightness) = match (weakened.factor, weakened.tightness) {
             (Some(factor), Some(tightness)) => (format!("{factor:.1} of its bounds"), format!("{tightness:.2}")),
             _ => ("none".to_owned(), "> 10".to_owned()),
         };
-        let how = weakened.lost.zip(weakened.lost_at_s);
-        let how = how.map(|(lost, at_s)| format!("  {} at {at_s:.2} s", lost.name())).unwrap_or_default();
-        text += &format!("{scene:longest$}  {seed:4}  {factor:>18}  {tightness:>8}{how}\n");
+        let lost_at = weakened.lost.zip(weakened.lost_at_s);
+        let lost_at = lost_at.map_or("never".to_owned(), |(lost, at_s)| format!("{at_s:.2} s, {}", lost.name()));
+        text += &format!("{scene:longest$}  {seed:4}  {factor:>18}  {tightness:>8}  {lost_at}\n");
     }
     text
 }

@@ -13,8 +13,8 @@ pub struct Counterfactual {
     pub changes: Vec<Change>,
     /// The run ends after the first step at or after this time.
     pub until_s: Option<f64>,
-    /// The run ends at the first step at which the truth is outside or an assumption doubted.
-    pub until_lost: bool,
+    /// The run ends at the first step, so far into its drive or later, at which the truth is outside or an assumption doubted.
+    pub until_lost_after_s: Option<f64>,
 }
 
 /// One thing that is otherwise.
