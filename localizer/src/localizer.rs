@@ -15,7 +15,7 @@ mod slip;
 use crate::{
     Constraint, Interval, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     method::Assumption,
-    motion::{Agreement, Motion, WheelHistory, WheelIntegral, agree, moved_union, reach_motion},
+    motion::{Agreement, Motion, SlipExcess, WheelHistory, WheelIntegral, agree, moved_union, reach_motion},
 };
 
 pub use account::Account;
@@ -124,6 +124,11 @@ impl Localizer {
         self.methods.iter_mut().for_each(|method| method.clock_set_back());
         self.begin_at(start);
         self.begin_fixes();
+    }
+
+    /// Tells where, in this drive, the wheels slip by more than declared, as for a run that is simulated again.
+    pub fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
+        self.wheels.expect_slip(excesses);
     }
 
     fn begin_at(&mut self, start: PoseBox) {
@@ -241,7 +246,8 @@ impl Localizer {
     /// Motion since the last slot, which is not ahead of the wheels, by the integral that goes on with each of their readings.
     fn motion_since_last_slot(&mut self, stamp_s: f64) -> Motion {
         let span_s = [stamp_s, self.now_s];
-        let rolled = self.integral.as_ref().map(|integral| integral.motion(&self.robot.wheels));
+        let wheels = self.wheels.model_over(span_s, &self.robot.wheels);
+        let rolled = self.integral.as_ref().map(|integral| integral.motion(&wheels));
         let motion = rolled.and_then(|rolled| {
             let flow = self.wheels.flow_motion(stamp_s, self.now_s, &self.robot.wheels, &self.robot.reach);
             if let Agreement::SlipCertified(_) = agree(&rolled, flow.as_ref()) {

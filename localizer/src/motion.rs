@@ -10,8 +10,9 @@ mod gyro_errors;
 mod integral;
 mod odometry;
 mod polygon;
+mod slip_excess;
 
-use std::collections::VecDeque;
+use std::{borrow::Cow, collections::VecDeque};
 
 use crate::{
     Interval, IntervalBox, PoseBox, PoseUnion,
@@ -25,6 +26,7 @@ pub use gyro::{GyroHistory, greatest_change_rad_per_s2, sudden_change_rad_per_s2
 pub use gyro_errors::GyroErrors;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
+pub use slip_excess::SlipExcess;
 
 /// Wheels tell the way so far ahead of their latest reading: later, a way that grows with the square of time is wider than one that grows
 /// with the greatest speed.
@@ -51,12 +53,14 @@ pub struct WheelHistory {
     gyro: Option<GyroHistory>,
     flow: Option<FlowHistory>,
     keep_s: f64,
+    /// Spans in which the wheels slip by more than declared, as somebody knows who saw them.
+    excesses: Vec<SlipExcess>,
 }
 
 impl WheelHistory {
     /// A history that forgets what is older than `keep_s`.
     pub fn new(keep_s: f64) -> Self {
-        WheelHistory { samples: VecDeque::new(), gyro: None, flow: None, keep_s }
+        WheelHistory { samples: VecDeque::new(), gyro: None, flow: None, keep_s, excesses: Vec::new() }
     }
 
     /// The same with a gyroscope, whose turn is intersected with that of the wheels.
@@ -67,6 +71,16 @@ impl WheelHistory {
     /// The same with a flow sensor, which sees its own way beside the wheels and needs a gyroscope to know the turn.
     pub fn with_flow(self, model: FlowModel) -> Self {
         WheelHistory { flow: Some(FlowHistory::new(model, self.keep_s)), ..self }
+    }
+
+    /// Takes over where the wheels slip by more than declared.
+    pub fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
+        self.excesses = excesses;
+    }
+
+    /// The wheels' model as it holds over a span.
+    pub fn model_over<'a>(&self, span_s: [f64; 2], wheels: &'a WheelModel) -> Cow<'a, WheelModel> {
+        SlipExcess::over(&self.excesses, span_s, wheels)
     }
 
     /// Adds a reading of the flow sensor.
@@ -128,7 +142,7 @@ impl WheelHistory {
     /// Carries an integral on to a sample, with the gyroscope's turn up to it.
     pub fn advance(&self, integral: &mut WheelIntegral, sample: &WheelSample, wheels: &WheelModel, reach: &Reach) {
         let turn = self.gyro_turn(integral.start_s(), sample.time_s, wheels, reach);
-        integral.advance(sample, turn, wheels, reach);
+        integral.advance(sample, turn, &self.model_over([integral.start_s(), sample.time_s], wheels), reach);
     }
 
     /// Adds a reading; a reading no later than the last one is a duplicate and is dropped. Returns whether it was new.
@@ -181,6 +195,7 @@ impl WheelHistory {
         }
         let least_m_per_tick = wheels.metres_per_tick(0).lo().min(wheels.metres_per_tick(1).lo());
         let change = reach.acceleration_m_per_s2 / least_m_per_tick;
+        let wheels = self.model_over([self.samples.front()?.time_s, time_s], wheels);
         let rate_error = |before: &WheelSample| {
             let span_s = latest.time_s - before.time_s;
             let counted = [0, 1].map(|wheel| (latest.ticks[wheel] - before.ticks[wheel]).abs() + 1.0);
@@ -216,7 +231,7 @@ impl WheelHistory {
         }
         let end = self.at(to_s, wheels, reach).or_else(|| self.ahead(to_s, wheels, reach))?;
         self.advance(&mut integral, &end, wheels, reach);
-        Some(integral.motion(wheels))
+        Some(integral.motion(&self.model_over([from_s, to_s], wheels)))
     }
 
     /// Nominal body motion at `time_s`, from the readings up to 20 ms around it; zero where there are none.

@@ -14,7 +14,7 @@ mod witness;
 
 use std::time::Instant;
 
-use localizer::{Estimate, Interval, Localizer, PoseBox, PoseUnion, Reading, Status};
+use localizer::{Estimate, Interval, Localizer, PoseBox, PoseUnion, Reading, Status, motion::SlipExcess};
 
 use crate::{
     drawn::Drawn,
@@ -51,7 +51,12 @@ const PHYSICS_STEPS: usize = 10;
 pub struct RunOptions {
     /// Which images stay in the record, for debug frames.
     pub keep_images: FramesPolicy,
+    /// Makes the localizer of what a scene tells, for the run and for whatever is simulated of it again; ours unless stated.
+    pub localizer: Option<LocalizerOf>,
 }
+
+/// Makes a localizer of what a scene tells it.
+pub type LocalizerOf = fn(&Scene) -> Localizer;
 
 /// Runs the scene with one seed: its route, or its stations one after another. `progress` is told the simulated time now and then.
 ///
@@ -93,7 +98,8 @@ pub fn run_otherwise(
 ) -> Result<RunRecord, RenderError> {
     let otherwise = asked.of(scene, &record.drawn);
     let again = Simulation { seed: record.seed, otherwise, asked, commands: Some(&record.commands) };
-    again.run(renderer, &RunOptions::default(), &mut (), progress)
+    let options = RunOptions { localizer: record.localizer, ..RunOptions::default() };
+    again.run(renderer, &options, &mut (), progress)
 }
 
 /// One run: what is simulated, what the localizer is told, and who drives.
@@ -125,7 +131,9 @@ impl Simulation<'_> {
         let adapter = renderer.as_deref().map(Renderer::adapter);
         let mut record = Recorder::new(scene, self.seed, drawn.clone(), adapter, options, witness);
         record.asks_baselines = self.commands.is_none();
-        let mut localizer = localizer(told);
+        record.history.localizer = options.localizer;
+        let mut localizer = options.localizer.unwrap_or(localizer)(told);
+        localizer.expect_slip(self.slips(0.0));
         let built = scene.as_built(drawn);
         let mut stage = renderer.map(|renderer| Stage::new(&built, drawn, renderer)).transpose()?;
         if scene.stations.is_empty() {
@@ -143,6 +151,7 @@ impl Simulation<'_> {
                 break;
             }
             localizer.restart(here.start_box());
+            localizer.expect_slip(self.slips(record.offset_s));
             let one = Drive { scene: &here, seed: noise_seed, drawn: &drawn_here };
             self.drive(&one, stage.as_mut(), &mut localizer, &mut record, progress)?;
         }
@@ -203,6 +212,11 @@ impl Simulation<'_> {
         let fan = sensors.look_out(&world.truth(), &world.people());
         let believed = if scene.is_led() { seen(&world.truth()) } else { localizer.estimate_at(world.truth().time_s) };
         Some(pilot.command(&believed, fan.as_ref(), time_s))
+    }
+
+    /// Where the localizer of a drive is told of slip.
+    fn slips(&self, offset_s: f64) -> Vec<SlipExcess> {
+        self.asked.slips(offset_s, self.otherwise.told.robot.delivery.stamp_tolerance_s)
     }
 
     /// Whether no more of the run is asked for.

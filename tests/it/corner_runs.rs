@@ -86,7 +86,7 @@ fn with_markers_at_their_corners_a_place_45_percent_too_narrow_loses_the_truth()
 }
 
 /// A method whose constraints leave boxes 45 % too small about their middle, along the axes that they narrow.
-struct TooSmall(Box<dyn Method>);
+pub(crate) struct TooSmall(pub(crate) Box<dyn Method>);
 
 struct TooSmallOnPose(Box<dyn Contractor<3> + Send + Sync>);
 

@@ -33,6 +33,8 @@ struct Cause {
 struct Candidate {
     violation: Violation,
     first_s: f64,
+    /// Each span in which it was exceeded, and by how much.
+    exceeded: Vec<([f64; 2], f64)>,
 }
 
 /// The judgement of every step, their counts, and the first step outside. Only a run that lost the truth is simulated again, and only as
@@ -60,14 +62,20 @@ pub(super) fn containment(
 fn candidates(violations: &[Violation]) -> Vec<Candidate> {
     let mut candidates: Vec<Candidate> = Vec::new();
     for violation in violations {
+        let exceeded = ([violation.from_s, violation.to_s], violation.excess());
         match candidates.iter_mut().find(|candidate| candidate.violation.bound == violation.bound) {
             Some(candidate) => {
                 candidate.first_s = candidate.first_s.min(violation.from_s);
+                candidate.exceeded.push(exceeded);
                 if violation.excess() > candidate.violation.excess() {
                     candidate.violation = violation.clone();
                 }
             }
-            None => candidates.push(Candidate { violation: violation.clone(), first_s: violation.from_s }),
+            None => candidates.push(Candidate {
+                violation: violation.clone(),
+                first_s: violation.from_s,
+                exceeded: vec![exceeded],
+            }),
         }
     }
     candidates.sort_by(|a, b| b.violation.ratio().total_cmp(&a.violation.ratio()));
@@ -81,7 +89,12 @@ impl Candidate {
         if Scene::places(bound) {
             Change::Clipped { bound: bound.clone() }
         } else {
-            Change::Told { bound: bound.clone(), declared: *declared, true_value: *true_value }
+            Change::Told {
+                bound: bound.clone(),
+                declared: *declared,
+                true_value: *true_value,
+                exceeded: self.exceeded.clone(),
+            }
         }
     }
 

@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
-use localizer::Reading;
+use localizer::{Reading, motion::SlipExcess};
 
 use crate::{drawn::Drawn, scene::Scene, sensors::Observation};
+
+use super::STEP_S;
 
 /// What is otherwise when a run is simulated again.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,7 +22,8 @@ pub struct Counterfactual {
 /// One thing that is otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// The localizer is told a bound as wide as its true value; the world is as it was.
+    /// The localizer is told a bound as wide as its true value, where it was exceeded if that can be told it, and else all the run; the world
+    /// is as it was.
     Told {
         /// Name of the bound.
         bound: String,
@@ -28,6 +31,8 @@ pub enum Change {
         declared: f64,
         /// What was true.
         true_value: f64,
+        /// Each span in which it was exceeded, and by how much.
+        exceeded: Vec<([f64; 2], f64)>,
     },
     /// What was drawn or placed beyond a bound is moved back to it; what the localizer is told stays.
     Clipped {
@@ -62,7 +67,9 @@ impl Counterfactual {
         let mut otherwise = Otherwise { world: Cow::Borrowed(scene), told: Cow::Borrowed(scene), drawn: drawn.clone() };
         for change in &self.changes {
             match change {
-                Change::Told { bound, declared, true_value } => {
+                // Told by spans, in each drive's own time.
+                Change::Told { bound, .. } if is_slip(bound) => {}
+                Change::Told { bound, declared, true_value, .. } => {
                     otherwise.told.to_mut().widen(bound, *declared, *true_value);
                 }
                 Change::Clipped { bound } => {
@@ -75,6 +82,26 @@ impl Counterfactual {
             }
         }
         otherwise
+    }
+
+    /// Where the localizer is told that the wheels slip by more than declared, in the time of a drive that began at `offset_s`, whose stamps
+    /// may be off by `stamp_error_s`.
+    pub(super) fn slips(&self, offset_s: f64, stamp_error_s: f64) -> Vec<SlipExcess> {
+        // The truth is looked at every step only, and a window may begin between two of them.
+        let margin_s = stamp_error_s + 2.0 * STEP_S;
+        let told = self.changes.iter().filter_map(|change| match change {
+            Change::Told { bound, exceeded, .. } if is_slip(bound) => Some((bound.as_str(), exceeded)),
+            _ => None,
+        });
+        told.flat_map(|(bound, exceeded)| exceeded.iter().map(move |excess| (bound, *excess)))
+            .map(|(bound, ([from_s, to_s], excess_m))| {
+                // A share more than the comparison of a bound leaves to rounding.
+                let excess_m = excess_m * (1.0 + 1e-6);
+                let [slip_m, side_slip_m] = if bound == "wheels.slip" { [excess_m, 0.0] } else { [0.0, excess_m] };
+                let span_s = [from_s - offset_s - margin_s, to_s - offset_s + margin_s];
+                SlipExcess { span_s, slip_m, side_slip_m }
+            })
+            .collect()
     }
 
     /// Takes wrong matches beyond their bound out of a reading of the range camera; `q_items` of one may be wrong.
@@ -112,6 +139,11 @@ impl Counterfactual {
             _ => false,
         })
     }
+}
+
+/// Whether a bound is one over windows of the wheels' motion, of which the localizer can be told in which spans it is exceeded.
+fn is_slip(bound: &str) -> bool {
+    ["wheels.slip", "wheels.side_slip"].contains(&bound)
 }
 
 /// The method that reads images of a kind; none those of wheels and the like.

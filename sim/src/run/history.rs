@@ -4,7 +4,9 @@ use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, St
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
 
-use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
+use super::{
+    Clearance, ForwardBaselines, LocalizerOf, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines,
+};
 
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
@@ -12,6 +14,8 @@ pub struct RunRecord {
     pub seed: u64,
     /// Graphics adapter that rendered the images, if any were rendered.
     pub adapter: Option<String>,
+    /// What made the run's localizer, unless ours did.
+    pub localizer: Option<LocalizerOf>,
     /// True values drawn before the start.
     pub drawn: Drawn,
     /// Truth at each step.
@@ -133,6 +137,7 @@ impl RunRecord {
         RunRecord {
             seed,
             adapter,
+            localizer: None,
             drawn,
             truths: Vec::new(),
             commands: Vec::new(),
