@@ -117,7 +117,8 @@ fn reach(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monit
             acceleration.watch(span_s, bounds.reach_acceleration_m_per_s2, change);
         }
     }
-    for [before, truth, after] in truths.array_windows() {
+    for triple in truths.windows(3) {
+        let (before, truth, after) = (&triple[0], &triple[1], &triple[2]);
         let (span_s, step_s) = ([before.time_s, after.time_s], 0.5 * (after.time_s - before.time_s));
         for (wheel, radius_m) in wheel_radius_m.into_iter().enumerate() {
             let turned_rad = after.wheel_angle_rad[wheel] - truth.wheel_angle_rad[wheel];
