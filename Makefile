@@ -23,7 +23,7 @@ help:
 	@echo "make experiments   rerun the long tables and put them into the README; ISSUE=N for one group only"
 	@echo "make falsify       10⁷ values and 10⁸ rigid motions against the interval engine, 10⁷ problems of P3P: 50 minutes"
 	@echo "make falsify-scenes  random scenes against the promise, other ones each time; MINUTES=N, SEED=N, FLAGS=…"
-	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; two hours"
+	@echo "make power         six scenes with errors at their corners and in a drift: how much of the boxes they use; 40 minutes"
 	@echo "make driver        install a software Vulkan driver where no adapter is found"
 
 demo: driver build
