@@ -13,11 +13,8 @@ use localizer::reading::Camera;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use crate::{
-    compare::SideError,
+    artefacts::{comparison::SideError, debug_frames::FramesPolicy, recording::LiveError, run_files::RecordError},
     falsify::FalsifyError,
-    frames::FramesPolicy,
-    record::RecordError,
-    recording::LiveError,
     render::RenderError,
     replay::ReplayError,
     scene::{SceneError, Setting, keys_markdown, schema_text},

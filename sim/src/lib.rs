@@ -4,7 +4,7 @@
 //! scenes/x.toml ─> Scene ─> World ─> Truth ─> Sensors (+ Renderer) ─> Readings ─> Localizer ─> Estimate
 //!                             ^                                                                   │
 //!                             └──────────── WheelCommand <── Driver <─────────────────────────────┤
-//!                  run(): RunRecord { Truth, Estimate } ─> check() ─> Verdict ─> record
+//!                  run(): RunRecord { Truth, Estimate } ─> check() ─> Verdict ─> artefacts
 //! ```
 //!
 //! Modules in reading order, from the file to the verdict.
@@ -26,17 +26,8 @@ pub mod driver;
 pub mod run;
 pub mod check;
 pub mod weaken;
-pub mod figures;
-pub mod frames;
-pub mod record;
-pub mod recording;
+pub mod artefacts;
 pub mod replay;
-pub mod machine;
-pub mod table;
 pub mod sweep;
-pub mod results;
-pub mod report;
-pub mod junit;
-pub mod compare;
 pub mod falsify;
 pub mod cli;

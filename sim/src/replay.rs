@@ -6,12 +6,14 @@ use localizer::{Estimate, Localizer, reading::Camera};
 use thiserror::Error;
 
 use crate::{
-    record::estimates_digest,
-    recording::{
-        RecordingError,
-        cameras::topics,
-        exact::{self, ImageStamp, RecordedEstimate, Start},
-        reader::{self, Part},
+    artefacts::{
+        recording::{
+            RecordingError,
+            cameras::topics,
+            exact::{self, ImageStamp, RecordedEstimate, Start},
+            reader::{self, Part},
+        },
+        run_files::estimates_digest,
     },
     run::localizer,
     scene::{Scene, SceneError},

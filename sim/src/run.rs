@@ -17,9 +17,9 @@ use std::time::Instant;
 use localizer::{Estimate, Interval, Localizer, PoseBox, PoseUnion, Reading, Status, motion::SlipExcess};
 
 use crate::{
+    artefacts::debug_frames::FramesPolicy,
     drawn::Drawn,
     driver::Pilot,
-    frames::FramesPolicy,
     render::{RenderError, Renderer},
     scene::Scene,
     sensors::{Sensors, Stage},

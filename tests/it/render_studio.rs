@@ -6,9 +6,9 @@ use image::GrayImage;
 use localizer::Pose;
 use nalgebra::Isometry3;
 use sim::{
+    artefacts::debug_frames::FramesPolicy,
     check::Verdict,
     drawn::{Drawn, DrawnFloorCamera},
-    frames::FramesPolicy,
     render::{NoiseKey, Renderer, Shows, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,

@@ -1,11 +1,11 @@
 //! The result table: which method did it, and how the figures of several runs become one; the report's measures; the CSV's reader.
 
 use serde_json::{Value, json};
-use sim::{
+use sim::artefacts::{
+    cases::from_csv,
     figures::Figures,
     report::MEASURES,
-    results::from_csv,
-    table::{Line, Outcome, lines},
+    result_table::{Line, Outcome, lines},
 };
 
 /// A run in which `tiles` halved x twice and the heading `tiles_heading` times, and `walls` y once and the heading three times.

@@ -7,8 +7,10 @@ use localizer::{Interval, PoseUnion, pose::PoseBox};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
-    compare::{Comparison, Finding, Side, compare, quantile},
-    record,
+    artefacts::{
+        comparison::{Comparison, Finding, Side, compare, quantile},
+        run_files,
+    },
     run::{RunOptions, run},
     scene::SceneFile,
 };
@@ -35,7 +37,7 @@ fn planted(folder: &Path, name: &str, scale: f64) -> PathBuf {
             estimate.pose = PoseUnion::single(PoseBox::from(scaled));
         }
         let verdict = verdict_of(&file.scene, &run_record);
-        record::write(&out, &file, &run_record, &verdict).unwrap();
+        run_files::write(&out, &file, &run_record, &verdict).unwrap();
     }
     out
 }

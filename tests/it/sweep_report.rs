@@ -5,7 +5,7 @@ use std::{
     process::Command,
 };
 
-use sim::{results::from_csv, scene::SceneTemplate, sweep::Sweep};
+use sim::{artefacts::cases::from_csv, scene::SceneTemplate, sweep::Sweep};
 
 use crate::command::{blind_scene, folder, outcome, root, wherein};
 

@@ -7,10 +7,12 @@ use std::{
 };
 
 use crate::{
-    junit::to_junit,
-    record::naming,
-    report::{Overview, as_html, as_markdown, as_text},
-    results::{Results, Table, to_csv},
+    artefacts::{
+        cases::{Results, Table, to_csv},
+        junit::to_junit,
+        report::{Overview, as_html, as_markdown, as_text},
+        run_files::naming,
+    },
     sweep::write_whole,
 };
 
@@ -46,7 +48,7 @@ pub(super) fn write_junit(results: &Results, path: Option<&PathBuf>) -> Result<(
 #[cfg(feature = "parquet")]
 fn write_parquet(table: &Table, folder: &Path) -> Result<(), CommandError> {
     let path = folder.join("results.parquet");
-    let bytes = naming("write", &path, crate::results::to_parquet(table).map_err(io::Error::other))?;
+    let bytes = naming("write", &path, crate::artefacts::cases::to_parquet(table).map_err(io::Error::other))?;
     Ok(write_whole(&path, &bytes)?)
 }
 

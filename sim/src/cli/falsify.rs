@@ -13,9 +13,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
 use crate::{
+    artefacts::{cases::program, machine::cores},
     falsify::{Done, Profile, Progress, Search, Summary, Wish, probe, search},
-    machine::cores,
-    results::program,
     sweep::Seeds,
 };
 

@@ -7,11 +7,11 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use crate::{
+use crate::artefacts::{
+    cases::{CaseResult, Results},
     junit::{failure_account, failure_message},
-    record::naming,
     report::{Overview, as_markdown},
-    results::{CaseResult, Results},
+    run_files::naming,
 };
 
 use super::CommandError;

@@ -3,8 +3,8 @@
 use std::slice;
 
 use crate::{
+    artefacts::run_files,
     navigation::{OccupancyGrid, map_server},
-    record,
     scene::SceneFile,
 };
 
@@ -14,7 +14,7 @@ use super::{CommandError, MapArguments, print};
 pub(super) fn write_map(arguments: &MapArguments) -> Result<(), CommandError> {
     for file in SceneFile::load_all(slice::from_ref(&arguments.scene))? {
         let folder = arguments.out.join(&file.name);
-        record::prepare(&folder)?;
+        run_files::prepare(&folder)?;
         let path = map_server::write(&OccupancyGrid::of(&file.scene), &folder, "map")?;
         print(&format!("{}\n", path.display()))?;
     }

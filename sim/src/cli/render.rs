@@ -6,9 +6,9 @@ use localizer::{Pose, reading::Camera};
 
 use super::{CommandError, RenderArguments, print};
 use crate::{
+    artefacts::debug_frames::{Column, contact_sheet, tone_mapped},
     building::UprightBody,
     drawn::Drawn,
-    frames::{Column, contact_sheet, tone_mapped},
     render::{RenderedWorld, Renderer},
     scene::{BitDepth, Scene, SceneFile},
     still::{Still, take},

@@ -3,14 +3,14 @@
 use std::process::ExitCode;
 
 use super::{CommandError, ReplayArguments, print};
-use crate::{record, replay::replay, scene::Scene};
+use crate::{artefacts::run_files, replay::replay, scene::Scene};
 
 /// Replays a recording and says whether the localizer answered as it did then.
 pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, CommandError> {
     let other = arguments.scene.as_deref().map(Scene::load).transpose()?;
     let found = replay(&arguments.recording, other.as_ref())?;
     if let Some(folder) = &arguments.out {
-        record::write_estimates(folder, &found.estimates)?;
+        run_files::write_estimates(folder, &found.estimates)?;
     }
     let n_estimates = found.estimates.len();
     let compared = match found.first_different_s {

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use crate::results::Results;
+use crate::artefacts::cases::Results;
 
 use super::{CommandError, ReportArguments, conclude::conclude};
 

@@ -5,8 +5,7 @@ use std::{num::NonZeroUsize, path::PathBuf};
 use clap::Args;
 
 use crate::{
-    compare::CONFIDENCE,
-    frames::FramesPolicy,
+    artefacts::{comparison::CONFIDENCE, debug_frames::FramesPolicy},
     sweep::{Seeds, Shard, Variable},
 };
 

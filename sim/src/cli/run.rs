@@ -6,16 +6,18 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
 use crate::{
+    artefacts::{
+        cases::{CaseResult, Results, program, quoted},
+        recording::{Form, LiveServer, Recording},
+        report::Overview,
+        result_table::{Outcome, as_text, lines},
+        run_files::{self, program_digest, scene_digest},
+    },
     check::check,
-    record::{self, program_digest, scene_digest},
-    recording::{Form, LiveServer, Recording},
     render::Renderer,
-    report::Overview,
-    results::{CaseResult, Results, program, quoted},
     run::{RunOptions, run_otherwise, run_witnessed},
     scene::{SceneFile, SceneTemplate},
     sweep,
-    table::{Outcome, as_text, lines},
 };
 
 use super::{CommandError, RunArguments, Seeds, conclude::write_junit, github::tell_github, print};
@@ -32,8 +34,8 @@ struct Recorded {
 /// Runs everything asked for and prints the results. The exit code says whether all expectations were met.
 pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let files = load(arguments)?;
-    record::prepare(&arguments.out)?;
-    arguments.junit.as_deref().map_or(Ok(()), record::prepare_for)?;
+    run_files::prepare(&arguments.out)?;
+    arguments.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
     // Opening an adapter takes a moment, and a scene without a camera needs none.
     let mut renderer = None;
     if files.iter().any(|file| file.scene.has_camera()) {
@@ -113,7 +115,7 @@ fn run_one(
         bar.set_position(start + milliseconds(lasts_s));
         again
     })?;
-    let folder = record::write_with(&arguments.out, file, &run_record, &verdict, recording)?;
+    let folder = run_files::write_with(&arguments.out, file, &run_record, &verdict, recording)?;
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
 }
 
@@ -128,12 +130,12 @@ fn form(arguments: &RunArguments) -> Option<Form> {
 
 /// The run as an earlier process recorded it, if it may stand for this one.
 fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Option<Recorded>, CommandError> {
-    let folder = record::folder(&arguments.out, &file.name, seed);
+    let folder = run_files::folder(&arguments.out, &file.name, seed);
     if !arguments.resume {
         return Ok(None);
     }
     // An unreadable record is no reason to stop: the run is done again and replaces it.
-    let Ok(Some((summary, timing))) = record::read(&folder) else { return Ok(None) };
+    let Ok(Some((summary, timing))) = run_files::read(&folder) else { return Ok(None) };
     if form(arguments).is_some_and(|form| !folder.join(form.path()).exists()) {
         return Ok(None);
     }
@@ -144,7 +146,7 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
 
 /// A table shows what stands in the files, so that it cannot differ from one made of them later.
 fn read_back(file: &SceneFile, folder: PathBuf) -> Result<Option<Recorded>, CommandError> {
-    let Some((summary, timing)) = record::read(&folder)? else { return Ok(None) };
+    let Some((summary, timing)) = run_files::read(&folder)? else { return Ok(None) };
     let outcome = Outcome::of(&summary, &timing);
     Ok(Some(Recorded { folder, file: file.clone(), summary, timing, outcome }))
 }

@@ -10,10 +10,8 @@ use std::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::{
-    machine::cores,
-    record,
+    artefacts::{cases::Results, machine::cores, run_files},
     render::Renderer,
-    results::Results,
     scene::SceneTemplate,
     sweep::{Case, Finished, Plan, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
 };
@@ -29,7 +27,7 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
     let renderer = if has_camera { Some(Renderer::on_adapter(adapter)?) } else { None };
     let (plan, cases) = Plan::new(&sweep, &template, variations, renderer.as_ref().map(Renderer::adapter));
     let out = arguments.out.clone().unwrap_or_else(|| Path::new("sweeps").join(&plan.scene));
-    arguments.outputs.junit.as_deref().map_or(Ok(()), record::prepare_for)?;
+    arguments.outputs.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
     let store = Store::open(&out)?;
     store.write_plan(&plan)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);

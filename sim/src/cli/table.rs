@@ -5,9 +5,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::{
-    record::{self, naming},
-    table::{Kind, Outcome, as_markdown, lines},
+use crate::artefacts::{
+    result_table::{Kind, Outcome, as_markdown, lines},
+    run_files::{self, naming},
 };
 
 use super::{CommandError, TableArguments, print};
@@ -40,7 +40,7 @@ pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {
 }
 
 fn collect(folder: &Path, outcomes: &mut Vec<Outcome>) -> Result<(), CommandError> {
-    if let Some((summary, timing)) = record::read(folder)? {
+    if let Some((summary, timing)) = run_files::read(folder)? {
         outcomes.push(Outcome::of(&summary, &timing));
         return Ok(());
     }

@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use thiserror::Error;
 
-use crate::record::RecordError;
+use crate::artefacts::run_files::RecordError;
 
 /// Why a search cannot go on. Its text follows "failed to".
 #[derive(Debug, Error)]

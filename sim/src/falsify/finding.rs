@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use crate::{
-    record::{self, RecordError},
-    results::{program, quoted},
+    artefacts::{
+        cases::{program, quoted},
+        run_files::{self, RecordError},
+    },
     sweep::write_whole,
 };
 
@@ -37,7 +39,7 @@ impl Finding<'_> {
     /// put it among the scenes as it is.
     pub fn write(&self, out: &Path) -> Result<PathBuf, RecordError> {
         let path = self.path(out);
-        record::prepare_for(&path)?;
+        run_files::prepare_for(&path)?;
         write_whole(&path, self.text(&path).as_bytes())?;
         Ok(path)
     }

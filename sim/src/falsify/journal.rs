@@ -10,7 +10,7 @@ use std::{
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::record::{self, RecordError, naming, program_digest};
+use crate::artefacts::run_files::{self, RecordError, naming, program_digest};
 
 use super::{FalsifyError, Profile, wish::Hit};
 
@@ -64,7 +64,7 @@ impl Journal {
         profile: Profile,
         adapter: Option<&str>,
     ) -> Result<(Journal, BTreeMap<u64, Done>), FalsifyError> {
-        record::prepare(out)?;
+        run_files::prepare(out)?;
         let heading = Heading {
             seed,
             profile: profile.name().to_owned(),

@@ -8,8 +8,8 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    artefacts::run_files::Summary,
     check::check,
-    record::Summary,
     render::Renderer,
     run::{RunOptions, run, run_otherwise},
     scene::{Scene, SceneError, SceneFile},

@@ -5,7 +5,9 @@ use std::time::Instant;
 use localizer::{Localizer, Map, Pose, PoseBox, Reading, RobotModel, motion::PointOdometry, reading::Camera};
 use sha2::{Digest, Sha256};
 
-use crate::{drawn::Drawn, frames::FramesPolicy, scene::Scene, sensors::Observation, truth::Truth, world::World};
+use crate::{
+    artefacts::debug_frames::FramesPolicy, drawn::Drawn, scene::Scene, sensors::Observation, truth::Truth, world::World,
+};
 
 use super::range_baselines::Told;
 use super::{Clearance, ImageRecord, MotionBaselines, RunOptions, RunRecord, STEP_S, Timing, Witness};

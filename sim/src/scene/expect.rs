@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::{
+    artefacts::figures::figures,
     check::{Baseline, ErrorTable, Verdict},
-    figures::figures,
 };
 
 use super::conform::nearest;

@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use thiserror::Error;
 
-use crate::{record::RecordError, render::RenderError, scene::SceneError};
+use crate::{artefacts::run_files::RecordError, render::RenderError, scene::SceneError};
 
 /// Why a sweep cannot be carried out. Its text follows "failed to".
 #[derive(Debug, Error)]

@@ -7,7 +7,7 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use crate::record::naming;
+use crate::artefacts::run_files::naming;
 
 use super::{Seeds, Sweep, SweepError, Variable, variable::values_of};
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::{
-    record::{program_digest, scene_digest},
+    artefacts::run_files::{program_digest, scene_digest},
     scene::{SceneFile, SceneTemplate, Setting},
 };
 

@@ -13,9 +13,11 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::{
+    artefacts::{
+        debug_frames::FramesPolicy,
+        run_files::{self, RecordError, naming, replace_whole},
+    },
     check::Verdict,
-    frames::FramesPolicy,
-    record::{self, RecordError, naming, replace_whole},
     run::RunRecord,
 };
 
@@ -65,7 +67,7 @@ const SEAL: &str = "case.json";
 impl Store {
     /// Creates or opens a folder, makes sure that files can be written there, and locks it.
     pub fn open(folder: &Path) -> Result<Store, SweepError> {
-        record::prepare(folder)?;
+        run_files::prepare(folder)?;
         let store = Store { folder: folder.to_owned(), _lock: lock(folder)? };
         // Nobody else works here, so that whatever is half written was left by a process that was killed.
         remove_hidden(&folder.join("cases"))?;
@@ -93,7 +95,7 @@ impl Store {
         verdict: &Verdict,
     ) -> Result<(), RecordError> {
         replace_whole(&case_folder(&self.folder, &case.planned.id), |partial| {
-            record::fill(partial, &case.file, record, verdict, None)?;
+            run_files::fill(partial, &case.file, record, verdict, None)?;
             seal(partial, &case.planned, frames, None)
         })
     }
@@ -148,7 +150,7 @@ pub fn read_case(folder: &Path, id: &str) -> Recorded {
         return Recorded::Failed("its files are not those that were recorded; run the sweep again".to_owned());
     }
     // What cannot be read is as good as missing: the next sweep into the folder runs it again.
-    match record::read(&folder) {
+    match run_files::read(&folder) {
         Ok(Some((summary, timing))) => Recorded::Done { summary, timing },
         _ => Recorded::Missing,
     }

@@ -11,8 +11,8 @@ use std::{
 };
 
 use crate::{
+    artefacts::debug_frames::FramesPolicy,
     check::check,
-    frames::FramesPolicy,
     render::Renderer,
     run::{RunOptions, run, run_otherwise},
 };

@@ -1,6 +1,6 @@
 //! The few figures that a report shows of every combination.
 
-use crate::{figures::Figures, table::greatest_power};
+use crate::artefacts::{figures::Figures, result_table::greatest_power};
 
 /// A figure as people read it.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! The report for a terminal.
 
-use crate::results::{CaseResult, Replay, Results};
+use crate::artefacts::cases::{CaseResult, Replay, Results};
 
 use super::{Group, Overview};
 

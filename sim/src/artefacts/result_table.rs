@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use crate::figures::{Figures, figures};
+use crate::artefacts::figures::{Figures, figures};
 
 mod columns;
 mod layout;

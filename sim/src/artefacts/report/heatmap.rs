@@ -112,7 +112,7 @@ fn value(overview: &Overview, plane: &Plane, measure: &Measure, column: usize, r
     match figures.as_slice() {
         [] => None,
         [only] => (measure.value)(only),
-        several => (measure.value)(&crate::table::pool(several)),
+        several => (measure.value)(&crate::artefacts::result_table::pool(several)),
     }
 }
 

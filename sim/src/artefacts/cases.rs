@@ -8,8 +8,10 @@ use std::{
 use serde_json::Value;
 
 use crate::{
-    figures::{Figures, figures},
-    record::{self, RecordError, naming},
+    artefacts::{
+        figures::{Figures, figures},
+        run_files::{self, RecordError, naming},
+    },
     scene::{Setting, shown},
     sweep::{Plan, Recorded, SweepError, case_folder, read_case, read_plan},
 };
@@ -17,13 +19,13 @@ use crate::{
 mod csv_file;
 #[cfg(feature = "parquet")]
 mod parquet_file;
-mod replay;
+mod command;
 mod table;
 
+pub use command::{Replay, program, quoted};
 pub use csv_file::{from_csv, to_csv};
 #[cfg(feature = "parquet")]
 pub use parquet_file::to_parquet;
-pub use replay::{Replay, program, quoted};
 pub use table::{Cell, Table};
 
 /// All cases in a stable order.
@@ -185,7 +187,7 @@ impl CaseResult {
 
 /// Runs below `folder`; sweeps below it are results of their own and left out.
 fn collect(folder: &Path, cases: &mut Vec<CaseResult>) -> Result<(), RecordError> {
-    if let Some((summary, timing)) = record::read(folder)? {
+    if let Some((summary, timing)) = run_files::read(folder)? {
         let settings = timing["set"].as_array().into_iter().flatten().filter_map(|set| set.as_str()?.parse().ok());
         cases.push(CaseResult {
             id: String::new(),

@@ -11,8 +11,8 @@ use std::{
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records::MessageHeader, records::Metadata};
 
 use crate::{
+    artefacts::run_files::{RecordError, Summary, folder, naming},
     check::Verdict,
-    record::{RecordError, Summary, folder, naming},
     scene::SceneFile,
 };
 

@@ -23,7 +23,12 @@ use localizer::Estimate;
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::{check::Verdict, frames, recording::Recording, run::RunRecord, scene::SceneFile};
+use crate::{
+    artefacts::{debug_frames, recording::Recording},
+    check::Verdict,
+    run::RunRecord,
+    scene::SceneFile,
+};
 
 mod digest;
 mod errands;
@@ -166,14 +171,14 @@ pub(crate) fn fill(
     write("steps.csv", poses::steps_csv(record, verdict))?;
     if let Some(log) = &record.errands {
         write("errands.csv", errands::errands_csv(record, log))?;
-        frames::write_errands(partial, file, record)?;
+        debug_frames::write_errands(partial, file, record)?;
     }
     if let Some(tables) = marker_tables::marker_tables(&file.scene, record) {
         write("marker_tables.md", tables)?;
     }
-    let shown = frames::write(partial, file, record)?;
+    let shown = debug_frames::write(partial, file, record)?;
     if shown == 0 && !verdict.verdict.passed {
-        frames::write_widest(partial, file, record)?;
+        debug_frames::write_widest(partial, file, record)?;
     }
     write("timing.json", format!("{:#}\n", Timing::of(file, record).to_json()))?;
     let summary = Summary::of(file, record, verdict);

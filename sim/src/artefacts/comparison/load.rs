@@ -9,9 +9,11 @@ use std::{
 use thiserror::Error;
 
 use crate::{
-    figures::Figures,
-    record::{RecordError, naming},
-    results::{Results, Table, from_csv, to_csv},
+    artefacts::{
+        cases::{Results, Table, from_csv, to_csv},
+        figures::Figures,
+        run_files::{RecordError, naming},
+    },
     sweep::SweepError,
 };
 

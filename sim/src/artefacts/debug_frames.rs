@@ -6,7 +6,7 @@ use image::{GrayImage, RgbImage};
 use localizer::Reading;
 
 use crate::{
-    record::{RecordError, naming},
+    artefacts::run_files::{RecordError, naming},
     run::{ImageRecord, RunRecord},
     scene::{RangeCamera, SceneFile},
 };

@@ -1,6 +1,6 @@
 //! The columns of the result table: what each is called and which figure it shows.
 
-use crate::figures::Figures;
+use crate::artefacts::figures::Figures;
 
 use super::Line;
 

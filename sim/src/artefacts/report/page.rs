@@ -5,10 +5,12 @@ use std::collections::BTreeSet;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::{
+    artefacts::{
+        cases::{CaseResult, Replay, Results},
+        figures::Figures,
+        result_table,
+    },
     check::Judgement,
-    figures::Figures,
-    results::{CaseResult, Replay, Results},
-    table,
 };
 
 use super::{
@@ -213,7 +215,7 @@ fn groups(overview: &Overview) -> Markup {
 
 /// What each method has to do with it, where several share the work.
 fn methods(overview: &Overview) -> Markup {
-    let parts = table::methods(&overview.figures);
+    let parts = result_table::methods(&overview.figures);
     let count = |part: &Figures, name: &str| part.get(name).copied().unwrap_or_default();
     html! {
         @if !parts.is_empty() {

@@ -2,10 +2,12 @@
 
 use super::{MEASURES, Measure};
 use crate::{
-    figures::Figures,
-    results::{CaseResult, Results},
+    artefacts::{
+        cases::{CaseResult, Results},
+        figures::Figures,
+        result_table::pool,
+    },
     scene::Setting,
-    table::pool,
 };
 
 /// What a report says of all cases.

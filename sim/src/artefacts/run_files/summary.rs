@@ -6,8 +6,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::{
+    artefacts::machine::machine,
     check::Verdict,
-    machine::machine,
     run::{self, RunRecord},
     scene::{SceneFile, Setting},
 };

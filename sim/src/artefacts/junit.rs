@@ -5,8 +5,10 @@ use std::time::Duration;
 use quick_junit::{NonSuccessKind, Report, SerializeError, TestCase, TestCaseStatus, TestSuite};
 
 use crate::{
-    report::first_outside,
-    results::{CaseResult, Replay, Results},
+    artefacts::{
+        cases::{CaseResult, Replay, Results},
+        report::first_outside,
+    },
     sweep::Recorded,
 };
 
