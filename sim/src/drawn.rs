@@ -7,6 +7,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::scene::Distribution;
 
+pub mod cameras;
 mod clip;
 mod draw;
 pub mod markers;

@@ -16,6 +16,7 @@ pub mod coverage;
 pub mod marker_sheet;
 pub mod truth;
 pub mod world;
+pub mod optics;
 pub mod building;
 pub mod light;
 pub mod render;

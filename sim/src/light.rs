@@ -11,7 +11,6 @@ mod lightmap;
 mod occlusion;
 mod people;
 mod source;
-mod spectrum;
 
 pub use bounce::{Bounce, RoomLight, opposite_rectangles_view_factor};
 pub use floor_field::FloorField;
@@ -19,12 +18,12 @@ pub use lightmap::{LightMap, Patch, bake};
 pub use occlusion::Occluders;
 pub use people::nodes_with_people;
 pub use source::{Shape, Source, polygon_irradiance};
-pub use spectrum::{EQUIVALENT_LUMENS_PER_WATT_850_NM, Photons};
 
 use nalgebra::{Point3, Vector3};
 
 use crate::{
     building::{Building, Opening},
+    optics::Photons,
     scene::Scene,
 };
 

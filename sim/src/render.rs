@@ -16,8 +16,8 @@ use crate::{
     building::{Building, UprightBody},
     drawn::Drawn,
     light::{FloorField, bake},
+    optics::Lens,
     scene::{BitDepth, MAX_LAMPS, Scene, SensorModel},
-    sensors::lens::Lens,
 };
 
 mod device;

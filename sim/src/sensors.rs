@@ -1,6 +1,5 @@
 //! Truth to readings: each sensor with its own clock, errors and delay.
 
-pub mod camera;
 mod camera_sensor;
 pub mod delivery;
 pub mod encoder;
@@ -8,7 +7,6 @@ mod fitted_camera;
 pub mod flow;
 pub mod gyro;
 pub mod gyro_bias;
-pub mod lens;
 pub mod proximity;
 pub mod range_camera;
 pub(crate) mod sight;

@@ -5,12 +5,10 @@ use localizer::{Pose, reading::Camera};
 
 use crate::{
     drawn::Drawn,
+    optics::{AutoExposure, Exposure},
     render::{DeepImage, RenderError, RenderedWorld, Renderer, View},
     scene::{BitDepth, Scene, SensorModel},
-    sensors::{
-        FittedCamera,
-        camera::{AutoExposure, Exposure},
-    },
+    sensors::FittedCamera,
     truth::Truth,
 };
 

@@ -1,6 +1,7 @@
 //! The true state of the world at an instant. It reaches the sensors, the check and the record, never the localizer.
 
 use localizer::Pose;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 /// True state of the robot.
 ///
@@ -27,6 +28,16 @@ pub struct Truth {
 }
 
 impl Truth {
+    /// Pose of the body in the world: Rz(heading)·Ry(pitch)·Rx(roll) at (x, y, heave).
+    pub fn world_from_body(&self) -> Isometry3<f64> {
+        let [roll_rad, pitch_rad] = self.tilt_rad;
+        Isometry3::from_parts(
+            Translation3::new(self.pose.x_m, self.pose.y_m, self.heave_m),
+            // nalgebra's Euler angles are exactly this product.
+            UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, self.pose.heading_rad),
+        )
+    }
+
     /// The state at `time_s` on the chord from this one to `later`.
     pub fn interpolated(&self, later: &Truth, time_s: f64) -> Truth {
         let span_s = later.time_s - self.time_s;

@@ -17,9 +17,9 @@ use localizer::{
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 use sim::{
     drawn::Drawn,
+    optics::{Exposure, Lens},
     render::{NoiseKey, Shows, View},
     scene::{Scene, SensorPreset},
-    sensors::{camera::Exposure, lens::Lens},
 };
 
 use crate::render_studio::{exposed, renderer};

@@ -5,9 +5,9 @@ use sim::{
     building::{Building, Material, Part, UprightBody, UprightBox},
     drawn::Drawn,
     light::{
-        LightMap, Lighting, Photons, Shape, Source, bake, nodes_with_people, opposite_rectangles_view_factor,
-        polygon_irradiance,
+        LightMap, Lighting, Shape, Source, bake, nodes_with_people, opposite_rectangles_view_factor, polygon_irradiance,
     },
+    optics::Photons,
     scene::{Scene, Spectrum},
 };
 

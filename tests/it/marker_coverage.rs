@@ -6,9 +6,9 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
     coverage::{Coverage, Field, coverage},
-    drawn::Drawn,
+    drawn::{Drawn, cameras::world_from_camera},
+    optics::Lens,
     scene::Scene,
-    sensors::lens::{Lens, world_from_camera},
     truth::Truth,
 };
 

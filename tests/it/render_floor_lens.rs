@@ -3,7 +3,7 @@
 use image::GrayImage;
 use localizer::Claim;
 use nalgebra::{Isometry3, Translation3};
-use sim::{check::is_true, render::View, sensors::camera::world_from_floor_camera, truth::Truth};
+use sim::{check::is_true, drawn::cameras::world_from_floor_camera, render::View, truth::Truth};
 
 use crate::{
     render_projection::{dark_centroid, marks},
@@ -74,7 +74,7 @@ fn what_a_bent_lens_bends_is_what_the_scene_declares() {
         "[robot.floor_camera]\nscale_tolerance = 0.0\nlens.distortion = [-0.16, 0.03, 0.001, -0.0006, 0.0]\n\
          lens.vignetting = true\nlens.defocus_px = 3.0\nlens.row_time_s = 20e-6\n",
     );
-    let lens = sim::sensors::lens::Lens::floor(
+    let lens = sim::optics::Lens::floor(
         studio.scene.robot.floor_camera.as_ref().unwrap(),
         &studio.drawn.floor_camera.unwrap(),
     );

@@ -6,9 +6,9 @@ use nalgebra::{Isometry3, Translation3};
 use sim::{
     building::{Building, Part},
     drawn::Drawn,
+    optics::Lens,
     render::View,
     scene::Scene,
-    sensors::lens::Lens,
 };
 
 use crate::{

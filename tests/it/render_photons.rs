@@ -1,9 +1,9 @@
 //! Grey levels and their noise against photon counts by hand, and the same bytes for the same noise key.
 
 use sim::{
+    optics::AutoExposure,
     render::{FloorLight, NoiseKey},
     scene::{Light, Room},
-    sensors::camera::AutoExposure,
 };
 
 use crate::render_studio::{Studio, exposed, renderer, standing};

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use image::GrayImage;
 use nalgebra::{Isometry3, Translation3};
-use sim::{drawn::Drawn, render::View, scene::Scene, sensors::lens::Lens};
+use sim::{drawn::Drawn, optics::Lens, render::View, scene::Scene};
 
 use crate::{
     light_of_lamps::black_room,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use sim::{building::UprightBody, drawn::Drawn, render::View, scene::Scene, sensors::lens::Lens};
+use sim::{building::UprightBody, drawn::Drawn, optics::Lens, render::View, scene::Scene};
 
 use crate::{
     light_of_lamps::black_room,

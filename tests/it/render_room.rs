@@ -5,10 +5,9 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3, vector}
 use sim::{
     building::{Building, Panel, UprightBody},
     drawn::Drawn,
-    light::Photons,
+    optics::{Lens, Photons},
     render::{NoiseKey, Shows, View},
     scene::{Band, Scene, SensorModel, SensorPreset, Spectrum},
-    sensors::lens::Lens,
 };
 
 use crate::{light_of_lamps::black_room, render_studio::renderer};

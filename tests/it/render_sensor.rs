@@ -2,9 +2,9 @@
 
 use image::GrayImage;
 use sim::{
+    optics::{AutoExposure, Exposure},
     render::{DeepImage, NoiseKey, View},
     scene::{BitDepth, SensorModel, SensorPreset},
-    sensors::camera::{AutoExposure, Exposure},
 };
 
 use crate::render_studio::{Studio, exposed, renderer, standing};

@@ -8,14 +8,11 @@ use nalgebra::Isometry3;
 use sim::{
     artefacts::debug_frames::FramesPolicy,
     check::Verdict,
-    drawn::{Drawn, DrawnFloorCamera},
+    drawn::{Drawn, DrawnFloorCamera, cameras::world_from_floor_camera},
+    optics::{Exposure, Lens},
     render::{NoiseKey, Renderer, Shows, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
-    sensors::{
-        camera::{Exposure, world_from_floor_camera},
-        lens::Lens,
-    },
     truth::Truth,
 };
 

@@ -6,8 +6,8 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 use sim::{
     building::Building,
     drawn::{Drawn, DrawnCamera},
+    optics::Lens,
     scene::{Calibration, Scene},
-    sensors::lens::Lens,
 };
 
 use crate::world_setup::scene;

@@ -10,9 +10,10 @@ mod range;
 use std::collections::BTreeSet;
 
 use crate::{
+    drawn::cameras::world_from_floor_camera,
+    optics::Lens,
     run::{ImageRecord, RunRecord},
     scene::{CameraTiming, FloorCamera, MethodName, Scene},
-    sensors::{camera::world_from_floor_camera, lens::Lens},
 };
 
 use super::verdict::Violation;

@@ -7,13 +7,10 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::markers;
 use crate::{
-    drawn::{Drawn, DrawnFloorCamera},
+    drawn::{Drawn, DrawnFloorCamera, cameras::world_from_camera, cameras::world_from_floor_camera},
+    optics::Lens,
     run::{ImageRecord, RunRecord},
     scene::Scene,
-    sensors::{
-        camera::world_from_floor_camera,
-        lens::{Lens, world_from_camera},
-    },
     truth::Truth,
 };
 

@@ -9,13 +9,11 @@ use localizer::{
 use nalgebra::Point3;
 
 use crate::{
-    drawn::{Drawn, DrawnMarker, markers::DOT_RADIUS_M},
+    drawn::{Drawn, DrawnMarker, cameras::world_from_camera, markers::DOT_RADIUS_M},
+    optics::Lens,
     run::{ImageRecord, PaperAnswer, RunRecord},
     scene::Scene,
-    sensors::{
-        lens::{Lens, world_from_camera},
-        sight::Obstacles,
-    },
+    sensors::sight::Obstacles,
     truth::Truth,
 };
 

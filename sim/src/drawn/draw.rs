@@ -6,9 +6,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::{
     navigation::Planner,
+    optics::{Lens, mounts},
     randomness::stream,
     scene::{Calibration, CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene},
-    sensors::lens::{self, Lens},
 };
 
 use super::{
@@ -72,8 +72,8 @@ impl DrawnCamera {
     pub fn forward(camera: &ForwardCamera) -> DrawnCamera {
         let size_px = [camera.width_px, camera.height_px].map(f64::from);
         DrawnCamera {
-            body_from_camera: lens::body_from_forward_camera(camera),
-            focal_px: [lens::forward_focal_px(camera); 2],
+            body_from_camera: mounts::body_from_forward_camera(camera),
+            focal_px: [mounts::forward_focal_px(camera); 2],
             principal_point_px: size_px.map(|size| (size - 1.0) / 2.0),
             distortion: camera.lens.distortion,
         }
@@ -82,7 +82,7 @@ impl DrawnCamera {
     /// The ceiling camera without any error.
     pub fn ceiling(camera: &CeilingCamera) -> DrawnCamera {
         DrawnCamera {
-            body_from_camera: lens::body_from_ceiling_camera(camera),
+            body_from_camera: mounts::body_from_ceiling_camera(camera),
             focal_px: camera.focal_px,
             principal_point_px: camera.principal_point_px,
             distortion: camera.lens.distortion,
@@ -206,7 +206,7 @@ fn draw_camera(
     let scale = 1.0 + draw_within(calibration.focal_tolerance, errors, rng);
     let tolerance_px = calibration.principal_point_tolerance_px;
     DrawnCamera {
-        body_from_camera: lens::misplaced(nominal.body_from_camera, tilt_rad, yaw_rad, shift_m),
+        body_from_camera: mounts::misplaced(nominal.body_from_camera, tilt_rad, yaw_rad, shift_m),
         focal_px: nominal.focal_px.map(|focal_px| focal_px * scale),
         principal_point_px: nominal.principal_point_px.map(|at_px| at_px + draw_within(tolerance_px, errors, rng)),
         ..nominal

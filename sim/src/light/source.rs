@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3, vector};
 
-use super::Photons;
+use crate::optics::Photons;
 use crate::{
     building::Building,
     scene::{Lamp, LampKind, Scene, Spectrum},

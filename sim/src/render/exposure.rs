@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Vector2};
 
 use super::View;
-use crate::sensors::camera::Intrinsics;
+use crate::optics::Intrinsics;
 
 /// Sub-frames at most, as in view.wgsl; a longer blur widens the filter of each.
 pub(super) const MAX_SUB_FRAMES: usize = 32;

@@ -11,7 +11,7 @@ use super::{
     floor::LAMPLIGHT_PX,
     target::{LUMINANCE_FORMAT, linear},
 };
-use crate::sensors::{camera::Intrinsics, lens::Lens};
+use crate::optics::{Intrinsics, Lens};
 
 mod map;
 

@@ -10,7 +10,7 @@ use super::{
     photons::{PhotonPass, PhotonSlot},
     room::RoomSlot,
 };
-use crate::{scene::BitDepth, sensors::lens::Lens};
+use crate::{optics::Lens, scene::BitDepth};
 
 /// Luminance in cd/m², averaged over the exposure.
 pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;

@@ -11,7 +11,8 @@ use localizer::{
 };
 
 use crate::{
-    sensors::{camera::AutoExposure, lens::forward_focal_px, range_camera::FIRST_S},
+    optics::{AutoExposure, mounts::forward_focal_px},
+    sensors::range_camera::FIRST_S,
     world::STEP_S,
 };
 

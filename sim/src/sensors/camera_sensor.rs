@@ -7,17 +7,14 @@ use localizer::{Reading, reading::Camera};
 
 use crate::{
     drawn::{Drawn, Repeated},
+    optics::{AutoExposure, Exposure},
     randomness,
     render::View,
     scene::{CameraTiming, Event, Scene},
     truth::Truth,
 };
 
-use super::{
-    Observation,
-    camera::{AutoExposure, Exposure},
-    fitted_camera::FittedCamera,
-};
+use super::{Observation, fitted_camera::FittedCamera};
 
 /// A camera that takes an image every period.
 pub struct CameraSensor {

@@ -5,16 +5,15 @@ use nalgebra::Isometry3;
 use rand::Rng;
 
 use crate::{
-    drawn::{Drawn, DrawnCamera, DrawnFloorCamera},
+    drawn::{
+        Drawn, DrawnCamera, DrawnFloorCamera,
+        cameras::{world_from_camera, world_from_floor_camera},
+    },
+    optics::{Exposure, Lens},
     randomness,
     render::{NoiseKey, Shows, View},
     scene::{Scene, SensorModel},
     truth::Truth,
-};
-
-use super::{
-    camera::{Exposure, world_from_floor_camera},
-    lens::{Lens, world_from_camera},
 };
 
 /// One of the robot's cameras, with the mount, the lens and the noise of its own.

@@ -18,7 +18,7 @@ use crate::{
     world::Bystander,
 };
 
-use super::{Observation, camera::world_from_body, sight::Obstacles};
+use super::{Observation, sight::Obstacles};
 
 /// Time of the first reading: no stamp is to lie before the start of the clock, whatever its error.
 pub(crate) const FIRST_S: f64 = 0.1;
@@ -132,7 +132,7 @@ pub fn world_from_range_camera(truth: &Truth, mount: &DrawnRangeCamera, height_m
     // Columns are sensor x, y, z in the robot frame: right is −y, down is −z, forward is x.
     let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
     let ahead = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns));
-    world_from_body(truth) * body_from_mount * ahead
+    truth.world_from_body() * body_from_mount * ahead
 }
 
 /// Takes a landmark for another one now and then, within the bounds that the scene declares.

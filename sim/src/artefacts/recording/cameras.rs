@@ -5,8 +5,8 @@ use nalgebra::{Isometry3, Translation3};
 
 use crate::{
     drawn::DrawnCamera,
+    optics::{Intrinsics, mounts::mount_from_looking_down},
     scene::Scene,
-    sensors::camera::{Intrinsics, mount_from_looking_down},
 };
 
 /// Names of a camera's frame and topics.

@@ -4,9 +4,9 @@ use std::fmt::Write;
 
 use crate::{
     check::{confidence_correlations, marker_counts, midpoint},
+    drawn::cameras::world_from_camera,
     run::{ImageRecord, PaperAnswer, RunRecord},
     scene::Scene,
-    sensors::lens::world_from_camera,
 };
 
 const CENTIMETRES: f64 = 100.0;

@@ -5,9 +5,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::{
     drawn::{DrawnCamera, DrawnMarker},
+    optics::Lens,
     run::RunRecord,
     scene::{Marker, MethodName, Scene},
-    sensors::lens::Lens,
 };
 
 use super::{Monitor, constant, stamps};

@@ -2,9 +2,9 @@
 
 use crate::{
     drawn::DrawnCamera,
+    optics::Lens,
     run::RunRecord,
     scene::{MethodName, Scene},
-    sensors::lens::Lens,
 };
 
 use super::{

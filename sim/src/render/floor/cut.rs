@@ -10,13 +10,13 @@ use super::{
 use crate::{
     drawn::{Drawn, LaidTiles},
     light::FloorField,
+    optics::Intrinsics,
     render::{
         FloorLight, RenderError, View,
         exposure::{MAX_SUB_FRAMES, Path, interpolate},
         lens::LensSlot,
     },
     scene::{Pattern, Plan, Region, Scene, Stray, Tiles},
-    sensors::camera::Intrinsics,
 };
 
 /// By the scene's definition of the stripes' pattern: a fifth of the tile apart.

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{DMatrix, Dyn, OMatrix, U2};
 
-use crate::{render::RenderError, sensors::lens::Lens};
+use crate::{optics::Lens, render::RenderError};
 
 /// A plate more than this many times as wide as the image would come from a distortion that no real lens has.
 const WIDEST_PLATE: f64 = 3.0;

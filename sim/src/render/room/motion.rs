@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::{
     building::{Panel, UprightBody},
-    sensors::lens::Lens,
+    optics::Lens,
 };
 
 /// Blur that is drawn as one sub-frame: below the width of the pixel's own filter and the bilinear one together.

@@ -7,9 +7,9 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, VertexFormat
 use super::layouts::{Vertices, constant, sampler, stored, texture, uniform, vertices};
 use crate::{
     building::{Material, Texture},
+    optics::Lens,
     render::target::{LUMINANCE_FORMAT, linear},
     scene::Band,
-    sensors::lens::Lens,
 };
 
 const SURFACE_SHADER: &str = concat!(

@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Point3, Vector2};
 use super::faces::cells_along;
 use crate::{
     building::{Panel, Part},
-    sensors::lens::Lens,
+    optics::Lens,
 };
 
 /// Narrower panels are drawn as strips. From two pixels on, each of both edges has pixels of its own.

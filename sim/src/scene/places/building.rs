@@ -4,8 +4,8 @@ use nalgebra::Point3;
 
 use crate::{
     building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
+    optics::Lens,
     scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene, parse::Contradiction},
-    sensors::lens::Lens,
 };
 
 /// How far outside of the robot's room a lamp or a door may be when there are further rooms.
@@ -183,7 +183,7 @@ fn lamp_problem(scene: &Scene, rooms: &[Enclosure], walls: &[Side], lamp: &Lamp)
 fn lenses(scene: &Scene, found: &mut Vec<Contradiction>) {
     let robot = &scene.robot;
     let forward = robot.forward_camera.as_ref().map(|camera| {
-        let focal_px = crate::sensors::lens::forward_focal_px(camera);
+        let focal_px = crate::optics::mounts::forward_focal_px(camera);
         ("robot.forward_camera", Lens::ideal([camera.width_px, camera.height_px], focal_px), &camera.lens)
     });
     let ceiling = robot.ceiling_camera.as_ref().map(|camera| {

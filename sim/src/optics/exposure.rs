@@ -1,56 +1,16 @@
-//! The cameras' geometry and electronics: pose of the lens, light to electrons, exposure control.
+//! How long a camera exposes and how much it amplifies: from luminance to electrons, and automatic exposure.
 
 use std::f64::consts::PI;
 
 use image::GrayImage;
-use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 
-use crate::{drawn::DrawnFloorCamera, scene::SensorModel, truth::Truth};
+use crate::scene::SensorModel;
 
 /// Photons at 555 nm per second, square metre and lux.
 ///
 /// 1 lx = 1 lm/m² = (1/683) W/m² at 555 nm (the definition of the candela), and a photon carries
 /// h·c/λ = 6.62607e-34 · 2.99792e8 / 555e-9 = 3.5792e-19 J.
 const PHOTONS_PER_LUX_SECOND_M2: f64 = 1.0 / 683.0 / (6.626_070_15e-34 * 299_792_458.0 / 555e-9);
-
-/// A pinhole projection without distortion; image u right, v down, (0, 0) the centre of the first pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Intrinsics {
-    /// Image width and height.
-    pub size_px: [u32; 2],
-    /// Focal length.
-    pub focal_px: f64,
-    /// Where the optical axis meets the image.
-    pub principal_point_px: [f64; 2],
-}
-
-impl Intrinsics {
-    /// A lens in front of the middle of the image.
-    pub fn centred(size_px: [u32; 2], focal_px: f64) -> Intrinsics {
-        let principal_point_px = size_px.map(|size| (f64::from(size) - 1.0) / 2.0);
-        Intrinsics { size_px, focal_px, principal_point_px }
-    }
-
-    /// Image of a point in the camera frame, which must lie in front of it.
-    pub fn project(&self, point_in_camera: [f64; 3]) -> [f64; 2] {
-        let [x, y, z] = point_in_camera;
-        let [cu, cv] = self.principal_point_px;
-        [cu + self.focal_px * x / z, cv + self.focal_px * y / z]
-    }
-
-    /// Direction in the camera frame in which a pixel looks, at depth 1.
-    pub fn ray(&self, pixel: [f64; 2]) -> Vector3<f64> {
-        let [cu, cv] = self.principal_point_px;
-        vector![(pixel[0] - cu) / self.focal_px, (pixel[1] - cv) / self.focal_px, 1.0]
-    }
-
-    /// Where the ray of a pixel meets the floor plane of the world; `None` above the horizon.
-    pub fn floor_point(&self, world_from_camera: &Isometry3<f64>, pixel: [f64; 2]) -> Option<Point3<f64>> {
-        let ray = world_from_camera.rotation * self.ray(pixel);
-        let centre = world_from_camera.translation.vector;
-        (ray.z < 0.0).then(|| Point3::from(centre - ray * (centre.z / ray.z)))
-    }
-}
 
 impl SensorModel {
     /// Electrons per cd/m² of the surface seen.
@@ -64,33 +24,6 @@ impl SensorModel {
             * self.quantum_efficiency
             * PHOTONS_PER_LUX_SECOND_M2
     }
-}
-
-/// Pose of the body: Rz(heading)·Ry(pitch)·Rx(roll) at (x, y, heave).
-pub fn world_from_body(truth: &Truth) -> Isometry3<f64> {
-    let [roll_rad, pitch_rad] = truth.tilt_rad;
-    Isometry3::from_parts(
-        Translation3::new(truth.pose.x_m, truth.pose.y_m, truth.heave_m),
-        // nalgebra's Euler angles are exactly this product.
-        UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, truth.pose.heading_rad),
-    )
-}
-
-/// Pose of the floor camera as it is truly mounted on the body's true posture.
-pub fn world_from_floor_camera(truth: &Truth, camera: &DrawnFloorCamera) -> Isometry3<f64> {
-    let [forward_m, left_m] = camera.position_m;
-    let tilt = vector![camera.tilt_rad[0], camera.tilt_rad[1], 0.0];
-    let body_from_mount = Isometry3::from_parts(
-        Translation3::new(forward_m, left_m, camera.height_m),
-        UnitQuaternion::from_scaled_axis(tilt) * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera.yaw_rad),
-    );
-    world_from_body(truth) * body_from_mount * mount_from_looking_down()
-}
-
-/// Nominal attitude: image right is robot right (−y), image down is robot backward (−x), forward is down (−z).
-pub(crate) fn mount_from_looking_down() -> UnitQuaternion<f64> {
-    let columns = Matrix3::new(0.0, -1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
 }
 
 /// How one image is exposed.

@@ -1,14 +1,6 @@
-//! Lenses of cameras: projection with distortion, and where a camera that looks ahead or up truly is.
+//! A lens before a sensor: projection with distortion, and the way back.
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
-
-use super::camera::world_from_body;
-use crate::{
-    drawn::{DrawnCamera, DrawnFloorCamera},
-    light::EQUIVALENT_LUMENS_PER_WATT_850_NM,
-    scene::{Band, CeilingCamera, FloorCamera, ForwardCamera, LensKeys},
-    truth::Truth,
-};
+use crate::scene::Band;
 
 /// A lens before a sensor: how it projects and what else it does to the light.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,43 +39,6 @@ impl Lens {
             band: Band::Visible,
             ring_candela: 0.0,
         }
-    }
-
-    /// The floor camera's, as drawn.
-    pub fn floor(camera: &FloorCamera, drawn: &DrawnFloorCamera) -> Lens {
-        let ideal = Lens::ideal([camera.width_px, camera.height_px], drawn.focal_px);
-        Lens { vignetting: camera.lens.vignetting.unwrap_or(false), ..ideal.with(&camera.lens, drawn.distortion) }
-    }
-
-    /// The forward camera's, as drawn.
-    pub fn forward(camera: &ForwardCamera, drawn: &DrawnCamera) -> Lens {
-        let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
-        ideal.mounted(&camera.lens, drawn).seeing(camera.band, camera.ring_intensity_w_per_sr)
-    }
-
-    /// The ceiling camera's, as drawn.
-    pub fn ceiling(camera: &CeilingCamera, drawn: &DrawnCamera) -> Lens {
-        let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
-        ideal.mounted(&camera.lens, drawn).seeing(camera.band, camera.ring_intensity_w_per_sr)
-    }
-
-    /// Behind a filter, with a ring of infrared diodes around it, which only an infrared camera sees.
-    fn seeing(self, band: Band, ring_intensity_w_per_sr: f64) -> Lens {
-        let ring_candela = match band {
-            Band::Infrared => ring_intensity_w_per_sr * EQUIVALENT_LUMENS_PER_WATT_850_NM,
-            Band::Visible => 0.0,
-        };
-        Lens { band, ring_candela, ..self }
-    }
-
-    fn mounted(self, keys: &LensKeys, drawn: &DrawnCamera) -> Lens {
-        let placed = Lens { focal_px: drawn.focal_px, principal_point_px: drawn.principal_point_px, ..self };
-        placed.with(keys, drawn.distortion)
-    }
-
-    fn with(self, keys: &LensKeys, distortion: [f64; 5]) -> Lens {
-        let (vignetting, defocus_px) = (keys.vignetting.unwrap_or(true), keys.defocus_px);
-        Lens { distortion, vignetting, defocus_px, row_time_s: keys.row_time_s, ..self }
     }
 
     /// Time from the start of the first row's exposure to that of the last.
@@ -165,49 +120,4 @@ impl Lens {
             [fv * mixed, fv * (radial + y * y * growth + 6.0 * p1 * y + 2.0 * p2 * x)],
         ]
     }
-}
-
-/// Pose of a camera as it is truly mounted on the body's true posture.
-pub fn world_from_camera(truth: &Truth, drawn: &DrawnCamera) -> Isometry3<f64> {
-    world_from_body(truth) * drawn.body_from_camera
-}
-
-/// Nominal pose of the forward camera: image right is robot right (−y), image down is robot down, tilted up about the image's u axis.
-pub(crate) fn body_from_forward_camera(camera: &ForwardCamera) -> Isometry3<f64> {
-    // Columns are the camera's axes in the body's frame.
-    let level = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
-    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), camera.yaw_deg.to_radians());
-    let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), camera.tilt_up_deg.to_radians());
-    Isometry3::from_parts(
-        Translation3::new(camera.forward_m, camera.left_m, camera.height_m),
-        yaw * attitude(level) * tilt,
-    )
-}
-
-/// Nominal pose of the ceiling camera: image right is robot right (−y), image down is robot forward, forward is up; then it leans.
-pub(crate) fn body_from_ceiling_camera(camera: &CeilingCamera) -> Isometry3<f64> {
-    let upward = Matrix3::new(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
-    let lean = leaning([camera.lean_forward_deg, camera.lean_left_deg].map(f64::to_radians));
-    Isometry3::from_parts(Translation3::new(camera.forward_m, camera.left_m, camera.height_m), lean * attitude(upward))
-}
-
-/// Focal lengths of the forward camera by its angle of view: half the width over the tangent of half the angle.
-pub(crate) fn forward_focal_px(camera: &ForwardCamera) -> f64 {
-    f64::from(camera.width_px) / 2.0 / (camera.horizontal_view_deg.to_radians() / 2.0).tan()
-}
-
-/// A pose off its nominal one: tipped towards forward and left, then turned about the vertical, and shifted.
-pub(crate) fn misplaced(pose: Isometry3<f64>, tilt_rad: [f64; 2], yaw_rad: f64, shift_m: [f64; 3]) -> Isometry3<f64> {
-    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
-    let shift = Translation3::from(Vector3::from(shift_m));
-    Isometry3::from_parts(shift * pose.translation, yaw * leaning(tilt_rad) * pose.rotation)
-}
-
-/// The turn about a level axis that tips the vertical by these angles towards forward and left.
-fn leaning([forward_rad, left_rad]: [f64; 2]) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_scaled_axis(vector![-left_rad, forward_rad, 0.0])
-}
-
-fn attitude(columns: Matrix3<f64>) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns))
 }
