@@ -44,7 +44,13 @@ pub fn check(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
     let judged = methods::false_claims(scene, record);
     let misperceived = methods::misperceived(scene, record, &judged);
     let false_claims: Vec<usize> = judged.iter().map(|judged| judged.total()).collect();
-    let (containment, judgements) = judge::containment(scene, record, &violations, &misperceived, replay)?;
+    let (containment, judgements) = match record.has_boxes {
+        true => {
+            let (containment, judgements) = judge::containment(scene, record, &violations, &misperceived, replay)?;
+            (Some(containment), judgements)
+        }
+        false => (None, Vec::new()),
+    };
     let midpoints: Vec<Pose> =
         record.estimates.iter().map(|estimate| statistics::midpoint(&estimate.pose.hull())).collect();
     let truths: Vec<Pose> = record.truths.iter().map(|truth| truth.pose).collect();
@@ -57,9 +63,9 @@ pub fn check(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
             at_fix: Some(Box::new(statistics::errors_at_fix(record))),
             ..statistics::errors(&midpoints, &truths)
         },
-        width: statistics::widths(record),
-        power: statistics::power(record),
-        availability: availability(scene, record),
+        width: record.has_boxes.then(|| statistics::widths(record)),
+        power: record.has_boxes.then(|| statistics::power(record)),
+        availability: record.has_boxes.then(|| availability(scene, record)),
         methods: methods::counts(record, &false_claims),
         baselines,
         metrics: metrics(scene, record, &judged),
@@ -140,13 +146,15 @@ fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMa
         |index: usize| record.estimates.get(index).map_or(0, |estimate| estimate.pose.branches.len()) as f64;
     let most = record.estimates.iter().map(|estimate| estimate.pose.branches.len()).max().unwrap_or(0);
     let recovering = record.estimates.iter().filter(|estimate| estimate.status == Status::Recovering).count();
-    let mut metrics = BTreeMap::from([
-        ("distance_m".to_string(), distance_m),
-        ("branches_max".to_string(), most as f64),
-        ("branches_at_end".to_string(), n_branches(record.estimates.len().saturating_sub(1))),
-        ("recovering_share".to_string(), share(recovering, record.estimates.len())),
-        ("longest_outside_s".to_string(), longest_outside_s(record)),
-    ]);
+    let mut metrics = BTreeMap::from([("distance_m".to_string(), distance_m)]);
+    if record.has_boxes {
+        metrics.extend([
+            ("branches_max".to_string(), most as f64),
+            ("branches_at_end".to_string(), n_branches(record.estimates.len().saturating_sub(1))),
+            ("recovering_share".to_string(), share(recovering, record.estimates.len())),
+            ("longest_outside_s".to_string(), longest_outside_s(record)),
+        ]);
+    }
     metrics.extend(landmarks::metrics(scene, record));
     metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));

@@ -24,6 +24,7 @@ pub mod sensors;
 pub mod still;
 pub mod navigation;
 pub mod driver;
+pub mod subject;
 pub mod run;
 pub mod check;
 pub mod weaken;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use localizer::{Estimate, Localizer, reading::Camera};
+use localizer::{Estimate, reading::Camera};
 use thiserror::Error;
 
 use crate::{
@@ -15,8 +15,8 @@ use crate::{
         },
         run_files::estimates_digest,
     },
-    run::localizer,
     scene::{Scene, SceneError},
+    subject::{Answer, IntervalLocalizer, Subject},
 };
 
 /// Why a recording cannot be replayed. Its text follows "failed to".
@@ -58,7 +58,7 @@ impl Replay {
 pub fn replay(path: &Path, other: Option<&Scene>) -> Result<Replay, ReplayError> {
     let mut replayer = Replayer {
         path,
-        subject: other.map(|scene| (scene.clone(), localizer(scene))),
+        subject: other.map(|scene| (scene.clone(), IntervalLocalizer::of(scene))),
         stamp: None,
         offset_s: 0.0,
         found: Replay::default(),
@@ -70,7 +70,7 @@ pub fn replay(path: &Path, other: Option<&Scene>) -> Result<Replay, ReplayError>
 struct Replayer<'a> {
     path: &'a Path,
     /// The localizer with the scene that it was told of.
-    subject: Option<(Scene, Localizer)>,
+    subject: Option<(Scene, IntervalLocalizer)>,
     /// Of the image that comes next.
     stamp: Option<ImageStamp>,
     offset_s: f64,
@@ -84,7 +84,7 @@ impl Replayer<'_> {
                 if self.subject.is_none() {
                     let file = format!("scene.toml in {}", self.path.display());
                     let scene = Scene::parse_beside(text, &file, None)?;
-                    let localizer = localizer(&scene);
+                    let localizer = IntervalLocalizer::of(&scene);
                     self.subject = Some((scene, localizer));
                 }
             }
@@ -109,9 +109,11 @@ impl Replayer<'_> {
             exact::START => {
                 let start = Start::decode(message)?;
                 self.offset_s = start.offset_s;
-                if let Some(index) = start.station {
-                    localizer.restart(scene.at_station(scene.stations.get(index)?).start_box());
-                }
+                let start_box = match start.station {
+                    Some(index) => scene.at_station(scene.stations.get(index)?).start_box(),
+                    None => scene.start_box(),
+                };
+                localizer.start(&start_box);
             }
             exact::IMAGE_STAMP => self.stamp = Some(ImageStamp::decode(message)?),
             exact::WHEELS | exact::GYRO | exact::FLOW | exact::RANGE => {
@@ -119,7 +121,9 @@ impl Replayer<'_> {
             }
             exact::ESTIMATE => {
                 let recorded = RecordedEstimate::decode(message)?;
-                let mut estimate = localizer.estimate_at(recorded.time_s - self.offset_s);
+                let Answer::Boxes(mut estimate) = localizer.estimate_at(recorded.time_s - self.offset_s) else {
+                    return None;
+                };
                 estimate.time_s += self.offset_s;
                 // Bytes, as −0 equals 0 and no NaN equals itself.
                 if RecordedEstimate::of(&estimate).encode() != message {

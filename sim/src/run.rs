@@ -9,12 +9,11 @@ mod motion_baselines;
 mod motion_sensors;
 mod range_baselines;
 mod recorder;
-mod setup;
 mod witness;
 
 use std::time::Instant;
 
-use localizer::{Estimate, Interval, Localizer, PoseBox, PoseUnion, Reading, Status, motion::SlipExcess};
+use localizer::{Reading, motion::SlipExcess};
 
 use crate::{
     artefacts::debug_frames::FramesPolicy,
@@ -23,7 +22,7 @@ use crate::{
     render::{RenderError, Renderer},
     scene::Scene,
     sensors::{Sensors, Stage},
-    truth::Truth,
+    subject::{Subject, SubjectOf, exactly_at},
     world::{WheelCommand, World},
 };
 
@@ -35,7 +34,6 @@ pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use motion_baselines::MotionBaselines;
 pub use motion_sensors::{FlowSight, GyroSight, MotionSensors};
 pub use range_baselines::{Answers, RangeBaselines};
-pub(crate) use setup::localizer;
 pub use witness::Witness;
 
 use counterfactual::Otherwise;
@@ -51,30 +49,28 @@ const PHYSICS_STEPS: usize = 10;
 pub struct RunOptions {
     /// Which images stay in the record, for debug frames.
     pub keep_images: FramesPolicy,
-    /// Makes the localizer of what a scene tells, for the run and for whatever is simulated of it again; ours unless stated.
-    pub localizer: Option<LocalizerOf>,
 }
 
-/// Makes a localizer of what a scene tells it.
-pub type LocalizerOf = fn(&Scene) -> Localizer;
-
-/// Runs the scene with one seed: its route, or its stations one after another. `progress` is told the simulated time now and then.
+/// Runs the scene with one seed: its route, or its stations one after another. `subject` is given all readings, and where the scene drives by
+/// estimates, it is driven by the subject's. `progress` is told the simulated time now and then.
 ///
 /// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
 pub fn run(
     scene: &Scene,
     seed: u64,
+    subject: &mut dyn Subject,
     renderer: Option<&mut Renderer>,
     options: &RunOptions,
     progress: &mut dyn FnMut(f64),
 ) -> Result<RunRecord, RenderError> {
-    run_witnessed(scene, seed, renderer, options, &mut (), progress)
+    run_witnessed(scene, seed, subject, renderer, options, &mut (), progress)
 }
 
 /// Runs like [`run`] while `witness` looks on.
 pub fn run_witnessed(
     scene: &Scene,
     seed: u64,
+    subject: &mut dyn Subject,
     renderer: Option<&mut Renderer>,
     options: &RunOptions,
     witness: &mut dyn Witness,
@@ -83,26 +79,28 @@ pub fn run_witnessed(
     let drawn = Drawn::draw(scene, seed);
     let asked = Counterfactual::default();
     let as_it_is = Simulation { seed, otherwise: asked.of(scene, &drawn), asked: &asked, commands: None };
-    as_it_is.run(renderer, options, witness, progress)
+    as_it_is.run(subject, renderer, options, witness, progress)
 }
 
-/// Simulates a recorded run again, by its commands, with something otherwise; it keeps no images and asks no baselines.
+/// Simulates a recorded run again, by its commands, with something otherwise; it keeps no images and asks no baselines. `subject_of` makes the
+/// subject anew of what the scene then tells it.
 ///
 /// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
 pub fn run_otherwise(
     scene: &Scene,
     record: &RunRecord,
     asked: &Counterfactual,
+    subject_of: &SubjectOf<'_>,
     renderer: Option<&mut Renderer>,
     progress: &mut dyn FnMut(f64),
 ) -> Result<RunRecord, RenderError> {
     let otherwise = asked.of(scene, &record.drawn);
     let again = Simulation { seed: record.seed, otherwise, asked, commands: Some(&record.commands) };
-    let options = RunOptions { localizer: record.localizer, ..RunOptions::default() };
-    again.run(renderer, &options, &mut (), progress)
+    let mut subject = subject_of(&again.otherwise.told);
+    again.run(&mut *subject, renderer, &RunOptions::default(), &mut (), progress)
 }
 
-/// One run: what is simulated, what the localizer is told, and who drives.
+/// One run: what is simulated, what the subject is told, and who drives.
 struct Simulation<'a> {
     seed: u64,
     otherwise: Otherwise<'a>,
@@ -121,25 +119,23 @@ struct Drive<'a> {
 impl Simulation<'_> {
     fn run(
         &self,
+        subject: &mut dyn Subject,
         renderer: Option<&mut Renderer>,
         options: &RunOptions,
         witness: &mut dyn Witness,
         progress: &mut dyn FnMut(f64),
     ) -> Result<RunRecord, RenderError> {
         let began = Instant::now();
-        let Otherwise { world: scene, told, drawn } = &self.otherwise;
+        let Otherwise { world: scene, drawn, .. } = &self.otherwise;
         let adapter = renderer.as_deref().map(Renderer::adapter);
         let mut record = Recorder::new(scene, self.seed, drawn.clone(), adapter, options, witness);
         record.asks_baselines = self.commands.is_none();
-        record.history.localizer = options.localizer;
-        let mut localizer = options.localizer.unwrap_or(localizer)(told);
-        localizer.expect_slip(self.slips(0.0));
         let built = scene.as_built(drawn);
         let mut stage = renderer.map(|renderer| Stage::new(&built, drawn, renderer)).transpose()?;
         if scene.stations.is_empty() {
             record.witness.start(0.0, None);
             let all = Drive { scene, seed: self.seed, drawn };
-            self.drive(&all, stage.as_mut(), &mut localizer, &mut record, progress)?;
+            self.drive(&all, stage.as_mut(), subject, &mut record, progress)?;
         }
         for (index, station) in scene.stations.iter().enumerate() {
             let here = scene.at_station(station);
@@ -150,10 +146,8 @@ impl Simulation<'_> {
             if self.has_ended(&record, 0.0) {
                 break;
             }
-            localizer.restart(here.start_box());
-            localizer.expect_slip(self.slips(record.offset_s));
             let one = Drive { scene: &here, seed: noise_seed, drawn: &drawn_here };
-            self.drive(&one, stage.as_mut(), &mut localizer, &mut record, progress)?;
+            self.drive(&one, stage.as_mut(), subject, &mut record, progress)?;
         }
         Ok(record.finish(began))
     }
@@ -163,7 +157,7 @@ impl Simulation<'_> {
         &self,
         &Drive { scene, seed, drawn }: &Drive<'_>,
         mut stage: Option<&mut Stage<'_>>,
-        localizer: &mut Localizer,
+        subject: &mut dyn Subject,
         record: &mut Recorder<'_>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<(), RenderError> {
@@ -171,22 +165,24 @@ impl Simulation<'_> {
         let mut world = World::new(&built, drawn);
         let mut sensors = Sensors::new(&built, seed, drawn, stage.as_deref());
         let mut pilot = Pilot::new(scene, drawn);
-        self.look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
-        record.step(&world.truth(), localizer);
+        subject.start(&scene.start_box());
+        subject.expect_slip(self.slips(record.offset_s));
+        self.look(&world, &mut sensors, stage.as_deref_mut(), subject, record)?;
+        record.step(&world.truth(), subject);
         record.room_left(&built, &world);
         for step in 0..(scene.duration_s / STEP_S).round() as usize {
             let time_s = step as f64 * STEP_S;
             let command = match self.commands {
                 Some(commands) => commands.get(record.history.commands.len()).copied(),
-                None => self.ask(&mut pilot, scene, &world, &mut sensors, localizer, time_s),
+                None => self.ask(&mut pilot, scene, &world, &mut sensors, subject, time_s),
             };
             let Some(command) = command.filter(|_| !self.has_ended(record, time_s)) else { break };
             record.history.commands.push(command);
             for _ in 0..PHYSICS_STEPS {
                 record.timed(|timing| &mut timing.world_s, || world.step(command));
-                self.look(&world, &mut sensors, stage.as_deref_mut(), localizer, record)?;
+                self.look(&world, &mut sensors, stage.as_deref_mut(), subject, record)?;
             }
-            record.step(&world.truth(), localizer);
+            record.step(&world.truth(), subject);
             record.room_left(&built, &world);
             if step % 50 == 0 {
                 progress(record.offset_s + time_s);
@@ -203,18 +199,23 @@ impl Simulation<'_> {
         scene: &Scene,
         world: &World,
         sensors: &mut Sensors,
-        localizer: &Localizer,
+        subject: &dyn Subject,
         time_s: f64,
     ) -> Option<WheelCommand> {
         if pilot.is_done(time_s) {
             return None;
         }
         let fan = sensors.look_out(&world.truth(), &world.people());
-        let believed = if scene.is_led() { seen(&world.truth()) } else { localizer.estimate_at(world.truth().time_s) };
+        let truth = world.truth();
+        let believed = if scene.is_led() {
+            exactly_at(truth.time_s, truth.pose)
+        } else {
+            subject.estimate_at(truth.time_s).into_estimate(truth.time_s)
+        };
         Some(pilot.command(&believed, fan.as_ref(), time_s))
     }
 
-    /// Where the localizer of a drive is told of slip.
+    /// Where the subject of a drive is told of slip.
     fn slips(&self, offset_s: f64) -> Vec<SlipExcess> {
         self.asked.slips(offset_s, self.otherwise.told.robot.delivery.stamp_tolerance_s)
     }
@@ -227,13 +228,13 @@ impl Simulation<'_> {
                 && record.history.lost_at_last_step()
     }
 
-    /// Hands what arrives at one instant to the localizer.
+    /// Hands what arrives at one instant to the subject.
     fn look(
         &self,
         world: &World,
         sensors: &mut Sensors,
         stage: Option<&mut Stage<'_>>,
-        localizer: &mut Localizer,
+        subject: &mut dyn Subject,
         record: &mut Recorder<'_>,
     ) -> Result<(), RenderError> {
         let arrived =
@@ -251,16 +252,13 @@ impl Simulation<'_> {
                     Reading::Camera { .. } => &mut timing.vision_s,
                     _ => &mut timing.localizer_s,
                 },
-                || localizer.observe(&observation.reading),
+                || {
+                    subject.observe(&observation.reading);
+                    subject.accounts()
+                },
             );
             record.images(observation, accounts);
         }
         Ok(())
     }
-}
-
-/// What somebody who leads the robot sees of it.
-fn seen(truth: &Truth) -> Estimate {
-    let pose = PoseUnion::single(PoseBox::from(truth.pose.to_array().map(Interval::point)));
-    Estimate { time_s: truth.time_s, pose, status: Status::Sound, relies_on: Vec::new() }
 }

@@ -8,6 +8,7 @@ use crate::{
     render::{RenderError, Renderer},
     run::{Change, Counterfactual, RunRecord, run_otherwise},
     scene::Scene,
+    subject::SubjectOf,
 };
 
 /// Tenths of the declared bounds that the localizer is told, one after the other.
@@ -57,10 +58,11 @@ impl Lost {
 /// Losses count from 5 s of a drive on, and from half of it where it is shorter than 10 s: before, wheels and gyroscope are alone with errors at
 /// their corners, and what they lose says nothing of what methods tell.
 ///
-/// Errors when a camera cannot be rendered.
+/// `subject_of` makes the subject of what it is told. Errors when a camera cannot be rendered.
 pub fn weaken(
     scene: &Scene,
     record: &RunRecord,
+    subject_of: &SubjectOf<'_>,
     mut renderer: Option<&mut Renderer>,
     progress: &mut dyn FnMut(f64, f64),
 ) -> Result<Weakened, RenderError> {
@@ -74,7 +76,7 @@ pub fn weaken(
         let changes = vec![Change::Weakened { factor }];
         let asked = Counterfactual { changes, until_s: None, until_lost_after_s: Some(after_s) };
         let told = &mut |simulated_s: f64| progress(factor, simulated_s);
-        let again = run_otherwise(scene, record, &asked, renderer.as_deref_mut(), told)?;
+        let again = run_otherwise(scene, record, &asked, subject_of, renderer.as_deref_mut(), told)?;
         if let Some(lost) = first_lost(&again, after_s) {
             return Ok(Weakened::of(Some((factor, lost)), after_s));
         }

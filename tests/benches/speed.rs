@@ -17,6 +17,7 @@ use sim::{
     run::{RunOptions, RunRecord, run},
     scene::Scene,
     still::{take, views_at},
+    subject::IntervalLocalizer,
 };
 
 fn main() {
@@ -75,13 +76,19 @@ fn runs() {
     let factor = |record: &RunRecord| record.truths.last().unwrap().time_s / record.timing.wall_s;
 
     let options = RunOptions::default();
-    let without: Vec<f64> =
-        (0..5).map(|seed| factor(&run(&blind, seed, None, &options, &mut |_| {}).unwrap())).collect();
+    let without: Vec<f64> = (0..5)
+        .map(|seed| {
+            factor(&run(&blind, seed, &mut IntervalLocalizer::of(&blind), None, &options, &mut |_| {}).unwrap())
+        })
+        .collect();
     line("simulation without cameras", median(without), "× real time", "≥ 200");
 
     let mut renderer = Renderer::new().unwrap();
-    let records: Vec<RunRecord> =
-        (0..3).map(|seed| run(&seen, seed, Some(&mut renderer), &options, &mut |_| {}).unwrap()).collect();
+    let records: Vec<RunRecord> = (0..3)
+        .map(|seed| {
+            run(&seen, seed, &mut IntervalLocalizer::of(&seen), Some(&mut renderer), &options, &mut |_| {}).unwrap()
+        })
+        .collect();
     line(
         "simulation with the floor camera at 5 Hz",
         median(records.iter().map(factor).collect()),

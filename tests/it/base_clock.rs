@@ -4,6 +4,7 @@ use localizer::{Localizer, Reading};
 use sim::{
     run::{RunOptions, run},
     scene::{Scene, SceneTemplate},
+    subject::IntervalLocalizer,
 };
 
 use crate::judging::verdict_of;
@@ -94,10 +95,16 @@ fn a_loop_among_landmarks_holds_the_truth_with_a_clock_that_is_off() {
             .map(|setting| setting.parse().unwrap());
         let template = SceneTemplate::load(&root().join("scenes/papers/rigid_transform_loop.toml")).unwrap();
         let scene = template.with(&settings).unwrap().scene;
-        let record = run(&scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+        let record =
+            run(&scene, seed, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
         assert!(record.drawn.base_clock_s.abs() == 0.01);
         let verdict = verdict_of(&scene, &record);
-        assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+        assert_eq!(
+            verdict.containment.as_ref().unwrap().contained,
+            verdict.containment.as_ref().unwrap().checks,
+            "{:?}",
+            verdict.containment
+        );
         assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
     }
 }

@@ -8,15 +8,16 @@ use sim::{
     check::{Judgement, Verdict, check},
     drawn::Drawn,
     render::Renderer,
-    run::{Change, Counterfactual, ImageRecord, LocalizerOf, RunOptions, RunRecord, run, run_otherwise},
+    run::{Change, Counterfactual, ImageRecord, RunOptions, RunRecord, run, run_otherwise},
     scene::{Distribution, Event, Scene, SceneFile, WallDirectionsSetup},
+    subject::{IntervalLocalizer, Subject, SubjectOf},
     truth::Truth,
 };
 
 use crate::{
     command::{blind_scene, root},
     corner_runs::TooSmall,
-    judging::verdict_of,
+    judging::{verdict_of, verdict_of_subject},
 };
 
 fn scene() -> Scene {
@@ -97,7 +98,7 @@ fn spin(record: &mut RunRecord, further_m: f64) {
 }
 
 fn counts(verdict: &Verdict) -> [usize; 4] {
-    let containment = &verdict.containment;
+    let containment = verdict.containment.as_ref().unwrap();
     [containment.contained, containment.bound_broken, containment.perception, containment.unsound]
 }
 
@@ -116,7 +117,7 @@ fn a_truth_outside_without_a_cause_is_our_own_fault() {
     lose_the_truth(&mut record);
     let verdict = judged_at_once(&scene, &record);
     assert_eq!(counts(&verdict), [50, 0, 0, 51]);
-    let first = verdict.containment.first_failure.unwrap();
+    let first = verdict.containment.as_ref().unwrap().first_failure.clone().unwrap();
     assert_eq!((first.time_s, first.axis), (0.5, "x_m"));
     assert!((first.margin - 0.04).abs() < 1e-9, "{first:?}");
 }
@@ -139,7 +140,7 @@ fn slip_beyond_its_bound_takes_the_blame_and_is_measured() {
     let Counterfactual { changes, until_s, .. } = &asked[0];
     assert!(matches!(changes[..], [Change::Told { true_value, .. }] if (true_value - 0.01).abs() < 1e-9), "{asked:?}");
     assert_eq!((asked.len(), *until_s), (1, Some(1.0)));
-    let first = verdict.containment.first_failure.unwrap();
+    let first = verdict.containment.as_ref().unwrap().first_failure.clone().unwrap();
     assert_eq!(first.blame, "wheels.slip");
     assert!(first.because.contains("0.010000 where 0.00") && first.because.contains("told as it was"), "{first:?}");
 }
@@ -153,7 +154,7 @@ fn a_violation_that_explains_nothing_is_no_excuse() {
     // As with a fault in a contractor: with the slip told, the truth is still outside.
     let (verdict, asked) = judged(&scene, &record, |_| false);
     assert_eq!((counts(&verdict), asked.len()), ([50, 0, 0, 51], 1));
-    let first = verdict.containment.first_failure.unwrap();
+    let first = verdict.containment.as_ref().unwrap().first_failure.clone().unwrap();
     assert!(first.blame.contains("none of 1 runs"), "{first:?}");
 }
 
@@ -174,7 +175,7 @@ fn of_two_broken_bounds_the_one_that_matters_is_to_blame_or_both_together() {
         assert_eq!(counts(&verdict), [50, 51, 0, 0]);
         // Two alone, then both.
         assert!(asked.len() <= 3, "{asked:?}");
-        assert_eq!(verdict.containment.first_failure.unwrap().blame, blame);
+        assert_eq!(verdict.containment.as_ref().unwrap().first_failure.clone().unwrap().blame, blame);
     }
 }
 
@@ -369,16 +370,17 @@ fn where_the_lean_is_solved_for_a_sixth_of_the_edges_and_five_may_be_misread() {
 /// A drive without a camera along a straight way, with what `events` do to it.
 fn drive(events: &str) -> (Scene, RunRecord) {
     let scene = Scene::parse(&blind_scene(8.0, events), "scene.toml").unwrap();
-    let record = run(&scene, 3, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record = run(&scene, 3, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     (scene, record)
 }
 
 /// A localizer whose method on tiles leaves boxes 45 % too small.
-fn tiles_too_small(scene: &Scene) -> Localizer {
+fn tiles_too_small(scene: &Scene) -> Box<dyn Subject> {
     let method = FloorTiles::new(&scene.map(), &scene.robot_model(), Chain::Direct).unwrap();
     let methods: Vec<Box<dyn Method>> = vec![Box::new(TooSmall(Box::new(method)))];
-    Localizer::new(scene.map(), scene.robot_model(), methods, scene.start_box())
-        .with_base_clock(scene.robot.delivery.stamp_tolerance_s)
+    let localizer = Localizer::new(scene.map(), scene.robot_model(), methods, scene.start_box())
+        .with_base_clock(scene.robot.delivery.stamp_tolerance_s);
+    Box::new(IntervalLocalizer::from(localizer))
 }
 
 #[test]
@@ -389,15 +391,19 @@ fn boxes_of_a_method_that_are_too_small_are_unsound_beside_a_harmless_push_of_a_
         (scene.duration_s, scene.robot.errors) = (6.0, Distribution::Corner);
         scene.events = vec![Event::Push { at_s: 2.0, displacement_m: [0.0, 0.001], lasts_s: 0.1 }];
         let mut renderer = Renderer::new().unwrap();
-        let mut judged = |localizer: Option<LocalizerOf>| {
-            let options = RunOptions { localizer, ..RunOptions::default() };
-            let record = run(&scene, seed, Some(&mut renderer), &options, &mut |_| {}).unwrap();
-            let replay = &mut |asked: &_| run_otherwise(&scene, &record, asked, Some(&mut renderer), &mut |_| {});
-            check(&scene, &record, replay).unwrap()
+        let mut judged = |subject_of: &SubjectOf<'_>| {
+            let (subject, options) = (&mut *subject_of(&scene), RunOptions::default());
+            let record = run(&scene, seed, subject, Some(&mut renderer), &options, &mut |_| {}).unwrap();
+            verdict_of_subject(&scene, &record, subject_of)
         };
-        let (sound, faulty) = (judged(None), judged(Some(tiles_too_small)));
+        let (sound, faulty) = (judged(&IntervalLocalizer::boxed), judged(&tiles_too_small));
         assert!(sound.violations.iter().any(|broken| broken.bound == "wheels.side_slip"), "{:?}", sound.violations);
-        assert_eq!(sound.containment.contained, sound.containment.checks, "seed {seed}: {:?}", sound.containment);
+        assert_eq!(
+            sound.containment.as_ref().unwrap().contained,
+            sound.containment.as_ref().unwrap().checks,
+            "seed {seed}: {:?}",
+            sound.containment
+        );
         println!("seed {seed}: {:?}", faulty.containment);
         // In the second after the push it has its own part in where boxes are: kept to its bound, it would have left even such boxes around
         // the truth.
@@ -406,8 +412,8 @@ fn boxes_of_a_method_that_are_too_small_are_unsound_beside_a_harmless_push_of_a_
             n_excused += usize::from(*judgement == Judgement::BoundBroken);
             assert!(step >= 200 || *judgement != Judgement::BoundBroken, "seed {seed}: step {step}, before the push");
         }
-        n_outside += faulty.containment.checks - faulty.containment.contained;
-        n_unsound += faulty.containment.unsound;
+        n_outside += faulty.containment.as_ref().unwrap().checks - faulty.containment.as_ref().unwrap().contained;
+        n_unsound += faulty.containment.as_ref().unwrap().unsound;
     }
     println!(
         "{n_unsound} of {n_outside} are unsound; besides the second after the push, {n_excused} of {n_elsewhere} are not"
@@ -417,10 +423,11 @@ fn boxes_of_a_method_that_are_too_small_are_unsound_beside_a_harmless_push_of_a_
 }
 
 /// A localizer that takes the gyroscope's bias to be within a fifth of its tolerance.
-fn bias_too_small(scene: &Scene) -> Localizer {
+fn bias_too_small(scene: &Scene) -> Box<dyn Subject> {
     let mut told = scene.clone();
     told.robot.gyro.as_mut().unwrap().bias_tolerance_deg_per_s *= 0.2;
-    Localizer::new(told.map(), told.robot_model(), Vec::new(), told.start_box())
+    let localizer = Localizer::new(told.map(), told.robot_model(), Vec::new(), told.start_box());
+    Box::new(IntervalLocalizer::from(localizer))
 }
 
 #[test]
@@ -435,27 +442,26 @@ fn a_fault_of_the_gyroscope_is_unsound_beside_noise_that_leaves_its_band() {
     let scene = Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
     let (mut n_outside, mut n_unsound, mut n_held) = (0, 0, 0);
     for seed in 0..24 {
-        let of = |localizer: Option<LocalizerOf>| {
-            let options = RunOptions { localizer, ..RunOptions::default() };
-            run(&scene, seed, None, &options, &mut |_| {}).unwrap()
+        let of = |subject_of: &SubjectOf<'_>| {
+            run(&scene, seed, &mut *subject_of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap()
         };
-        let sound = verdict_of(&scene, &of(None));
-        assert_eq!(sound.containment.unsound, 0, "seed {seed}: {:?}", sound.containment);
-        let record = of(Some(bias_too_small));
+        let sound = verdict_of(&scene, &of(&IntervalLocalizer::boxed));
+        assert_eq!(sound.containment.as_ref().unwrap().unsound, 0, "seed {seed}: {:?}", sound.containment);
+        let record = of(&bias_too_small);
         // A bias of which most is taken for nothing.
         if record.drawn.gyro.unwrap().bias_rad_per_s.to_degrees().abs() < 0.04 {
             continue;
         }
-        let faulty = verdict_of(&scene, &record);
-        n_outside += faulty.containment.checks - faulty.containment.contained;
-        n_unsound += faulty.containment.unsound;
+        let faulty = verdict_of_subject(&scene, &record, &bias_too_small);
+        n_outside += faulty.containment.as_ref().unwrap().checks - faulty.containment.as_ref().unwrap().contained;
+        n_unsound += faulty.containment.as_ref().unwrap().unsound;
         println!("seed {seed}: {:?} {:?}", sound.containment, faulty.containment);
         // With the band told as wide as it was, the fault would have been hidden.
         let Some(broken) = faulty.violations.iter().find(|broken| broken.bound == "gyro.angle") else { continue };
         let (declared, true_value) = (broken.declared, broken.true_value);
         let told = Change::Told { bound: broken.bound.clone(), declared, true_value, exceeded: Vec::new() };
         let asked = Counterfactual { changes: vec![told], ..Counterfactual::default() };
-        let again = run_otherwise(&scene, &record, &asked, None, &mut |_| {}).unwrap();
+        let again = run_otherwise(&scene, &record, &asked, &bias_too_small, None, &mut |_| {}).unwrap();
         let holds = |run: &RunRecord, step: usize| run.estimates[step].pose.contains(run.truths[step].pose);
         n_held += (0..record.truths.len()).filter(|step| !holds(&record, *step) && holds(&again, *step)).count();
     }
@@ -468,7 +474,7 @@ fn a_shove_is_to_blame_for_every_step_that_it_costs_and_bounds_kept_hold_the_tru
     let (scene, record) =
         drive("[[event]]\nkind = \"push\"\nat_s = 2.0\ndisplacement_m = [0.0, 0.15]\nlasts_s = 0.3\n");
     let verdict = verdict_of(&scene, &record);
-    let containment = &verdict.containment;
+    let containment = verdict.containment.as_ref().unwrap();
     assert!(containment.bound_broken > 100, "{containment:?}");
     assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
 }
@@ -476,7 +482,9 @@ fn a_shove_is_to_blame_for_every_step_that_it_costs_and_bounds_kept_hold_the_tru
 #[test]
 fn a_run_by_its_own_commands_is_the_same_run() {
     let (scene, record) = drive("");
-    let again = run_otherwise(&scene, &record, &Counterfactual::default(), None, &mut |_| {}).unwrap();
+    let again =
+        run_otherwise(&scene, &record, &Counterfactual::default(), &IntervalLocalizer::boxed, None, &mut |_| {})
+            .unwrap();
     assert_eq!(again.readings_digest, record.readings_digest);
     assert_eq!((again.truths.len(), again.truths.last().unwrap().pose), (801, record.truths.last().unwrap().pose));
     let is_same = |(a, b): (&Estimate, &Estimate)| a == b;
@@ -487,10 +495,14 @@ fn a_run_by_its_own_commands_is_the_same_run() {
 fn a_wheel_worn_beyond_its_bound_is_to_blame_by_what_it_should_have_been() {
     let (mut scene, _) = drive("");
     scene.robot.wheel_wear = [0.05, 0.0];
-    let record = run(&scene, 3, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record = run(&scene, 3, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let verdict = verdict_of(&scene, &record);
-    let first = verdict.containment.first_failure.as_ref().unwrap();
-    assert_eq!((first.blame.as_str(), verdict.containment.unsound), ("wheels.radius", 0), "{first:?}");
+    let first = verdict.containment.as_ref().unwrap().first_failure.as_ref().unwrap();
+    assert_eq!(
+        (first.blame.as_str(), verdict.containment.as_ref().unwrap().unsound),
+        ("wheels.radius", 0),
+        "{first:?}"
+    );
     assert!(first.because.contains("moved back to its bound"), "{first:?}");
 }
 
@@ -503,11 +515,11 @@ fn what_is_moved_back_lies_at_its_bound_and_nothing_else_moves() {
          [[markers.marker]]\nid = 183\nx_m = 2.0\ny_m = 1.0\n",
     );
     let scene = Scene::parse(&scene, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
-    let record = run(&scene, 4, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record = run(&scene, 4, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let clipped = |bound: &str| {
         let asked =
             Counterfactual { changes: vec![Change::Clipped { bound: bound.to_owned() }], ..Counterfactual::default() };
-        run_otherwise(&scene, &record, &asked, None, &mut |_| {}).unwrap().drawn
+        run_otherwise(&scene, &record, &asked, &IntervalLocalizer::boxed, None, &mut |_| {}).unwrap().drawn
     };
     let placed = clipped("markers.placement");
     let [x_m, y_m] = placed.markers[0].centre_m;
@@ -529,8 +541,10 @@ fn scenes_whose_broken_bounds_were_once_called_unsound_are_blamed_rightly() {
     for (name, seeds) in [("lucky_containment", 1..5), ("late_blame", 21..22)] {
         let scene = SceneFile::load_all(&[root().join(format!("scenes/found/{name}.toml"))]).unwrap().remove(0).scene;
         for seed in seeds {
-            let record = run(&scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
-            let containment = verdict_of(&scene, &record).containment;
+            let record =
+                run(&scene, seed, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {})
+                    .unwrap();
+            let containment = verdict_of(&scene, &record).containment.unwrap();
             assert_eq!((containment.unsound, containment.perception), (0, 0), "{name} {seed}: {containment:?}");
             assert!(containment.bound_broken > 0, "{name} {seed}: {containment:?}");
         }

@@ -8,6 +8,7 @@ use sim::{
     render::Renderer,
     run::{RunOptions, run},
     scene::{Scene, SceneFile},
+    subject::IntervalLocalizer,
 };
 
 use crate::command::root;
@@ -18,7 +19,9 @@ fn named(path: &str, duration_s: f64, change: impl Fn(&mut Scene)) -> [BTreeSet<
     scene.duration_s = duration_s;
     change(&mut scene);
     let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
-    let record = run(&scene, 1, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(&scene, 1, &mut IntervalLocalizer::of(&scene), renderer.as_mut(), &RunOptions::default(), &mut |_| {})
+            .unwrap();
     let relied_on = record.estimates.iter().flat_map(|estimate| estimate.relies_on.iter().copied()).collect();
     [relied_on, watched(&scene, &record)]
 }
@@ -57,7 +60,9 @@ fn a_bound_told_wider_is_told() {
             |scene: &Scene| format!("{:?} {:?} {:?}", scene.map(), scene.robot_model(), scene.bounds.rest_turn_deg);
         let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
         let short = Scene { duration_s: 0.2, ..scene.clone() };
-        let record = run(&short, 1, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
+        let record =
+            run(&short, 1, &mut IntervalLocalizer::of(&short), renderer.as_mut(), &RunOptions::default(), &mut |_| {})
+                .unwrap();
         // Infinite unless declared, and then nothing can be wider.
         let bounds_angle = scene.robot.gyro.as_ref().is_some_and(|gyro| gyro.angle_floor_deg.is_some());
         for bound in watched(&scene, &record).into_iter().filter(|bound| bounds_angle || *bound != "gyro.angle") {

@@ -6,6 +6,7 @@ use sim::{
     render::Renderer,
     run::{RunOptions, run},
     scene::{Scene, SceneTemplate, Setting},
+    subject::IntervalLocalizer,
 };
 
 use crate::{command::root, judging::verdict_of};
@@ -116,14 +117,16 @@ fn careful(path: &str, duration_s: f64, errors: &str) -> Scene {
 
 fn judged(scene: &Scene, seed: u64) -> Verdict {
     let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
-    let record = run(scene, seed, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(scene, seed, &mut IntervalLocalizer::of(scene), renderer.as_mut(), &RunOptions::default(), &mut |_| {})
+            .unwrap();
     verdict_of(scene, &record)
 }
 
 fn assert_sound(path: &str, duration_s: f64) {
     for (errors, seed) in [("uniform", 51), ("drift", 52)] {
         let verdict = judged(&careful(path, duration_s, errors), seed);
-        let containment = &verdict.containment;
+        let containment = verdict.containment.as_ref().unwrap();
         assert_eq!(containment.contained, containment.checks, "{path}, {errors}: {containment:?}");
         assert!(verdict.violations.is_empty(), "{path}, {errors}: {:?}", verdict.violations);
     }

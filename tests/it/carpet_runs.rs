@@ -4,6 +4,7 @@ use sim::{
     check::Verdict,
     run::{RunOptions, run},
     scene::Scene,
+    subject::IntervalLocalizer,
 };
 
 use crate::judging::verdict_of;
@@ -28,7 +29,8 @@ fn led_round(event: serde_json::Value, region: serde_json::Value, flow: bool) ->
 }
 
 fn judged(scene: &Scene, seed: u64) -> (Verdict, f64) {
-    let record = run(scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(scene, seed, &mut IntervalLocalizer::of(scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let hull = record.estimates.last().unwrap().pose.hull();
     (verdict_of(scene, &record), hull.width(0).max(hull.width(1)))
 }
@@ -38,7 +40,12 @@ fn nothing_goes_wrong_where_every_bound_holds_and_flow_narrows_the_box() {
     for seed in 0..3 {
         let width_m = |flow: bool| {
             let (verdict, width_m) = judged(&led_round(serde_json::json!([]), serde_json::json!([]), flow), seed);
-            assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.violations);
+            assert_eq!(
+                verdict.containment.as_ref().unwrap().contained,
+                verdict.containment.as_ref().unwrap().checks,
+                "{:?}",
+                verdict.violations
+            );
             assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
             width_m
         };
@@ -52,7 +59,7 @@ fn assert_told(event: serde_json::Value, names: &[&str]) -> Vec<Verdict> {
     (0..3)
         .map(|seed| {
             let (verdict, _) = judged(&led_round(serde_json::json!([event]), serde_json::json!([]), true), seed);
-            let counts = &verdict.containment;
+            let counts = verdict.containment.as_ref().unwrap();
             assert_eq!((counts.unsound, counts.perception), (0, 0), "seed {seed}: {counts:?} {:?}", verdict.violations);
             let blame = counts.first_failure.as_ref().map(|first| first.blame.as_str());
             assert!(blame.is_none_or(|blame| names.contains(&blame)), "seed {seed}: {counts:?}");
@@ -63,7 +70,7 @@ fn assert_told(event: serde_json::Value, names: &[&str]) -> Vec<Verdict> {
 }
 
 fn contained_share(verdict: &Verdict) -> f64 {
-    verdict.containment.contained as f64 / verdict.containment.checks as f64
+    verdict.containment.as_ref().unwrap().contained as f64 / verdict.containment.as_ref().unwrap().checks as f64
 }
 
 #[test]
@@ -74,7 +81,11 @@ fn a_push_to_the_side_is_seen_by_the_flow_sensor_and_drops_the_wheels() {
     // Without the flow sensor 5 cm are lost, as long as the box is narrower than that.
     let early = serde_json::json!({ "kind": "push", "at_s": 2.0, "displacement_m": [0.0, 0.05], "lasts_s": 0.5 });
     let (verdict, _) = judged(&led_round(serde_json::json!([early]), serde_json::json!([]), false), 0);
-    assert!(contained_share(&verdict) < 0.99 && verdict.containment.unsound == 0, "{:?}", verdict.containment);
+    assert!(
+        contained_share(&verdict) < 0.99 && verdict.containment.as_ref().unwrap().unsound == 0,
+        "{:?}",
+        verdict.containment
+    );
 }
 
 #[test]
@@ -109,7 +120,12 @@ fn an_undeclared_carpet_breaks_the_slip_bound_and_no_other_guarantee() {
     }]);
     for flow in [false, true] {
         let (verdict, _) = judged(&led_round(serde_json::json!([]), carpet.clone(), flow), 1);
-        assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+        assert_eq!(
+            (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+            (0, 0),
+            "{:?}",
+            verdict.containment
+        );
         assert!(verdict.violations.iter().any(|violation| violation.bound == "wheels.slip"));
         let slipped = &verdict.baselines["wheels_and_gyro"].error.as_ref().unwrap().position_m;
         assert!(slipped.max > 0.2, "dead reckoning is off by {} m only", slipped.max);
@@ -124,14 +140,20 @@ fn worn_wheels_and_a_conventional_flow_sensor_break_their_own_bounds() {
     worn.robot.wheel_wear = [0.0, 0.01];
     let (verdict, _) = judged(&worn, 0);
     assert!(verdict.violations.iter().any(|violation| violation.bound == "wheels.radius"), "{:?}", verdict.violations);
-    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0));
+    assert_eq!(
+        (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+        (0, 0)
+    );
     let pile = serde_json::json!([{
         "name": "pile", "x_m": [0.0, 8.0], "y_m": [0.0, 6.0], "friction": 0.8, "pile_height_m": 0.001,
     }]);
     let mut conventional = led_round(serde_json::json!([]), pile, true);
     conventional.robot.flow.as_mut().unwrap().optics = sim::scene::FlowOptics::FixedFocus;
     let (verdict, _) = judged(&conventional, 0);
-    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0));
+    assert_eq!(
+        (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+        (0, 0)
+    );
     let broken = verdict.violations.iter().find(|violation| violation.bound == "flow.scale").unwrap();
     // A millimetre, and a tenth of one more where the body pitches.
     assert!((0.145..0.170).contains(&broken.true_value), "{broken:?}");

@@ -36,13 +36,18 @@ fn scene(more: &str) -> Scene {
 fn a_drive_under_markers_keeps_the_truth_and_says_only_what_is_so() {
     for seed in [3, 4] {
         let (record, verdict) = judged(&scene(""), seed);
-        assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+        assert_eq!(
+            verdict.containment.as_ref().unwrap().contained,
+            verdict.containment.as_ref().unwrap().checks,
+            "{:?}",
+            verdict.containment
+        );
         assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
         let counts = &verdict.methods["ceiling_markers"];
         assert!(counts.constraints > 8 && counts.claims > 12 && counts.false_claims == 0, "{counts:?}");
         assert!(verdict.metrics["markers_read_share"] > 0.95 && verdict.metrics["markers_misread"] == 0.0);
         // 2.3 m below the dots, 0.1° of mount and 0.035° of body are ±5.4 mm; the rest is calibration and placement.
-        let at_fix = &verdict.width.at_fix;
+        let at_fix = &verdict.width.as_ref().unwrap().at_fix;
         assert!(at_fix.x_m.mean < 0.05 && at_fix.y_m.mean < 0.05, "{at_fix:?}");
         assert!(record.images.iter().all(|image| image.method == "ceiling_markers"));
         assert_eq!(record.marker_baselines.answers.len(), record.images.len());
@@ -95,7 +100,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
     );
     let (record, verdict) = judged(&loose, 6);
     assert!(verdict.violations.is_empty(), "declared as drawn: {:?}", verdict.violations);
-    assert_eq!(verdict.containment.contained, verdict.containment.checks);
+    assert_eq!(verdict.containment.as_ref().unwrap().contained, verdict.containment.as_ref().unwrap().checks);
     let mut tight = with(
         calibration(0.003, 0.3, 0.003, 1.5, 0.6),
         "placement_tolerance_m = 0.003\nrotation_tolerance_deg = 0.3\nprint_tolerance_m = 0.0004\n",
@@ -126,7 +131,7 @@ fn a_marker_moved_since_the_survey_is_named_as_the_broken_bound() {
     let path = crate::command::root().join("scenes/broken/misplaced_marker.toml");
     let scene = sim::scene::SceneFile::load_all(&[path]).unwrap().remove(0).scene;
     let (_, verdict) = judged(&scene, 2);
-    let containment = &verdict.containment;
+    let containment = verdict.containment.as_ref().unwrap();
     assert!(verdict.violations.iter().any(|violation| violation.bound == "markers.placement"));
     assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
 }

@@ -16,6 +16,7 @@ use sim::{
     render::Renderer,
     run::{RunOptions, RunRecord, Witness, run, run_witnessed},
     scene::{Distribution, Scene, SceneFile},
+    subject::IntervalLocalizer,
     truth::Truth,
 };
 
@@ -32,9 +33,15 @@ fn scene(path: &str, duration_s: f64, errors: Distribution) -> Scene {
 fn contained(path: &str, duration_s: f64, errors: Distribution, seed: u64) -> RunRecord {
     let scene = scene(path, duration_s, errors);
     let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
-    let record = run(&scene, seed, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(&scene, seed, &mut IntervalLocalizer::of(&scene), renderer.as_mut(), &RunOptions::default(), &mut |_| {})
+            .unwrap();
     let verdict = verdict_of(&scene, &record);
-    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{path} {errors:?} {seed}");
+    assert_eq!(
+        verdict.containment.as_ref().unwrap().contained,
+        verdict.containment.as_ref().unwrap().checks,
+        "{path} {errors:?} {seed}"
+    );
     assert!(verdict.violations.is_empty(), "{path} {errors:?} {seed}: {:?}", verdict.violations);
     record
 }
@@ -178,7 +185,16 @@ fn lost_with_and_without(scene: &Scene, seed: u64, method: &dyn Fn(&Scene) -> Op
     let (sound, faulty) = (method(scene).unwrap(), Box::new(TooSmall(method(scene).unwrap())));
     let mut beside = Beside { localizers: vec![(localizer(sound), 0), (localizer(faulty), 0)] };
     let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
-    run_witnessed(scene, seed, renderer.as_mut(), &RunOptions::default(), &mut beside, &mut |_| {}).unwrap();
+    run_witnessed(
+        scene,
+        seed,
+        &mut IntervalLocalizer::of(scene),
+        renderer.as_mut(),
+        &RunOptions::default(),
+        &mut beside,
+        &mut |_| {},
+    )
+    .unwrap();
     [0, 1].map(|index| beside.localizers[index].1)
 }
 

@@ -4,6 +4,7 @@ use sim::{
     render::Renderer,
     run::{RunOptions, RunRecord, run},
     scene::{Event, Scene, SceneFile},
+    subject::IntervalLocalizer,
 };
 
 use crate::{command::root, judging::verdict_of};
@@ -14,7 +15,9 @@ fn scene(path: &str) -> Scene {
 
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     let mut renderer = Renderer::new().unwrap();
-    let record = run(scene, seed, Some(&mut renderer), &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(scene, seed, &mut IntervalLocalizer::of(scene), Some(&mut renderer), &RunOptions::default(), &mut |_| {})
+            .unwrap();
     let verdict = verdict_of(scene, &record);
     (record, verdict)
 }
@@ -37,7 +40,12 @@ fn a_marker_off_its_place_is_doubted_and_the_truth_stays_among_what_is_possible(
     let scene = scene("broken/misplaced_marker.toml");
     for seed in [0, 1] {
         let (record, verdict) = judged(&scene, seed);
-        assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+        assert_eq!(
+            verdict.containment.as_ref().unwrap().contained,
+            verdict.containment.as_ref().unwrap().checks,
+            "{:?}",
+            verdict.containment
+        );
         // The marker is 15 cm off: as soon as it is seen, it contradicts.
         let seen = record.images.iter().find(|image| {
             image.claims.iter().any(|claim| format!("{claim:?}").contains("MarkerId(183)")) && image.constrained
@@ -51,7 +59,12 @@ fn a_marker_off_its_place_is_doubted_and_the_truth_stays_among_what_is_possible(
 fn a_kick_beyond_reach_is_noticed_within_a_second_and_right_again_within_five() {
     for seed in 0..3 {
         let (record, verdict) = judged(&scene("found/kicked_among_tiles_and_markers.toml"), seed);
-        assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+        assert_eq!(
+            (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+            (0, 0),
+            "{:?}",
+            verdict.containment
+        );
         assert!((6.0..7.0).contains(&first_doubt_s(&record)), "seed {seed}: {}", first_doubt_s(&record));
         assert_eq!(outside_s(&record, 11.0), 0.0, "seed {seed}");
         assert_eq!(record.estimates.last().unwrap().status, Status::Sound, "seed {seed}");
@@ -67,7 +80,12 @@ fn a_robot_that_stands_below_the_same_markers_after_a_kick_is_sure_of_itself_aga
     scene.events = vec![Event::Push { at_s: 6.0, displacement_m: [0.0, 0.6], lasts_s: 0.4 }];
     for seed in 0..2 {
         let (record, verdict) = judged(&scene, seed);
-        assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+        assert_eq!(
+            (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+            (0, 0),
+            "{:?}",
+            verdict.containment
+        );
         assert!((6.0..7.0).contains(&first_doubt_s(&record)), "seed {seed}: {}", first_doubt_s(&record));
         assert_eq!(outside_s(&record, 7.0), 0.0, "seed {seed}");
         let later = record.truths.iter().zip(&record.estimates).filter(|(truth, _)| truth.time_s > 11.0);
@@ -81,7 +99,12 @@ fn a_push_among_tiles_alone_is_followed_tile_by_tile() {
     scene.duration_s = 12.0;
     scene.events = vec![Event::Push { at_s: 8.0, displacement_m: [0.05, 0.12], lasts_s: 0.4 }];
     let (record, verdict) = judged(&scene, 3);
-    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+    assert_eq!(
+        (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+        (0, 0),
+        "{:?}",
+        verdict.containment
+    );
     assert!((8.0..9.0).contains(&first_doubt_s(&record)), "{}", first_doubt_s(&record));
     assert_eq!(outside_s(&record, 10.0), 0.0);
     assert_eq!(record.estimates.last().unwrap().status, Status::Sound);
@@ -98,9 +121,13 @@ fn readings_of_wheels_that_come_late_leave_no_stale_box_and_cost_millimetres() {
         scene.robot.floor_camera.as_mut().unwrap().latency_s = latency_s;
         for seed in [0, 7] {
             let (_, verdict) = judged(&scene, seed);
-            assert_eq!(verdict.containment.contained, verdict.containment.checks, "{late_s} {seed}");
+            assert_eq!(
+                verdict.containment.as_ref().unwrap().contained,
+                verdict.containment.as_ref().unwrap().checks,
+                "{late_s} {seed}"
+            );
             assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
-            assert!(verdict.width.x_m.mean < widest_m, "{late_s} {seed}: {:?}", verdict.width);
+            assert!(verdict.width.as_ref().unwrap().x_m.mean < widest_m, "{late_s} {seed}: {:?}", verdict.width);
         }
     }
 }
@@ -108,7 +135,7 @@ fn readings_of_wheels_that_come_late_leave_no_stale_box_and_cost_millimetres() {
 #[test]
 fn a_turn_faster_than_reach_leaves_no_empty_box() {
     let scene = scene("found/turned_faster_than_reach.toml");
-    let record = run(&scene, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record = run(&scene, 5, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     assert!(record.estimates.iter().all(|estimate| !estimate.pose.is_empty()));
     assert!((2.0..3.0).contains(&first_doubt_s(&record)), "{}", first_doubt_s(&record));
 }
@@ -120,9 +147,14 @@ fn readings_that_come_less_often_than_stamps_are_remembered_are_taken_all_the_sa
     // Slots are opened anew after two slip windows.
     scene.bounds.slip_window_s = 3.0;
     scene.robot.range_camera.as_mut().unwrap().period_s = 4.0;
-    let record = run(&scene, 0, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record = run(&scene, 0, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let verdict = verdict_of(&scene, &record);
-    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    assert_eq!(
+        verdict.containment.as_ref().unwrap().contained,
+        verdict.containment.as_ref().unwrap().checks,
+        "{:?}",
+        verdict.containment
+    );
     assert_eq!(first_doubt_s(&record), f64::INFINITY);
     let method = &verdict.methods["range_landmarks"];
     assert!(method.readings >= 7 && method.constraints >= 6, "{method:?}");
@@ -131,9 +163,15 @@ fn readings_that_come_less_often_than_stamps_are_remembered_are_taken_all_the_sa
 #[test]
 fn slip_windows_longer_than_stamps_are_remembered_are_no_cause_for_doubt() {
     let scene = scene("found/slip_windows_longer_than_memory.toml");
-    let record = run(&scene, 36, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(&scene, 36, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let verdict = verdict_of(&scene, &record);
-    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+    assert_eq!(
+        verdict.containment.as_ref().unwrap().contained,
+        verdict.containment.as_ref().unwrap().checks,
+        "{:?}",
+        verdict.containment
+    );
     assert_eq!(first_doubt_s(&record), f64::INFINITY);
 }
 
@@ -141,7 +179,12 @@ fn slip_windows_longer_than_stamps_are_remembered_are_no_cause_for_doubt() {
 fn a_marker_off_its_place_at_the_very_start_takes_nothing_of_what_was_known_there() {
     for seed in [0, 1] {
         let (record, verdict) = judged(&scene("found/misplaced_from_the_start.toml"), seed);
-        assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.containment);
+        assert_eq!(
+            verdict.containment.as_ref().unwrap().contained,
+            verdict.containment.as_ref().unwrap().checks,
+            "{:?}",
+            verdict.containment
+        );
         assert!(first_doubt_s(&record) < 1.0, "seed {seed}");
     }
 }

@@ -7,6 +7,7 @@ use sim::{
     render::Renderer,
     run::{RunOptions, run},
     scene::SceneFile,
+    subject::IntervalLocalizer,
 };
 
 use crate::{command::root, judging::verdict_of};
@@ -21,7 +22,15 @@ fn verdict(name: &'static str, seed: u64) -> (Verdict, Vec<String>) {
         let path = root().join("scenes/found").join(format!("{name}.toml"));
         let scene = SceneFile::load_all(&[path]).unwrap().remove(0).scene;
         let mut renderer = scene.has_camera().then(|| Renderer::new().unwrap());
-        let record = run(&scene, seed, renderer.as_mut(), &RunOptions::default(), &mut |_| {}).unwrap();
+        let record = run(
+            &scene,
+            seed,
+            &mut IntervalLocalizer::of(&scene),
+            renderer.as_mut(),
+            &RunOptions::default(),
+            &mut |_| {},
+        )
+        .unwrap();
         let verdict = verdict_of(&scene, &record);
         let missed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap());
         let _ = sender.send((verdict, missed));

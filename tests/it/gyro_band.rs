@@ -6,6 +6,7 @@ use sim::{
     run::{RunOptions, run},
     scene::Scene,
     sensors::gyro::GyroSensor,
+    subject::IntervalLocalizer,
     truth::Truth,
 };
 
@@ -109,7 +110,8 @@ fn noise_cut_to_its_bounds_keeps_the_band_over_every_span_and_stays_as_drawn_unt
 fn a_run_that_leaves_its_band_has_a_broken_bound() {
     for (floor_deg, is_broken) in [(0.002, true), (0.06, false)] {
         let scene = noisy(floor_deg);
-        let record = run(&scene, 1, None, &RunOptions::default(), &mut |_| {}).unwrap();
+        let record =
+            run(&scene, 1, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
         let verdict = verdict_of(&scene, &record);
         let named = verdict.violations.iter().any(|violation| violation.bound == "gyro.angle");
         assert_eq!(named, is_broken, "{:?}", verdict.violations);
@@ -118,6 +120,6 @@ fn a_run_that_leaves_its_band_has_a_broken_bound() {
             let left_s = lasts_s(&scene, 1, 20.0).0;
             assert!(left_s > 0.1 && (broken.from_s - left_s).abs() < 0.006, "{broken:?}, left at {left_s} s");
         }
-        assert_eq!(verdict.containment.unsound, 0);
+        assert_eq!(verdict.containment.as_ref().unwrap().unsound, 0);
     }
 }

@@ -147,6 +147,8 @@ mod doubts;
 mod slots;
 /// Every bound that an estimate stands on is watched, and the other way round.
 mod bounds_watched;
+/// Localizers of somebody's own in the loop: what they are told and how they are judged.
+mod subjects;
 /// How much of the boxes is used, what counts as available, and what was not measured.
 mod power;
 /// Runs whose localizer is told narrower bounds than hold.

@@ -6,6 +6,7 @@ use sim::{
     run::{RunOptions, run},
     scene::Scene,
     sensors::{Sensors, flow::FlowSensor, gyro::GyroSensor},
+    subject::IntervalLocalizer,
     truth::Truth,
 };
 
@@ -349,9 +350,11 @@ fn late_lost_and_doubled_readings_leave_the_truth_in_the_box() {
         let scene = lanes(delivery);
         let mut widest_m = 0.0_f64;
         for seed in 0..3 {
-            let record = run(&scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+            let record =
+                run(&scene, seed, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {})
+                    .unwrap();
             let verdict = verdict_of(&scene, &record);
-            let counts = &verdict.containment;
+            let counts = verdict.containment.as_ref().unwrap();
             assert_eq!(counts.contained, counts.checks, "seed {seed}: {:?} {:?}", counts, verdict.violations);
             let hull = record.estimates.last().unwrap().pose.hull();
             widest_m = widest_m.max(hull.width(0)).max(hull.width(1));

@@ -10,6 +10,7 @@ use sim::{
     run::{Clearance, RunOptions, RunRecord, run},
     scene::Scene,
     sensors::Sensors,
+    subject::IntervalLocalizer,
     truth::Truth,
     world::{Bystander, WheelCommand, World},
 };
@@ -40,7 +41,8 @@ fn drive_by(scene: &Scene, lasts_s: f64, mut see: impl FnMut(&Truth, usize) -> E
 }
 
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
-    let record = run(scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(scene, seed, &mut IntervalLocalizer::of(scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let verdict = verdict_of(scene, &record);
     (record, verdict)
 }

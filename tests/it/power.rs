@@ -5,6 +5,7 @@ use serde_json::Value;
 use sim::{
     run::{RunOptions, RunRecord, run},
     scene::Scene,
+    subject::IntervalLocalizer,
 };
 
 use crate::{
@@ -14,7 +15,7 @@ use crate::{
 
 fn recorded(duration_s: f64, more: &str) -> (Scene, RunRecord) {
     let scene = Scene::parse(&blind_scene(duration_s, more), "scene.toml").unwrap();
-    let record = run(&scene, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record = run(&scene, 5, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     (scene, record)
 }
 
@@ -37,7 +38,7 @@ fn power_is_the_greatest_error_over_half_the_width_and_what_one_step_in_a_thousa
         1000 => -0.8,
         _ => 0.25,
     });
-    let power = verdict_of(&scene, &record).power;
+    let power = verdict_of(&scene, &record).power.unwrap();
     let is = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-9, "{value}, expected {expected}");
     is(power.over_all.x_m.max, 0.9);
     is(power.over_all.x_m.p999, 0.25);
@@ -57,7 +58,7 @@ fn a_step_counts_as_available_only_with_the_truth_inside() {
         let sides = [x_m + off_m, y_m, heading_rad].map(|middle| Interval::centred(middle, 0.001));
         estimate.pose = PoseUnion::single(PoseBox::from(sides));
     }
-    let availability = verdict_of(&scene, &record).availability;
+    let availability = verdict_of(&scene, &record).availability.unwrap();
     assert!((availability - 50.0 / 101.0).abs() < 1e-12, "{availability}");
 }
 

@@ -5,6 +5,7 @@ use sim::{
     check::Verdict,
     run::{RunOptions, RunRecord, run},
     scene::{Event, Scene, SceneFile},
+    subject::IntervalLocalizer,
 };
 
 use crate::command::root;
@@ -18,13 +19,14 @@ fn scene(name: &str, duration_s: f64) -> Scene {
 }
 
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
-    let record = run(scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(scene, seed, &mut IntervalLocalizer::of(scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     let verdict = verdict_of(scene, &record);
     (record, verdict)
 }
 
 fn assert_clean(verdict: &Verdict) {
-    let containment = &verdict.containment;
+    let containment = verdict.containment.as_ref().unwrap();
     assert_eq!(containment.contained, containment.checks, "{containment:?}");
     assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
     assert_eq!((verdict.metrics["landmarks_outside"], verdict.metrics["landmarks_grown"]), (0.0, 0.0));
@@ -67,7 +69,12 @@ fn wrong_matches_within_q_lose_nothing_and_without_q_are_found_out() {
     let (_, verdict) = judged(&misled, 42);
     println!("{:?} {:?}", verdict.violations, verdict.containment);
     assert!(verdict.violations.iter().any(|violation| violation.bound == "range_landmarks.q_items"));
-    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+    assert_eq!(
+        (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+        (0, 0),
+        "{:?}",
+        verdict.containment
+    );
 }
 
 #[test]
@@ -89,8 +96,13 @@ fn after_pushes_that_hide_for_seconds_no_failure_is_called_unsound() {
         scene.events.push(Event::Push { at_s, displacement_m, lasts_s: 0.5 });
     }
     let (_, verdict) = judged(&scene, 53);
-    assert!(verdict.containment.bound_broken > 0, "{:?}", verdict.containment);
-    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+    assert!(verdict.containment.as_ref().unwrap().bound_broken > 0, "{:?}", verdict.containment);
+    assert_eq!(
+        (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+        (0, 0),
+        "{:?}",
+        verdict.containment
+    );
 }
 
 #[test]
@@ -98,7 +110,12 @@ fn a_push_is_noticed_and_what_was_learnt_from_it_is_unlearnt() {
     let mut scene = scene("loop", 30.0);
     scene.events.push(Event::Push { at_s: 12.0, displacement_m: [0.0, 0.5], lasts_s: 0.3 });
     let (record, verdict) = judged(&scene, 43);
-    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+    assert_eq!(
+        (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+        (0, 0),
+        "{:?}",
+        verdict.containment
+    );
     assert!(verdict.violations.iter().any(|violation| violation.bound == "wheels.side_slip"));
     assert!(record.estimates.iter().any(|estimate| estimate.status == Status::Recovering), "nobody noticed");
     let last = record.estimates.last().unwrap();

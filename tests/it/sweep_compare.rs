@@ -13,6 +13,7 @@ use sim::{
     },
     run::{RunOptions, run},
     scene::SceneFile,
+    subject::IntervalLocalizer,
 };
 
 use crate::command::{blind_scene, folder, outcome, wherein};
@@ -27,7 +28,9 @@ fn planted(folder: &Path, name: &str, scale: f64) -> PathBuf {
     let file = SceneFile::load(&scene).unwrap();
     let out = folder.join(name);
     for seed in 0..10 {
-        let mut run_record = run(&file.scene, seed, None, &RunOptions::default(), &mut |_| {}).unwrap();
+        let mut run_record =
+            run(&file.scene, seed, &mut IntervalLocalizer::of(&file.scene), None, &RunOptions::default(), &mut |_| {})
+                .unwrap();
         for estimate in &mut run_record.estimates {
             let hull = estimate.pose.hull();
             let scaled = [0, 1, 2].map(|axis| {

@@ -5,6 +5,7 @@ use serde_json::Value;
 use sim::{
     run::{RunOptions, RunRecord, run},
     scene::{Bounds, Distribution, Scene, SceneFile},
+    subject::IntervalLocalizer,
     weaken::{Lost, weaken},
 };
 
@@ -20,7 +21,7 @@ fn cornered(more: &str) -> (Scene, RunRecord) {
         .replace("x_m = 0.6\ny_m = 0.6", "x_m = 0.6\ny_m = 0.6\ntolerance_m = 0.0\ntolerance_deg = 0.0")
         .replace("y_m = 1.2", "y_m = 0.6");
     let scene = Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"));
-    let record = run(&scene, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let record = run(&scene, 5, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     (scene, record)
 }
 
@@ -30,15 +31,21 @@ fn told_ever_narrower_bounds_a_run_loses_the_truth_where_they_end() {
     // floors of slip add to what is told: 0.6 holds the truth, and 0.4 or 0.5 is the first that does not.
     let (scene, record) = cornered("");
     let verdict = verdict_of(&scene, &record);
-    assert_eq!(verdict.containment.contained, verdict.containment.checks, "{:?}", verdict.violations);
-    let weakened = weaken(&scene, &record, None, &mut |_, _| {}).unwrap();
+    assert_eq!(
+        verdict.containment.as_ref().unwrap().contained,
+        verdict.containment.as_ref().unwrap().checks,
+        "{:?}",
+        verdict.violations
+    );
+    let weakened = weaken(&scene, &record, &IntervalLocalizer::boxed, None, &mut |_, _| {}).unwrap();
     let (factor, tightness) = (weakened.factor.unwrap(), weakened.tightness.unwrap());
     assert!([0.4, 0.5].contains(&factor) && (tightness * factor - 1.0).abs() < 1e-12, "{weakened:?}");
     assert_eq!(weakened.lost, Some(Lost::Outside));
     // Ten times the slip declared and none more made: 1 / 9 of the bounds is enough.
     let loose = Scene { bounds: Bounds { slip_ratio: 0.08, ..scene.bounds.clone() }, ..scene };
-    let narrower = run(&loose, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
-    let weakened = weaken(&loose, &narrower, None, &mut |_, _| {}).unwrap();
+    let narrower =
+        run(&loose, 5, &mut IntervalLocalizer::of(&loose), None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let weakened = weaken(&loose, &narrower, &IntervalLocalizer::boxed, None, &mut |_, _| {}).unwrap();
     assert!(weakened.factor.is_none_or(|loose| loose <= 0.2), "{weakened:?}");
 }
 
@@ -46,7 +53,7 @@ fn told_ever_narrower_bounds_a_run_loses_the_truth_where_they_end() {
 fn a_run_that_loses_the_truth_anyway_is_lost_at_its_own_bounds() {
     let (scene, record) =
         cornered("[[event]]\nkind = \"push\"\nat_s = 1.0\ndisplacement_m = [0.0, 0.15]\nlasts_s = 0.3\n");
-    let weakened = weaken(&scene, &record, None, &mut |_, _| {}).unwrap();
+    let weakened = weaken(&scene, &record, &IntervalLocalizer::boxed, None, &mut |_, _| {}).unwrap();
     assert_eq!((weakened.factor, weakened.tightness), (Some(1.0), Some(1.0)));
     // Lost when it was pushed and ever since; counted from half of its 6 s on.
     assert_eq!((weakened.counted_after_s, weakened.lost_at_s), (3.0, Some(3.0)), "{weakened:?}");
@@ -56,12 +63,13 @@ fn a_run_that_loses_the_truth_anyway_is_lost_at_its_own_bounds() {
 fn what_is_lost_before_a_method_has_told_anything_and_held_again_since_does_not_count() {
     let (scene, record) = cornered("");
     let lost_to = |share: f64| {
-        let mut record = run(&scene, 5, None, &RunOptions::default(), &mut |_| {}).unwrap();
+        let mut record =
+            run(&scene, 5, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
         let n_lost = (share * record.estimates.len() as f64) as usize;
         record.estimates[1..n_lost].iter_mut().for_each(|estimate| estimate.pose = PoseUnion::default());
-        weaken(&scene, &record, None, &mut |_, _| {}).unwrap()
+        weaken(&scene, &record, &IntervalLocalizer::boxed, None, &mut |_, _| {}).unwrap()
     };
-    assert_eq!(lost_to(0.4), weaken(&scene, &record, None, &mut |_, _| {}).unwrap());
+    assert_eq!(lost_to(0.4), weaken(&scene, &record, &IntervalLocalizer::boxed, None, &mut |_, _| {}).unwrap());
     let late = lost_to(0.6);
     assert_eq!((late.factor, late.lost_at_s, late.lost), (Some(1.0), Some(3.0), Some(Lost::Empty)));
 }
@@ -71,8 +79,8 @@ fn landmarks_in_a_drift_are_not_lost_by_the_first_steps_of_wheels_and_gyroscope(
     let path = root().join("scenes/papers/rigid_transform_loop.toml");
     let mut scene = SceneFile::load_all(&[path]).unwrap().remove(0).scene;
     (scene.duration_s, scene.robot.errors) = (12.0, Distribution::Drift);
-    let record = run(&scene, 0, None, &RunOptions::default(), &mut |_| {}).unwrap();
-    let weakened = weaken(&scene, &record, None, &mut |_, _| {}).unwrap();
+    let record = run(&scene, 0, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let weakened = weaken(&scene, &record, &IntervalLocalizer::boxed, None, &mut |_, _| {}).unwrap();
     println!("{weakened:?}");
     assert_eq!(weakened.counted_after_s, 5.0);
     assert!(weakened.lost_at_s.is_none_or(|lost_at_s| lost_at_s >= 5.0 - 1e-6), "{weakened:?}");

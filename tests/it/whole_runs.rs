@@ -8,6 +8,7 @@ use sim::{
     render::Renderer,
     run::{RunOptions, RunRecord, run},
     scene::{Scene, SceneFile},
+    subject::IntervalLocalizer,
 };
 
 use crate::command::{folder, outcome, root, wherein};
@@ -22,13 +23,15 @@ fn scene(path: &str, duration_s: f64) -> Scene {
 
 fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     let mut renderer = Renderer::new().unwrap();
-    let record = run(scene, seed, Some(&mut renderer), &RunOptions::default(), &mut |_| {}).unwrap();
+    let record =
+        run(scene, seed, &mut IntervalLocalizer::of(scene), Some(&mut renderer), &RunOptions::default(), &mut |_| {})
+            .unwrap();
     let verdict = verdict_of(scene, &record);
     (record, verdict)
 }
 
 fn assert_clean(verdict: &Verdict) {
-    let containment = &verdict.containment;
+    let containment = verdict.containment.as_ref().unwrap();
     assert_eq!(containment.contained, containment.checks, "{containment:?}");
     assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
 }
@@ -37,8 +40,13 @@ fn assert_clean(verdict: &Verdict) {
 fn on_plain_tiles_the_truth_is_in_a_box_of_millimetres() {
     let (_, verdict) = judged(&scene("tiles.toml", 12.0), 31);
     assert_clean(&verdict);
-    assert!(verdict.width.at_fix.x_m.mean < 0.006 && verdict.width.at_fix.y_m.mean < 0.006, "{:?}", verdict.width);
-    assert!(verdict.width.at_fix.heading_rad.mean < 0.6_f64.to_radians(), "{:?}", verdict.width);
+    assert!(
+        verdict.width.as_ref().unwrap().at_fix.x_m.mean < 0.006
+            && verdict.width.as_ref().unwrap().at_fix.y_m.mean < 0.006,
+        "{:?}",
+        verdict.width
+    );
+    assert!(verdict.width.as_ref().unwrap().at_fix.heading_rad.mean < 0.6_f64.to_radians(), "{:?}", verdict.width);
     // Odometry alone has no such luck: were it as good, the images would have shown nothing.
     let odometry = verdict.baselines["odometry"].error.as_ref().unwrap();
     assert!(odometry.position_m.max > 3.0 * verdict.error.position_m.mean);
@@ -56,7 +64,7 @@ fn a_bent_lens_and_a_rolling_shutter_keep_the_truth_and_make_no_claim_false() {
         assert_clean(&verdict);
         let method = &verdict.methods["floor_tiles"];
         assert!(method.constraints > 45 && method.false_claims == 0, "{name}: {method:?}");
-        assert!(verdict.width.at_fix.x_m.mean < greatest_m, "{name}: {:?}", verdict.width);
+        assert!(verdict.width.as_ref().unwrap().at_fix.x_m.mean < greatest_m, "{name}: {:?}", verdict.width);
     }
 }
 
@@ -88,7 +96,12 @@ fn a_start_known_to_a_quarter_metre_keeps_a_branch_for_each_tile() {
 #[test]
 fn a_push_is_told_by_name_time_and_amount_and_forgotten_within_two_seconds() {
     let (record, verdict) = judged(&scene("broken/push_4cm.toml", 11.0), 36);
-    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+    assert_eq!(
+        (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+        (0, 0),
+        "{:?}",
+        verdict.containment
+    );
     assert!(verdict.metrics["longest_outside_s"] <= 2.0);
     assert_eq!(record.estimates.last().unwrap().pose.branches.len(), 1);
     let slip = verdict.violations.iter().find(|violation| violation.bound == "wheels.side_slip").unwrap();
@@ -103,9 +116,14 @@ fn a_push_is_told_by_name_time_and_amount_and_forgotten_within_two_seconds() {
 fn a_tile_laid_off_its_place_is_told_while_it_is_in_view() {
     let scene = scene("broken/misplaced_tile.toml", 8.0);
     let (record, verdict) = judged(&scene, 37);
-    assert_eq!((verdict.containment.unsound, verdict.containment.perception), (0, 0), "{:?}", verdict.containment);
+    assert_eq!(
+        (verdict.containment.as_ref().unwrap().unsound, verdict.containment.as_ref().unwrap().perception),
+        (0, 0),
+        "{:?}",
+        verdict.containment
+    );
     let told = verdict.violations.iter().find(|violation| violation.bound == "floor_tiles.laying").unwrap();
-    let first = verdict.containment.first_failure.as_ref().map(|first| first.blame.as_str());
+    let first = verdict.containment.as_ref().unwrap().first_failure.as_ref().map(|first| first.blame.as_str());
     assert!(first.is_none_or(|blame| blame.starts_with("floor_tiles.")), "{first:?}");
     // The tile is [7, 2], moved by 8 mm along x on top of what its four corners drew.
     let laid = record.drawn.tiles.as_ref().unwrap();

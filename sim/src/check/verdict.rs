@@ -21,8 +21,8 @@ pub enum Judgement {
 /// Everything that `summary.json` holds of a run, in its order.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
-    /// Counts of judgements over all steps.
-    pub containment: Containment,
+    /// Counts of judgements over all steps; none of a subject that answers with points.
+    pub containment: Option<Containment>,
     /// The judgement of every step; `steps.csv` holds them.
     #[serde(skip)]
     pub judgements: Vec<Judgement>,
@@ -30,12 +30,12 @@ pub struct Verdict {
     pub violations: Vec<Violation>,
     /// Errors of the midpoint of the hull.
     pub error: ErrorTable,
-    /// Full widths of the hull, over all steps.
-    pub width: WidthTable,
-    /// |error| over half the width: how much narrower the boxes could have been.
-    pub power: PowerTable,
-    /// Share of steps that are sound, hold the truth and are narrower than declared.
-    pub availability: f64,
+    /// Full widths of the hull, over all steps; none of points.
+    pub width: Option<WidthTable>,
+    /// |error| over half the width: how much narrower the boxes could have been; none of points.
+    pub power: Option<PowerTable>,
+    /// Share of steps that are sound, hold the truth and are narrower than declared; none of points.
+    pub availability: Option<f64>,
     /// By method, what it read and said.
     pub methods: BTreeMap<String, MethodCounts>,
     /// By baseline, its errors.

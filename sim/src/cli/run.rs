@@ -17,6 +17,7 @@ use crate::{
     render::Renderer,
     run::{RunOptions, run_otherwise, run_witnessed},
     scene::{SceneFile, SceneTemplate},
+    subject::IntervalLocalizer,
     sweep,
 };
 
@@ -99,8 +100,16 @@ fn run_one(
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
     let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));
-    let run_record =
-        run_witnessed(&file.scene, seed, renderer.as_deref_mut(), &options, &mut witnesses, &mut progress)?;
+    let mut subject = IntervalLocalizer::of(&file.scene);
+    let run_record = run_witnessed(
+        &file.scene,
+        seed,
+        &mut subject,
+        renderer.as_deref_mut(),
+        &options,
+        &mut witnesses,
+        &mut progress,
+    )?;
     let (recording, _) = witnesses;
     bar.set_position(start + milliseconds(file.scene.simulated_s()));
     let mut n_replays = 0;
@@ -111,7 +120,8 @@ fn run_one(
         let (start, lasts_s) = (bar.position(), asked.until_s.unwrap_or(file.scene.simulated_s()));
         bar.inc_length(milliseconds(lasts_s));
         let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
-        let again = run_otherwise(&file.scene, &run_record, asked, renderer.as_deref_mut(), &mut progress);
+        let subject_of = &IntervalLocalizer::boxed;
+        let again = run_otherwise(&file.scene, &run_record, asked, subject_of, renderer.as_deref_mut(), &mut progress);
         bar.set_position(start + milliseconds(lasts_s));
         again
     })?;

@@ -9,6 +9,7 @@ use crate::{
     render::Renderer,
     run::{RunOptions, run},
     scene::{SceneFile, SceneTemplate},
+    subject::IntervalLocalizer,
     sweep::Seeds,
     weaken::{Weakened, weaken},
 };
@@ -38,9 +39,10 @@ pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) 
                 ));
                 bar.tick();
             };
-            let recorded =
-                run(scene, seed, used.as_deref_mut(), &RunOptions::default(), &mut |at_s| progress(1.0, at_s))?;
-            let weakened = weaken(scene, &recorded, used, &mut progress)?;
+            let mut subject = IntervalLocalizer::of(scene);
+            let mut first = |at_s| progress(1.0, at_s);
+            let recorded = run(scene, seed, &mut subject, used.as_deref_mut(), &RunOptions::default(), &mut first)?;
+            let weakened = weaken(scene, &recorded, &IntervalLocalizer::boxed, used, &mut progress)?;
             rows.push((file.name.clone(), seed, weakened));
         }
     }

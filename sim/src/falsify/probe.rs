@@ -13,6 +13,7 @@ use crate::{
     render::Renderer,
     run::{RunOptions, run, run_otherwise},
     scene::{Scene, SceneError, SceneFile},
+    subject::IntervalLocalizer,
 };
 
 use super::wish::{Hit, hits};
@@ -88,7 +89,8 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
     };
     let has_cameras = renderer.is_some();
     let mut progress = |simulated_s: f64| drop(tell(&Told::At(simulated_s)));
-    let record = match run(&scene, seed, renderer.as_mut(), &RunOptions::default(), &mut progress) {
+    let mut subject = IntervalLocalizer::of(&scene);
+    let record = match run(&scene, seed, &mut subject, renderer.as_mut(), &RunOptions::default(), &mut progress) {
         Ok(record) => record,
         Err(error) => return Told::CouldNotRun(error.to_string()),
     };
@@ -97,7 +99,7 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
         // To find whose fault it is takes as long as the run, several times.
         all_s += asked.until_s.unwrap_or(scene.simulated_s());
         let _ = tell(&Told::Began { simulated_s: all_s, pixels_per_s });
-        run_otherwise(&scene, &record, asked, renderer.as_mut(), &mut |_| {})
+        run_otherwise(&scene, &record, asked, &IntervalLocalizer::boxed, renderer.as_mut(), &mut |_| {})
     });
     let verdict = match verdict {
         Ok(verdict) => verdict,
@@ -111,7 +113,7 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
     let summary = Summary::of(&file, &record, &verdict);
     let digest = format!("{} {} {}", summary.digest.truth, summary.digest.readings, summary.digest.estimates);
     Told::Ran(Outcome {
-        steps: verdict.containment.checks,
+        steps: record.truths.len(),
         simulated_s: summary.duration_s,
         has_cameras,
         broken,

@@ -95,17 +95,18 @@ pub fn hits(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Vec<Hit> {
 }
 
 fn judged(scene: &Scene, record: &RunRecord, verdict: &Verdict, judgement: Judgement) -> Option<Hit> {
-    let (wish, count) = match judgement {
-        Judgement::Unsound => (Wish::Unsound, verdict.containment.unsound),
-        _ => (Wish::Perception, verdict.containment.perception),
+    let wish = match judgement {
+        Judgement::Unsound => Wish::Unsound,
+        _ => Wish::Perception,
     };
+    let count = verdict.judgements.iter().filter(|other| **other == judgement).count();
     let first = verdict.judgements.iter().position(|other| *other == judgement)?;
     let (truth, estimate) = (record.truths.get(first)?, record.estimates.get(first)?);
     let (hull, pose) = (estimate.pose.hull(), truth.pose.to_array());
     let outside = |axis: usize| (hull[axis].lo() - pose[axis]).max(pose[axis] - hull[axis].hi()).max(0.0);
     let seen = format!(
         "{count} of {} steps, first at {:.2} s: outside by {:.2} mm, {:.2} mm, {:.4} deg",
-        verdict.containment.checks,
+        verdict.judgements.len(),
         truth.time_s,
         1e3 * outside(0),
         1e3 * outside(1),

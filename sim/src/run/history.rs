@@ -4,9 +4,7 @@ use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, St
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
 
-use super::{
-    Clearance, ForwardBaselines, LocalizerOf, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines,
-};
+use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
 
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
@@ -14,8 +12,6 @@ pub struct RunRecord {
     pub seed: u64,
     /// Graphics adapter that rendered the images, if any were rendered.
     pub adapter: Option<String>,
-    /// What made the run's localizer, unless ours did.
-    pub localizer: Option<LocalizerOf>,
     /// True values drawn before the start.
     pub drawn: Drawn,
     /// Truth at each step.
@@ -26,6 +22,8 @@ pub struct RunRecord {
     pub restarts: Vec<usize>,
     /// Estimate at each step, same times.
     pub estimates: Vec<Estimate>,
+    /// Whether the subject has answered with boxes; else estimates are points, boxes without width, of which only the error says anything.
+    pub has_boxes: bool,
     /// What each image claimed, with the truth at its mid-exposure.
     pub images: Vec<ImageRecord>,
     /// Which of `images` left the widest box, with its reading: what shows a failed run that never lost the truth. Kept with
@@ -137,12 +135,12 @@ impl RunRecord {
         RunRecord {
             seed,
             adapter,
-            localizer: None,
             drawn,
             truths: Vec::new(),
             commands: Vec::new(),
             restarts: Vec::new(),
             estimates: Vec::new(),
+            has_boxes: true,
             images: Vec::new(),
             widest_image: None,
             odometry: Vec::new(),

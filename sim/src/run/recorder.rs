@@ -2,11 +2,17 @@
 
 use std::time::Instant;
 
-use localizer::{Localizer, Map, Pose, PoseBox, Reading, RobotModel, motion::PointOdometry, reading::Camera};
+use localizer::{Map, Pose, PoseBox, Reading, RobotModel, motion::PointOdometry, reading::Camera};
 use sha2::{Digest, Sha256};
 
 use crate::{
-    artefacts::debug_frames::FramesPolicy, drawn::Drawn, scene::Scene, sensors::Observation, truth::Truth, world::World,
+    artefacts::debug_frames::FramesPolicy,
+    drawn::Drawn,
+    scene::Scene,
+    sensors::Observation,
+    subject::{Answer, Subject},
+    truth::Truth,
+    world::World,
 };
 
 use super::range_baselines::Told;
@@ -167,8 +173,10 @@ impl<'a> Recorder<'a> {
     }
 
     /// Notes truth and estimate, apart from each other.
-    pub(super) fn step(&mut self, truth: &Truth, localizer: &Localizer) {
-        let mut estimate = localizer.estimate_at(truth.time_s);
+    pub(super) fn step(&mut self, truth: &Truth, subject: &dyn Subject) {
+        let answer = subject.estimate_at(truth.time_s);
+        self.history.has_boxes &= matches!(answer, Answer::Boxes(_));
+        let mut estimate = answer.into_estimate(truth.time_s);
         estimate.time_s += self.offset_s;
         let truth = Truth { time_s: truth.time_s + self.offset_s, ..*truth };
         self.witness.step(&truth, &estimate, self.odometry.pose());

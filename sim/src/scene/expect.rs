@@ -131,13 +131,13 @@ fn blank_summary() -> Value {
         width: Some(Default::default()),
     };
     let verdict = Verdict {
-        containment: Default::default(),
+        containment: Some(Default::default()),
         judgements: Vec::new(),
         violations: Vec::new(),
         error: ErrorTable { at_fix: Some(Default::default()), ..Default::default() },
-        width: Default::default(),
-        power: Default::default(),
-        availability: 0.0,
+        width: Some(Default::default()),
+        power: Some(Default::default()),
+        availability: Some(0.0),
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
         baselines: BTreeMap::from([(ANY_NAME.to_owned(), baseline)]),
         metrics: BTreeMap::from([(ANY_NAME.to_owned(), 0.0)]),

@@ -15,6 +15,7 @@ use crate::{
     check::check,
     render::Renderer,
     run::{RunOptions, run, run_otherwise},
+    subject::IntervalLocalizer,
 };
 
 use super::{Case, Store, SweepError};
@@ -103,10 +104,10 @@ fn run_case(
     let options = RunOptions { keep_images: frames, ..RunOptions::default() };
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let used = renderer.as_mut().filter(|_| scene.has_camera());
-        let record = run(scene, case.planned.seed, used, &options, &mut |_| {})?;
+        let record = run(scene, case.planned.seed, &mut IntervalLocalizer::of(scene), used, &options, &mut |_| {})?;
         let verdict = check(scene, &record, &mut |asked| {
             let used = renderer.as_mut().filter(|_| scene.has_camera());
-            run_otherwise(scene, &record, asked, used, &mut |_| {})
+            run_otherwise(scene, &record, asked, &IntervalLocalizer::boxed, used, &mut |_| {})
         })?;
         Ok::<_, SweepError>((record, verdict))
     }));

@@ -121,7 +121,7 @@ impl Recording {
             );
             self.log(violation.from_s, Level::Warn, "violation", &text);
         }
-        if let Some(first) = &verdict.containment.first_failure {
+        if let Some(first) = verdict.containment.as_ref().and_then(|containment| containment.first_failure.as_ref()) {
             let text = format!("the truth is outside, {} by {}: {}", first.axis, first.margin, first.blame);
             self.log(first.time_s, Level::Error, "blame", &text);
         }

@@ -1,21 +1,78 @@
-//! The localizer and its methods as a scene sets them up.
+//! The interval localizer of this project as a subject, with the methods that a scene asks for.
 
 use localizer::{
-    Localizer, Method,
+    Localizer, Method, PoseBox, Reading,
+    localizer::Account,
     methods::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
         range_landmarks::{Freedom, RangeLandmarks, Solver},
         wall_directions::{self, WallDirections},
     },
+    motion::SlipExcess,
 };
 
+use super::{Answer, Subject};
 use crate::scene::{
     FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene, WallDirectionsChain,
 };
 
+/// The interval localizer as a subject.
+pub struct IntervalLocalizer {
+    localizer: Localizer,
+    /// Whether a drive has begun.
+    has_begun: bool,
+    /// Of the latest reading.
+    accounts: Vec<Account>,
+}
+
+impl IntervalLocalizer {
+    /// With the methods that the scene asks for, told what the scene tells it.
+    pub fn of(scene: &Scene) -> IntervalLocalizer {
+        IntervalLocalizer::from(localizer(scene))
+    }
+
+    /// The same, as [`SubjectOf`](super::SubjectOf) wants it.
+    pub fn boxed(scene: &Scene) -> Box<dyn Subject> {
+        Box::new(IntervalLocalizer::of(scene))
+    }
+}
+
+impl From<Localizer> for IntervalLocalizer {
+    /// A localizer that was made otherwise, at its first drive's start.
+    fn from(localizer: Localizer) -> IntervalLocalizer {
+        IntervalLocalizer { localizer, has_begun: false, accounts: Vec::new() }
+    }
+}
+
+impl Subject for IntervalLocalizer {
+    fn start(&mut self, start: &PoseBox) {
+        // A localizer is made at a start; what it has then been told of its first drive stays.
+        if self.has_begun {
+            self.localizer.restart(start.clone());
+        }
+        self.has_begun = true;
+    }
+
+    fn observe(&mut self, reading: &Reading) {
+        self.accounts = self.localizer.observe(reading);
+    }
+
+    fn estimate_at(&self, time_s: f64) -> Answer {
+        Answer::Boxes(self.localizer.estimate_at(time_s))
+    }
+
+    fn accounts(&mut self) -> Vec<Account> {
+        std::mem::take(&mut self.accounts)
+    }
+
+    fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
+        self.localizer.expect_slip(excesses);
+    }
+}
+
 /// The localizer that the scene asks for, told what the scene tells it.
-pub(crate) fn localizer(scene: &Scene) -> Localizer {
+fn localizer(scene: &Scene) -> Localizer {
     let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
         .with_base_clock(scene.robot.delivery.stamp_tolerance_s);
     if scene.localizer.learns_gyro {

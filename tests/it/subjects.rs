@@ -1,0 +1,129 @@
+//! Localizers of somebody's own in the loop: what they are told and how they are judged.
+
+use localizer::{Interval, Pose, PoseBox, PoseUnion, Reading, Status, robot::WheelModel};
+use serde_json::Value;
+use sim::{
+    check::Verdict,
+    run::{RunOptions, RunRecord, run},
+    scene::Scene,
+    subject::{Answer, IntervalLocalizer, Subject, SubjectOf},
+};
+
+use crate::{command::blind_scene, judging::verdict_of_subject};
+
+/// Adds up what the wheels rolled, from the middle of the start on.
+struct DeadReckoning {
+    wheels: WheelModel,
+    pose: Pose,
+    ticks: Option<[i64; 2]>,
+    starts: usize,
+}
+
+impl Subject for DeadReckoning {
+    fn start(&mut self, start: &PoseBox) {
+        self.pose = Pose { x_m: start[0].mid(), y_m: start[1].mid(), heading_rad: start[2].mid() };
+        (self.ticks, self.starts) = (None, self.starts + 1);
+    }
+
+    fn observe(&mut self, reading: &Reading) {
+        let Reading::Wheels { ticks, .. } = reading else { return };
+        let before = self.ticks.replace(*ticks).unwrap_or(*ticks);
+        let [left_m, right_m] =
+            [0, 1].map(|wheel| (ticks[wheel] - before[wheel]) as f64 * self.wheels.metres_per_tick(wheel).mid());
+        let (ahead_m, turn_rad) = ((left_m + right_m) / 2.0, (right_m - left_m) / self.wheels.track_m.mid());
+        let direction_rad = self.pose.heading_rad + turn_rad / 2.0;
+        self.pose.x_m += ahead_m * direction_rad.cos();
+        self.pose.y_m += ahead_m * direction_rad.sin();
+        self.pose.heading_rad += turn_rad;
+    }
+
+    fn estimate_at(&self, _time_s: f64) -> Answer {
+        Answer::Point(self.pose)
+    }
+}
+
+fn dead_reckoning(scene: &Scene) -> DeadReckoning {
+    let origin = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
+    DeadReckoning { wheels: scene.robot_model().wheels, pose: origin, ticks: None, starts: 0 }
+}
+
+fn scene(more: &str) -> Scene {
+    Scene::parse(&blind_scene(6.0, more), "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))
+}
+
+fn driven(scene: &Scene, subject: &mut dyn Subject, subject_of: &SubjectOf<'_>) -> (RunRecord, Verdict) {
+    let record = run(scene, 5, subject, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let verdict = verdict_of_subject(scene, &record, subject_of);
+    (record, verdict)
+}
+
+#[test]
+fn a_point_is_judged_by_its_error_and_by_nothing_that_is_of_boxes() {
+    let scene = scene("");
+    let (record, verdict) = driven(&scene, &mut dead_reckoning(&scene), &|told| Box::new(dead_reckoning(told)));
+    assert!(record.truths.last().unwrap().wheel_travel_m[0] > 0.3, "the robot has to drive");
+    let summary = serde_json::to_value(&verdict).unwrap();
+    for of_boxes in ["containment", "width", "power", "availability"] {
+        assert_eq!(summary[of_boxes], Value::Null, "{of_boxes}");
+    }
+    assert!(verdict.judgements.is_empty() && !verdict.metrics.contains_key("recovering_share"));
+    // The run's own odometry alone begins at the same middle: the same readings, added up by other code.
+    let odometry = verdict.baselines["odometry"].error.as_ref().unwrap();
+    for (ours, theirs) in [
+        (verdict.error.position_m.max, odometry.position_m.max),
+        (verdict.error.heading_rad.max, odometry.heading_rad.max),
+    ] {
+        assert!(ours > 0.0 && (ours - theirs).abs() < 1e-9, "{ours} where odometry alone has {theirs}");
+    }
+}
+
+#[test]
+fn an_expectation_of_boxes_is_not_met_by_points() {
+    let scene = scene("[expect]\nunsound = 0\n");
+    let (_, verdict) = driven(&scene, &mut dead_reckoning(&scene), &|told| Box::new(dead_reckoning(told)));
+    assert!(!verdict.verdict.passed && verdict.verdict.failed[0].contains("unsound"), "{:?}", verdict.verdict.failed);
+}
+
+#[test]
+fn a_subject_is_started_once_a_station() {
+    let scene = Scene::parse(
+        "duration_s = 0.5\n[room]\nwidth_m = 3.0\ndepth_m = 2.0\n[robot]\nfloor_camera = false\n\
+         [[station]]\nx_m = 0.6\ny_m = 0.6\n[[station]]\nx_m = 1.2\ny_m = 0.6\n",
+        "scene.toml",
+    )
+    .unwrap_or_else(|error| panic!("failed to {error}"));
+    let mut subject = dead_reckoning(&scene);
+    let record = run(&scene, 1, &mut subject, None, &RunOptions::default(), &mut |_| {}).unwrap();
+    assert_eq!((subject.starts, record.restarts.len()), (2, 2));
+}
+
+/// Says that the robot is in one small box, somewhere else.
+struct Elsewhere(IntervalLocalizer);
+
+impl Subject for Elsewhere {
+    fn start(&mut self, start: &PoseBox) {
+        self.0.start(start);
+    }
+
+    fn observe(&mut self, reading: &Reading) {
+        self.0.observe(reading);
+    }
+
+    fn estimate_at(&self, time_s: f64) -> Answer {
+        let Answer::Boxes(mut estimate) = self.0.estimate_at(time_s) else { unreachable!() };
+        let hull = estimate.pose.hull();
+        let x_m = Interval::point(hull[0].hi() + 0.01);
+        estimate.pose = PoseUnion::single(PoseBox::from([x_m, hull[1], hull[2]]));
+        estimate.status = Status::Sound;
+        Answer::Boxes(estimate)
+    }
+}
+
+#[test]
+fn boxes_of_another_subject_that_lose_the_truth_are_unsound() {
+    let scene = scene("");
+    let subject_of = |told: &Scene| Box::new(Elsewhere(IntervalLocalizer::of(told))) as Box<dyn Subject>;
+    let (record, verdict) = driven(&scene, &mut *subject_of(&scene), &subject_of);
+    let containment = verdict.containment.unwrap();
+    assert_eq!(containment.unsound, record.truths.len(), "{containment:?}");
+}
