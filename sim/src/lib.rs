@@ -1,10 +1,10 @@
 //! A physics-simulated testbed for indoor localization.
 //!
 //! ```text
-//! scenes/x.toml ─> Scene ─> World ─> Truth ─> Sensors (+ Renderer) ─> Readings ─> Localizer ─> Estimate
+//! scenes/x.toml ─> Scene ─> World ─> Truth ─> Sensors (+ Renderer) ─> Readings ─> Subject ───> Answer
 //!                             ^                                                                   │
 //!                             └──────────── WheelCommand <── Driver <─────────────────────────────┤
-//!                  run(): RunRecord { Truth, Estimate } ─> check() ─> Verdict ─> artefacts
+//!                  run(): RunRecord { Truth, Answer } ─> judge() ─> Verdict ─> artefacts
 //! ```
 //!
 //! Modules in reading order, from the file to the verdict.
@@ -26,7 +26,7 @@ pub mod navigation;
 pub mod driver;
 pub mod subject;
 pub mod run;
-pub mod check;
+pub mod judge;
 pub mod weaken;
 pub mod artefacts;
 pub mod replay;

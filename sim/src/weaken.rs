@@ -4,7 +4,7 @@ use localizer::Status;
 use serde::Serialize;
 
 use crate::{
-    check::SETTLED_S,
+    judge::SETTLED_S,
     render::{RenderError, Renderer},
     run::{Change, Counterfactual, RunRecord, run_otherwise},
     scene::Scene,

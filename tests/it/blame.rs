@@ -5,8 +5,8 @@ use localizer::{
     methods::floor_tiles::{Chain, FloorTiles},
 };
 use sim::{
-    check::{Judgement, Verdict, check},
     drawn::Drawn,
+    judge::{Judgement, Verdict, judge},
     render::Renderer,
     run::{Change, Counterfactual, ImageRecord, RunOptions, RunRecord, run, run_otherwise},
     scene::{Distribution, Event, Scene, SceneFile, WallDirectionsSetup},
@@ -64,7 +64,7 @@ fn lose_the_truth(record: &mut RunRecord) {
 /// The verdict on a record made by hand, whose replays hold the truth where `holds` says so; and what was asked for.
 fn judged(scene: &Scene, lost: &RunRecord, holds: impl Fn(&[Change]) -> bool) -> (Verdict, Vec<Counterfactual>) {
     let mut asked_for = Vec::new();
-    let verdict = check(scene, lost, &mut |asked| {
+    let verdict = judge(scene, lost, &mut |asked| {
         asked_for.push(asked.clone());
         let mut again = record(scene);
         if !holds(&asked.changes) {
@@ -77,7 +77,7 @@ fn judged(scene: &Scene, lost: &RunRecord, holds: impl Fn(&[Change]) -> bool) ->
 
 /// The verdict where nothing is to be simulated again.
 fn judged_at_once(scene: &Scene, record: &RunRecord) -> Verdict {
-    check(scene, record, &mut |asked| panic!("asked for {asked:?}")).unwrap()
+    judge(scene, record, &mut |asked| panic!("asked for {asked:?}")).unwrap()
 }
 
 fn told(changes: &[Change]) -> Vec<&str> {
@@ -194,7 +194,7 @@ fn a_lucky_containment_does_not_clear_a_cause_and_a_later_failure_has_its_own() 
     let (verdict, _) = judged(&scene, &record, |_| true);
     assert_eq!(counts(&verdict), [80, 21, 0, 0]);
     // Where the replay holds the truth in the first span alone, the second is nobody's but our own.
-    let verdict = check(&scene, &record, &mut |_| {
+    let verdict = judge(&scene, &record, &mut |_| {
         let mut again = self::record(&scene);
         again.estimates[91..].clone_from_slice(&record.estimates[91..]);
         Ok(again)

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use sim::{
-    check::watched,
+    judge::watched,
     render::Renderer,
     run::{RunOptions, run},
     scene::{Scene, SceneFile},

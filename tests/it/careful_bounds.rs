@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use sim::{
-    check::Verdict,
+    judge::Verdict,
     render::Renderer,
     run::{RunOptions, run},
     scene::{Scene, SceneTemplate, Setting},

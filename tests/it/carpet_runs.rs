@@ -1,7 +1,7 @@
 //! Whole runs by wheels, gyroscope and flow sensor: what goes wrong is contained, or told by its right name.
 
 use sim::{
-    check::Verdict,
+    judge::Verdict,
     run::{RunOptions, run},
     scene::Scene,
     subject::IntervalLocalizer,

@@ -4,7 +4,7 @@ use std::fs;
 
 use localizer::{Claim, reading::Camera};
 use sim::{
-    check::{is_true, violations},
+    judge::{is_true, violations},
     scene::Scene,
 };
 

@@ -4,7 +4,7 @@ use std::fs;
 
 use localizer::{Claim, Reading, Status};
 use sim::{
-    check::is_true,
+    judge::is_true,
     run::{Counterfactual, RunRecord, run_otherwise},
     scene::Scene,
     subject::IntervalLocalizer,

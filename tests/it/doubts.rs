@@ -1,6 +1,6 @@
 use localizer::Status;
 use sim::{
-    check::Verdict,
+    judge::Verdict,
     render::Renderer,
     run::{RunOptions, RunRecord, run},
     scene::{Event, Scene, SceneFile},

@@ -1,8 +1,8 @@
 use localizer::{Estimate, Interval, Pose, PoseBox, PoseUnion, Status};
 use sim::{
-    check::check,
     drawn::Drawn,
     falsify::{Wish, hits},
+    judge::judge,
     run::RunRecord,
     scene::Scene,
     truth::Truth,
@@ -36,7 +36,7 @@ fn record(scene: &Scene, half_m: f64, off_m: impl Fn(f64) -> f64) -> RunRecord {
 
 fn wishes(scene: &Scene, record: &RunRecord) -> Vec<Wish> {
     // With the bound kept, the boxes of the same run are where the robot is.
-    let verdict = check(scene, record, &mut |_| Ok(self::record(scene, 0.01, |_| 0.0))).unwrap();
+    let verdict = judge(scene, record, &mut |_| Ok(self::record(scene, 0.01, |_| 0.0))).unwrap();
     hits(scene, record, &verdict).into_iter().map(|hit| hit.wish).collect()
 }
 

@@ -3,7 +3,7 @@
 use std::{sync::mpsc, thread, time::Duration};
 
 use sim::{
-    check::Verdict,
+    judge::Verdict,
     render::Renderer,
     run::{RunOptions, run},
     scene::SceneFile,

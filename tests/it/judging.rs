@@ -1,5 +1,5 @@
 use sim::{
-    check::{Verdict, check},
+    judge::{Verdict, judge},
     render::Renderer,
     run::{RunRecord, run_otherwise},
     scene::Scene,
@@ -14,7 +14,7 @@ pub(crate) fn verdict_of(scene: &Scene, record: &RunRecord) -> Verdict {
 /// The same of a run by another subject.
 pub(crate) fn verdict_of_subject(scene: &Scene, record: &RunRecord, subject_of: &SubjectOf<'_>) -> Verdict {
     let mut renderer = None;
-    let verdict = check(scene, record, &mut |asked| {
+    let verdict = judge(scene, record, &mut |asked| {
         if scene.has_camera() && renderer.is_none() {
             renderer = Some(Renderer::new()?);
         }

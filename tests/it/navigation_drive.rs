@@ -4,9 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use localizer::{Estimate, Interval, Pose, PoseUnion, Status};
 use sim::{
-    check::{Verdict, distance_to_way_m},
     drawn::Drawn,
     driver::{ErrandDriver, ErrandLog, Outcome, bearing},
+    judge::{Verdict, distance_to_way_m},
     run::{Clearance, RunOptions, RunRecord, run},
     scene::Scene,
     sensors::Sensors,

@@ -2,7 +2,7 @@
 
 use localizer::Status;
 use sim::{
-    check::Verdict,
+    judge::Verdict,
     run::{RunOptions, RunRecord, run},
     scene::{Event, Scene, SceneFile},
     subject::IntervalLocalizer,

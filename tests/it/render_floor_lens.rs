@@ -3,7 +3,7 @@
 use image::GrayImage;
 use localizer::Claim;
 use nalgebra::{Isometry3, Translation3};
-use sim::{check::is_true, drawn::cameras::world_from_floor_camera, render::View, truth::Truth};
+use sim::{drawn::cameras::world_from_floor_camera, judge::is_true, render::View, truth::Truth};
 
 use crate::{
     render_projection::{dark_centroid, marks},

@@ -7,8 +7,8 @@ use localizer::Pose;
 use nalgebra::Isometry3;
 use sim::{
     artefacts::debug_frames::FramesPolicy,
-    check::Verdict,
     drawn::{Drawn, DrawnFloorCamera, cameras::world_from_floor_camera},
+    judge::Verdict,
     optics::{Exposure, Lens},
     render::{NoiseKey, Renderer, Shows, View},
     run::{RunOptions, RunRecord, run},

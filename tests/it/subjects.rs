@@ -3,7 +3,7 @@
 use localizer::{Interval, Pose, PoseBox, PoseUnion, Reading, Status, robot::WheelModel};
 use serde_json::Value;
 use sim::{
-    check::Verdict,
+    judge::Verdict,
     run::{RunOptions, RunRecord, run},
     scene::Scene,
     subject::{Answer, IntervalLocalizer, Subject, SubjectOf},

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 use sim::{
-    check::Verdict,
+    judge::Verdict,
     render::Renderer,
     run::{RunOptions, RunRecord, run},
     scene::{Scene, SceneFile},

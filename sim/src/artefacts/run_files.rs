@@ -25,7 +25,7 @@ use thiserror::Error;
 
 use crate::{
     artefacts::{debug_frames, recording::Recording},
-    check::Verdict,
+    judge::Verdict,
     run::RunRecord,
     scene::SceneFile,
 };

@@ -13,7 +13,7 @@ use crate::{
         result_table::{Outcome, as_text, lines},
         run_files::{self, program_digest, scene_digest},
     },
-    check::check,
+    judge::judge,
     render::Renderer,
     run::{RunOptions, run_otherwise, run_witnessed},
     scene::{SceneFile, SceneTemplate},
@@ -113,7 +113,7 @@ fn run_one(
     let (recording, _) = witnesses;
     bar.set_position(start + milliseconds(file.scene.simulated_s()));
     let mut n_replays = 0;
-    let verdict = check(&file.scene, &run_record, &mut |asked| {
+    let verdict = judge(&file.scene, &run_record, &mut |asked| {
         // Each takes as long as the run up to its last failure.
         n_replays += 1;
         bar.set_message(format!("{} seed {seed}: whose fault? replay {n_replays}", file.name));

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     artefacts::run_files::Summary,
-    check::check,
+    judge::judge,
     render::Renderer,
     run::{RunOptions, run, run_otherwise},
     scene::{Scene, SceneError, SceneFile},
@@ -95,7 +95,7 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
         Err(error) => return Told::CouldNotRun(error.to_string()),
     };
     let mut all_s = scene.simulated_s();
-    let verdict = check(&scene, &record, &mut |asked| {
+    let verdict = judge(&scene, &record, &mut |asked| {
         // To find whose fault it is takes as long as the run, several times.
         all_s += asked.until_s.unwrap_or(scene.simulated_s());
         let _ = tell(&Told::Began { simulated_s: all_s, pixels_per_s });

@@ -4,7 +4,7 @@ use localizer::Status;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    check::{Judgement, Verdict},
+    judge::{Judgement, Verdict},
     run::RunRecord,
     scene::Scene,
 };

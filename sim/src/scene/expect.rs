@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::{
     artefacts::figures::figures,
-    check::{Baseline, ErrorTable, Verdict},
+    judge::{Baseline, ErrorTable, Verdict},
 };
 
 use super::conform::nearest;

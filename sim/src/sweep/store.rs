@@ -17,7 +17,7 @@ use crate::{
         debug_frames::FramesPolicy,
         run_files::{self, RecordError, naming, replace_whole},
     },
-    check::Verdict,
+    judge::Verdict,
     run::RunRecord,
 };
 

@@ -12,7 +12,7 @@ use std::{
 
 use crate::{
     artefacts::debug_frames::FramesPolicy,
-    check::check,
+    judge::judge,
     render::Renderer,
     run::{RunOptions, run, run_otherwise},
     subject::IntervalLocalizer,
@@ -105,7 +105,7 @@ fn run_case(
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let used = renderer.as_mut().filter(|_| scene.has_camera());
         let record = run(scene, case.planned.seed, &mut IntervalLocalizer::of(scene), used, &options, &mut |_| {})?;
-        let verdict = check(scene, &record, &mut |asked| {
+        let verdict = judge(scene, &record, &mut |asked| {
             let used = renderer.as_mut().filter(|_| scene.has_camera());
             run_otherwise(scene, &record, asked, &IntervalLocalizer::boxed, used, &mut |_| {})
         })?;

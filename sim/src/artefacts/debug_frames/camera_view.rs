@@ -7,7 +7,7 @@ use image::{
 use localizer::{Claim, markers::GridPlace};
 
 use crate::{
-    check::{is_true, wall_line_deg},
+    judge::{is_true, wall_line_deg},
     run::{ImageRecord, RunRecord},
     scene::Scene,
 };

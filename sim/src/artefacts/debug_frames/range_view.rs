@@ -3,7 +3,7 @@
 use localizer::Claim;
 
 use crate::{
-    check::is_true,
+    judge::is_true,
     run::{ImageRecord, RunRecord},
     scene::{RangeCamera, Scene},
 };

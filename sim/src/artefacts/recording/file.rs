@@ -12,7 +12,7 @@ use mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records::Me
 
 use crate::{
     artefacts::run_files::{RecordError, Summary, folder, naming},
-    check::Verdict,
+    judge::Verdict,
     scene::SceneFile,
 };
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::check::Judgement;
+use crate::judge::Judgement;
 
 use super::steps::Step;
 

@@ -5,7 +5,7 @@
 
 use std::{collections::BTreeMap, fmt::Write};
 
-use crate::check::Judgement;
+use crate::judge::Judgement;
 
 use super::steps::Step;
 

@@ -10,7 +10,7 @@ use crate::{
         figures::Figures,
         result_table,
     },
-    check::Judgement,
+    judge::Judgement,
 };
 
 use super::{

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::check::Judgement;
+use crate::judge::Judgement;
 
 /// One step of a run at which there was an estimate.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::{check::true_distance_m, driver::ErrandLog, run::RunRecord};
+use crate::{driver::ErrandLog, judge::true_distance_m, run::RunRecord};
 
 /// One errand a line; what did not happen leaves its field empty.
 pub(super) fn errands_csv(record: &RunRecord, log: &ErrandLog) -> String {

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use crate::{
-    check::{confidence_correlations, marker_counts, midpoint},
     drawn::cameras::world_from_camera,
+    judge::{confidence_correlations, marker_counts, midpoint},
     run::{ImageRecord, PaperAnswer, RunRecord},
     scene::Scene,
 };

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use localizer::{Estimate, Pose, Status};
 
-use crate::{check::Verdict, run::RunRecord};
+use crate::{judge::Verdict, run::RunRecord};
 
 /// True poses: `time x y z qx qy qz qw` a line, the TUM format. The body's small tilt is left out.
 pub(super) fn truth_tum(record: &RunRecord) -> String {

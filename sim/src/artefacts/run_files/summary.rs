@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::{
     artefacts::machine::machine,
-    check::Verdict,
+    judge::Verdict,
     run::{self, RunRecord},
     scene::{SceneFile, Setting},
 };

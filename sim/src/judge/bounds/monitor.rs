@@ -1,6 +1,6 @@
 //! One declared bound, watched over time.
 
-use crate::check::verdict::Violation;
+use crate::judge::verdict::Violation;
 
 /// Excesses closer together than this are one violation: several windows and images see the same cause.
 const JOIN_S: f64 = 0.25;

@@ -3,7 +3,7 @@
 mod bounds;
 mod claims;
 mod errands;
-mod judge;
+mod containment;
 mod landmarks;
 mod markers;
 mod methods;
@@ -39,14 +39,15 @@ pub type Replay<'a> = dyn FnMut(&Counterfactual) -> Result<RunRecord, RenderErro
 /// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
 ///
 /// `replay` is asked only when the truth was outside: a cause is to blame if the run without it holds the truth. Errors when it does.
-pub fn check(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Result<Verdict, RenderError> {
+pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Result<Verdict, RenderError> {
     let violations = violations(scene, record);
     let judged = methods::false_claims(scene, record);
     let misperceived = methods::misperceived(scene, record, &judged);
     let false_claims: Vec<usize> = judged.iter().map(|judged| judged.total()).collect();
     let (containment, judgements) = match record.has_boxes {
         true => {
-            let (containment, judgements) = judge::containment(scene, record, &violations, &misperceived, replay)?;
+            let (containment, judgements) =
+                containment::containment(scene, record, &violations, &misperceived, replay)?;
             (Some(containment), judgements)
         }
         false => (None, Vec::new()),
