@@ -8,8 +8,8 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use localizer::contractor::{LinearPose, RigidPlanar};
-use localizer::{Contractor, Interval, IntervalBox, paving};
+use interval::{Interval, IntervalBox, contractor::Contractor, paving};
+use localizer::rigid_motion::{LinearPose, RigidPlanar};
 
 /// Time of one call: the best of many short windows, because other work on the machine only ever adds time.
 fn nanoseconds(mut work: impl FnMut()) -> f64 {

@@ -10,12 +10,7 @@
 //! The crate owns its inputs and knows neither files, clocks, graphics nor the simulator: truth cannot leak in.
 //! Modules in reading order, from arithmetic to answer.
 
-pub mod interval;
-mod dual;
-pub mod boxes;
-pub mod contractor;
-pub mod separator;
-pub mod paving;
+pub mod rigid_motion;
 pub mod pose;
 pub mod robot;
 pub mod markers;
@@ -29,9 +24,6 @@ pub mod methods;
 pub mod baselines;
 pub mod localizer;
 
-pub use boxes::IntervalBox;
-pub use contractor::{Contractor, Outcome};
-pub use interval::Interval;
 pub use localizer::{Estimate, Localizer, Status};
 pub use map::Map;
 pub use method::{Assumption, Claim, Constraint, Method};

@@ -14,7 +14,8 @@ mod witness;
 
 use std::time::Instant;
 
-use localizer::{Estimate, Interval, Localizer, PoseBox, PoseUnion, Reading, Status, motion::SlipExcess};
+use interval::Interval;
+use localizer::{Estimate, Localizer, PoseBox, PoseUnion, Reading, Status, motion::SlipExcess};
 
 use crate::{
     drawn::Drawn,

@@ -1,12 +1,11 @@
 //! Contractors, separators and pavings on problems whose answer is worked out by hand: one that does nothing fails here.
 
-use localizer::contractor::{
-    Distance, ForwardBackward, Inverse, Landmark, LinearPose, Periodic, Pinhole, Polar, QRelaxed, RigidPlanar,
-    q_intersection,
+use interval::contractor::{
+    Contractor, Distance, ForwardBackward, Inverse, Outcome, Periodic, Pinhole, Polar, QRelaxed, q_intersection,
 };
-use localizer::paving::{self, Paving};
-use localizer::separator::Separator;
-use localizer::{Contractor, Interval, IntervalBox, Outcome};
+use interval::paving::{self, Paving};
+use interval::{Interval, IntervalBox, separator::Separator};
+use localizer::rigid_motion::{Landmark, LinearPose, RigidPlanar};
 
 /// Equal up to rounding, on both sides: not wider, and nothing lost.
 fn assert_close(actual: Interval, lo: f64, hi: f64) {

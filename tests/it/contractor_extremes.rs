@@ -3,12 +3,12 @@
 
 use std::{sync::mpsc, thread, time::Duration};
 
-use localizer::contractor::{
-    Distance, ForwardBackward, Inverse, Landmark, LinearPose, Periodic, Pinhole, Polar, QRelaxed, RelaxedPose,
-    RigidPlanar, RigidPolar, RigidTable, Translated, Within,
+use interval::contractor::{
+    Contractor, Distance, ForwardBackward, Inverse, Periodic, Pinhole, Polar, QRelaxed, Within,
 };
+use interval::{Interval, IntervalBox};
 use localizer::methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver};
-use localizer::{Contractor, Interval, IntervalBox};
+use localizer::rigid_motion::{Landmark, LinearPose, RelaxedPose, RigidPlanar, RigidPolar, RigidTable, Translated};
 
 /// What nobody waits for: a thousand times what the slowest of these takes.
 const PATIENCE: Duration = Duration::from_secs(120);

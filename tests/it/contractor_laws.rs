@@ -1,11 +1,11 @@
 //! The laws of contractors on random problems with known solutions, often at a corner: the result is a subset, no solution is
 //! lost, and a fixpoint stays.
 
-use localizer::contractor::{
-    Distance, ForwardBackward, Landmark, Periodic, Pinhole, Polar, QRelaxed, RelaxedPose, RigidPolar, RigidTable,
-    Translated, Within,
+use interval::contractor::{
+    Contractor, Distance, ForwardBackward, Outcome, Periodic, Pinhole, Polar, QRelaxed, Within,
 };
-use localizer::{Contractor, Interval, IntervalBox, Outcome};
+use interval::{Interval, IntervalBox};
+use localizer::rigid_motion::{Landmark, RelaxedPose, RigidPolar, RigidTable, Translated};
 use proptest::prelude::*;
 
 /// Room for the rounding of a solution that is computed in doubles.

@@ -7,9 +7,11 @@
 //! **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation: application to robot localization",
 //! Engineering Applications of Artificial Intelligence 55 (2016), for the problem of Table IV of M. Mustafa et al., CSCS 2015.
 
+use interval::contractor::{Contractor, Outcome, Polar, settle};
+use interval::{Interval, IntervalBox};
+
 use super::rigid_planar::{CAUSE, direction};
-use super::{Contractor, Landmark, Outcome, Polar, RigidPlanar, settle};
-use crate::{Interval, IntervalBox};
+use super::{Landmark, RigidPlanar};
 
 /// Boxes of the same landmarks in two frames, compared by length and direction.
 #[derive(Clone, Debug)]

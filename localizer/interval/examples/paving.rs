@@ -1,13 +1,10 @@
 //! Draws the three kinds of boxes of a paving: surely inside (green), undecided (orange), surely outside (grey).
 //!
 //! The set: places at most 3 m from one lamp and at least 1.2 m from another, and on the upper side of a wavy wall.
-//! Writes the picture that the documentation of `localizer::paving` shows, to the path given.
+//! Writes the picture that the documentation of `interval::paving` shows, to the path given.
 
 use image::{Rgb, RgbImage};
-use localizer::contractor::ForwardBackward;
-use localizer::paving::Paving;
-use localizer::separator::Separator;
-use localizer::{Interval, IntervalBox};
+use interval::{Interval, IntervalBox, contractor::ForwardBackward, paving::Paving, separator::Separator};
 
 const SIZE_PX: u32 = 480;
 const METRES: f64 = 8.0;

@@ -9,15 +9,17 @@
 //! compares two of them. The widths are about twice those of [`RigidPlanar`](super::RigidPlanar); bisection helps.
 //! **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV.
 
+use interval::contractor::{Contractor, Inverse, Outcome, Within, settle};
+use interval::{Interval, IntervalBox};
+
+use super::Landmark;
 use super::rigid_planar::CAUSE;
-use super::{Contractor, Inverse, Landmark, Outcome, Within, settle};
-use crate::IntervalBox;
 
 /// Boxes of the same landmarks in two frames, contracted row by row.
 #[derive(Clone, Debug)]
 pub struct RigidTable {
     /// One contractor per landmark on (tx, ty, θ, ax, ay), and the landmark's box in the first frame.
-    rows: Vec<(Inverse<5, 2, Within<2>>, [crate::Interval; 2])>,
+    rows: Vec<(Inverse<5, 2, Within<2>>, [Interval; 2])>,
 }
 
 /// The paper's "while contraction is significant": a width shrinks by more than this share.

@@ -6,9 +6,11 @@
 //! **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table II (`N` = 1, a
 //! robot on a line) and Table III (`N` = 2, translation). The paper assumes θ = 0; here it is an interval, so that it holds for any motion.
 
+use interval::contractor::{Contractor, Outcome, q_intersection, settle};
+use interval::{Interval, IntervalBox};
+
+use super::Landmark;
 use super::rigid_planar::CAUSE;
-use super::{Contractor, Landmark, Outcome, q_intersection, settle};
-use crate::{Interval, IntervalBox};
 
 /// The first `N` coordinates of the position from landmarks of which at most `q` are wrong.
 #[derive(Clone, Debug)]

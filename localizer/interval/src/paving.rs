@@ -3,14 +3,15 @@
 //! Source: L. Jaulin, É. Walter, "Set inversion via interval analysis for nonlinear bounded-error estimation", Automatica 29
 //! (1993); with contractors and separators, L. Jaulin, B. Desrochers (2014).
 //!
-//! ![Green boxes fill a disc with a hole and a wavy lower edge, small orange ones line its boundary, grey ones surround it](../../../../localizer/examples/paving.png)
+//! ![Green boxes fill a disc with a hole and a wavy lower edge, small orange ones line its boundary, grey ones surround it](../../../../localizer/interval/examples/paving.png)
 //!
-//! *What `cargo run -p wherein-localizer --example paving` draws: inside, undecided, outside.*
+//! *What `cargo run -p wherein-interval --example paving` draws: inside, undecided, outside.*
 
 use std::collections::VecDeque;
 
+use crate::contractor::Contractor;
 use crate::separator::Separator;
-use crate::{Contractor, IntervalBox};
+use crate::{Interval, IntervalBox};
 
 /// What is known of a set in a domain. The three lists together cover the domain.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -135,12 +136,12 @@ fn difference<const N: usize>(whole: &IntervalBox<N>, part: &IntervalBox<N>, sla
         let (outer, kept) = (rest[axis], part[axis]);
         if outer.lo() < kept.lo() {
             let mut slab = rest;
-            slab[axis] = crate::Interval::new(outer.lo(), kept.lo());
+            slab[axis] = Interval::new(outer.lo(), kept.lo());
             slabs.push(slab);
         }
         if kept.hi() < outer.hi() {
             let mut slab = rest;
-            slab[axis] = crate::Interval::new(kept.hi(), outer.hi());
+            slab[axis] = Interval::new(kept.hi(), outer.hi());
             slabs.push(slab);
         }
         rest[axis] = kept;

@@ -9,10 +9,12 @@
 //! **Source.** The elimination is Fourier and Motzkin's; its use on a linearisation with a rigorous remainder is that of
 //! A. Neumaier, *Interval Methods for Systems of Equations*, Cambridge 1990, chapter 5.
 
+use interval::contractor::{Contractor, Outcome, settle};
+use interval::{Interval, IntervalBox};
+
+use super::RigidPlanar;
 use super::rigid_planar::{CAUSE, common};
 use super::rigid_rows::{About, LANES, Row, SLACK};
-use super::{Contractor, Outcome, RigidPlanar, settle};
-use crate::{Interval, IntervalBox};
 
 /// Pose boxes without bisection.
 #[derive(Clone, Debug)]

@@ -11,9 +11,10 @@
 //! As printed its rows 31 and 32 keep the truth for a quarter of headings only (`arccos` and `arcsin` have one branch); here there are no
 //! inverse functions to choose a branch of.
 
+use interval::contractor::{Contractor, Outcome, settle};
+use interval::{Interval, IntervalBox};
+
 use super::rigid_rows::{About, Landmark, Lanes, SLACK};
-use super::{Contractor, Outcome, settle};
-use crate::{Interval, IntervalBox};
 
 pub(super) const CAUSE: &str = "no rigid motion carries the landmarks of one view into those of the other";
 

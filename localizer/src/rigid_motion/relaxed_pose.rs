@@ -9,9 +9,11 @@
 //! **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009), on the problem of Table IV of M. Mustafa et al.,
 //! CSCS 2015.
 
+use interval::contractor::{Contractor, Outcome, q_intersection, settle};
+use interval::{Interval, IntervalBox};
+
+use super::Landmark;
 use super::rigid_planar::{CAUSE, is_divisible};
-use super::{Contractor, Landmark, Outcome, q_intersection, settle};
-use crate::{Interval, IntervalBox};
 
 /// Boxes of the same landmarks in two frames, of which at most `q` are of different ones.
 #[derive(Clone, Debug)]

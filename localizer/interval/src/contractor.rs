@@ -1,8 +1,8 @@
 //! One verb, `contract`: shrink a box without losing a solution.
 //!
 //! ```
-//! use localizer::contractor::ForwardBackward;
-//! use localizer::{Contractor, Interval, IntervalBox};
+//! use interval::contractor::{Contractor, ForwardBackward};
+//! use interval::{Interval, IntervalBox};
 //!
 //! // An equation becomes a contractor: x² + y² ∈ [1, 4] …
 //! let ring = ForwardBackward::new(|[x, y]| x.sqr() + y.sqr(), Interval::new(1.0, 4.0));
@@ -19,34 +19,20 @@ mod combinators;
 mod distance;
 mod expression;
 mod forward_backward;
-mod linear_pose;
 mod periodic;
 mod pinhole;
 mod polar;
 mod q_relaxed;
-mod relaxed_pose;
-mod rigid_planar;
-mod rigid_polar;
-mod rigid_rows;
-mod rigid_table;
-mod translated;
 mod within;
 
 pub use combinators::{Fixpoint, OnAxes, Then, Union};
 pub use distance::Distance;
 pub use expression::Expression;
 pub use forward_backward::{ForwardBackward, Inverse};
-pub use linear_pose::LinearPose;
 pub use periodic::Periodic;
 pub use pinhole::Pinhole;
 pub use polar::Polar;
 pub use q_relaxed::{QRelaxed, q_intersection};
-pub use relaxed_pose::RelaxedPose;
-pub use rigid_planar::RigidPlanar;
-pub use rigid_polar::RigidPolar;
-pub use rigid_rows::Landmark;
-pub use rigid_table::RigidTable;
-pub use translated::Translated;
 pub use within::Within;
 
 use crate::IntervalBox;
@@ -131,8 +117,8 @@ impl<const N: usize, C: Contractor<N> + ?Sized> Contractor<N> for &C {
     }
 }
 
-/// Replaces `domain` by what a contraction left of it.
-fn settle<const N: usize>(domain: &mut IntervalBox<N>, left: IntervalBox<N>, cause: &'static str) -> Outcome {
+/// Replaces `domain` by what a contraction left of it, and says whether that is anything; `cause` names why it may be nothing.
+pub fn settle<const N: usize>(domain: &mut IntervalBox<N>, left: IntervalBox<N>, cause: &'static str) -> Outcome {
     if left.is_empty() {
         *domain = IntervalBox::EMPTY;
         Outcome::Empty(cause)

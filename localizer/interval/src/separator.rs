@@ -3,8 +3,8 @@
 //! Source: L. Jaulin, B. Desrochers, "Introduction to the algebra of separators with application to path planning",
 //! Engineering Applications of Artificial Intelligence 33 (2014).
 
-use crate::contractor::ForwardBackward;
-use crate::{Contractor, Interval, IntervalBox};
+use crate::contractor::{Contractor, ForwardBackward};
+use crate::{Interval, IntervalBox};
 
 /// A set that boxes can be compared with.
 ///

@@ -14,7 +14,7 @@
 //! (its second derivative is minus itself), and the products of δ and τ. All is computed in round-to-nearest; what that may have lost is
 //! far below `SLACK` times the sum of the magnitudes involved, which is added.
 
-use crate::Interval;
+use interval::Interval;
 
 /// Landmarks are worked on in groups of this many.
 pub(super) const LANES: usize = 4;

@@ -8,24 +8,28 @@ use crate::Interval;
 
 /// A value and its derivatives by `K` parameters.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Dual<const K: usize> {
-    pub(crate) value: Interval,
-    pub(crate) slopes: [Interval; K],
+pub struct Dual<const K: usize> {
+    /// What the number may be.
+    pub value: Interval,
+    /// What its derivative by each parameter may be, over all that the parameters may be.
+    pub slopes: [Interval; K],
 }
 
 impl<const K: usize> Dual<K> {
-    pub(crate) fn constant(value: Interval) -> Self {
+    /// A number that no parameter changes.
+    pub fn constant(value: Interval) -> Self {
         Dual { value, slopes: [Interval::ZERO; K] }
     }
 
-    pub(crate) fn parameter(index: usize, value: Interval) -> Self {
+    /// Parameter `index`, which is in `value`.
+    pub fn parameter(index: usize, value: Interval) -> Self {
         let mut parameter = Dual::constant(value);
         parameter.slopes[index] = Interval::ONE;
         parameter
     }
 
     /// The same where the value at the middle of the parameters is known: no wider than the mean value form.
-    pub(crate) fn around(self, middle: Interval, deviations: &[Interval; K]) -> Self {
+    pub fn around(self, middle: Interval, deviations: &[Interval; K]) -> Self {
         let terms = self.slopes.iter().zip(deviations).map(|(&slope, &deviation)| slope * deviation);
         Dual { value: terms.fold(middle, |sum, term| sum + term).intersect(self.value), ..self }
     }
