@@ -1,4 +1,4 @@
-"""The planar problem of interval.rs in Codac: reads landmark boxes from standard input, prints seconds of one 3-D `pave`.
+"""The planar problem of rigid_motion.rs in Codac: reads landmark boxes from standard input, prints seconds of one 3-D `pave`.
 
 One line for each landmark: a_x.lo a_x.hi a_y.lo a_y.hi b_x.lo b_x.hi b_y.lo b_y.hi. Exits with status 3 when Codac cannot be imported.
 """

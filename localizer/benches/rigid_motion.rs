@@ -1,7 +1,7 @@
-//! Times the arithmetic and the planar problem of paper 3 on one core; `make bench` prints it.
+//! Times the planar problem of paper 3 on one core; `make bench` prints it.
 //!
 //! Landmarks (3, 2), (−2, 3), (−3, −2.5), (2.5, −3), pose (1, 0.5, 0.4), all coordinates known to ±0.1 m in both frames, with the errors
-//! listed below; prior ±3 m, ±3 m, ±3.14 rad. Codac, when Python can import it, solves the same problem in `interval_codac.py`.
+//! listed below; prior ±3 m, ±3 m, ±3.14 rad. Codac, when Python can import it, solves the same problem in `rigid_motion_codac.py`.
 
 use std::hint::black_box;
 use std::io::Write;
@@ -24,29 +24,6 @@ fn nanoseconds(mut work: impl FnMut()) -> f64 {
     }
     let best = (0..400).map(|_| window(n_calls)).min().unwrap_or_default();
     best.as_secs_f64() * 1e9 / f64::from(n_calls)
-}
-
-/// Throughput over arrays, as contractors use it; the loads and stores are part of it.
-fn arithmetic() {
-    let operands: Vec<Interval> =
-        (0..1024).map(|idx| Interval::centred(f64::from(idx * 7919 % 1024) * 0.01 - 5.12, 0.15)).collect();
-    let reversed: Vec<Interval> = operands.iter().rev().copied().collect();
-    let positive: Vec<Interval> = reversed.iter().map(|x| *x + 6.0).collect();
-    time("add", |(out, (a, b))| *out = *a + *b, &operands, &reversed);
-    time("multiply", |(out, (a, b))| *out = *a * *b, &operands, &reversed);
-    time("divide", |(out, (a, b))| *out = *a / *b, &operands, &positive);
-    time("sine", |(out, (a, _))| *out = a.sin(), &operands, &reversed);
-}
-
-type Operands<'a> = (&'a mut Interval, (&'a Interval, &'a Interval));
-
-fn time(name: &str, operation: impl Fn(Operands), a: &[Interval], b: &[Interval]) {
-    let mut results = vec![Interval::ZERO; a.len()];
-    let per_array = nanoseconds(|| {
-        results.iter_mut().zip(black_box(a).iter().zip(black_box(b))).for_each(&operation);
-        black_box(&results);
-    });
-    println!("{name:24} {:8.2} ns", per_array / a.len() as f64);
 }
 
 /// The landmark boxes of the problem, in the first frame and in the second.
@@ -116,7 +93,7 @@ fn planar_problem() {
 
 /// Seconds of Codac's paving of the same problem, when `$PYTHON` (or `python3`) can import it.
 fn codac(landmarks: &[([Interval; 2], [Interval; 2])]) -> Option<f64> {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/interval_codac.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/rigid_motion_codac.py");
     let python = std::env::var("PYTHON").unwrap_or("python3".into());
     let mut child = Command::new(python).arg(script).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
     let mut input = child.stdin.take()?;
@@ -134,6 +111,5 @@ fn widths(pose: &IntervalBox<3>) -> String {
 }
 
 fn main() {
-    arithmetic();
     planar_problem();
 }
