@@ -187,12 +187,14 @@ impl Interval {
 }
 
 impl PartialEq for Interval {
+    #[inline]
     fn eq(&self, other: &Interval) -> bool {
         (self.is_empty() && other.is_empty()) || (self.lo == other.lo && self.hi == other.hi)
     }
 }
 
 impl From<f64> for Interval {
+    #[inline]
     fn from(value: f64) -> Interval {
         Interval::point(value)
     }

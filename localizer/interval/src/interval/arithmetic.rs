@@ -75,6 +75,7 @@ fn multiply_by_cases(a: Interval, b: Interval) -> Interval {
 }
 
 /// The real product of two bounds, where a bound 0 times an infinite one is 0 (no member is infinite).
+#[inline]
 fn enclose_product(x: f64, y: f64) -> Interval {
     if x == 0.0 || y == 0.0 {
         return Interval::ZERO;
@@ -83,6 +84,7 @@ fn enclose_product(x: f64, y: f64) -> Interval {
 }
 
 /// The real number that was rounded to `nearest` and whose sign is known, so that an underflow does not cross zero.
+#[inline]
 fn enclose_signed(nearest: f64, is_positive: bool) -> Interval {
     let (lo, hi) = (down(nearest), up(nearest));
     if is_positive { Interval::from_bounds(lo.max(0.0), hi) } else { Interval::from_bounds(lo, hi.min(0.0)) }
@@ -118,6 +120,7 @@ impl Interval {
     ///
     /// IEEE 1788 calls it `mulRevToPair(den, self)`: all q with q · y = x for some members x, y. So it is the whole line
     /// when both contain 0 (unlike `/`, which never divides by 0), and two half lines when only the divisor does, inside.
+    #[inline]
     pub fn div2(self, den: Interval) -> (Interval, Interval) {
         if self.is_empty() || den.is_empty() {
             return (Interval::EMPTY, Interval::EMPTY);
@@ -144,6 +147,7 @@ impl Interval {
 const POSITIVE: Interval = Interval::from_bounds(0.0, f64::INFINITY);
 
 /// Quotients by the negative and by the positive members of the divisor.
+#[inline]
 fn divide_by_signs(numerator: Interval, divisor: Interval) -> (Interval, Interval) {
     let by_negative = divide_by_positive(-numerator, (-divisor).intersect(POSITIVE));
     let by_positive = divide_by_positive(numerator, divisor.intersect(POSITIVE));
@@ -151,6 +155,7 @@ fn divide_by_signs(numerator: Interval, divisor: Interval) -> (Interval, Interva
 }
 
 /// { x / y : y > 0 }; `divisor` is in [0, ∞].
+#[inline]
 fn divide_by_positive(numerator: Interval, divisor: Interval) -> Interval {
     if numerator.is_empty() || divisor.is_empty() || divisor.hi == 0.0 {
         return Interval::EMPTY;
@@ -163,6 +168,7 @@ fn divide_by_positive(numerator: Interval, divisor: Interval) -> Interval {
 }
 
 /// Bounds of x / y for y ∈ [0, ∞]; ±∞ when y is 0, which is the limit from above.
+#[inline]
 fn enclose_quotient(x: f64, y: f64) -> Interval {
     if x == 0.0 {
         return Interval::ZERO;

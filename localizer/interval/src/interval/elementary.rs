@@ -52,6 +52,7 @@ impl Interval {
     }
 
     /// Length of the vector (x, y): √(x² + y²).
+    #[inline]
     pub fn hypot(self, other: Interval) -> Interval {
         if self.is_empty() || other.is_empty() {
             return Interval::EMPTY;
@@ -115,6 +116,7 @@ fn at_least_zero(bound: f64) -> f64 {
 }
 
 /// Rounded hypotenuse of non-negative numbers; exact when one is zero, infinite when one is.
+#[inline]
 fn hypot_nearest(a: f64, b: f64) -> f64 {
     if a.is_infinite() || b.is_infinite() { f64::INFINITY } else { pxfm::f_hypot(a, b) }
 }
@@ -136,6 +138,7 @@ fn power_bounds(x: f64, n: i32) -> Interval {
 }
 
 /// Even or odd positive power of a subset of [0, ∞].
+#[inline]
 fn power_of_non_negative(x: Interval, n: i32) -> Interval {
     Interval::from_bounds(power_bounds(x.lo, n).lo, power_bounds(x.hi, n).hi)
 }

@@ -28,48 +28,57 @@ pub enum Overlap {
 
 impl Interval {
     /// Whether it is the whole line.
+    #[inline]
     pub fn is_entire(self) -> bool {
         self == Interval::ENTIRE
     }
 
     /// Whether it has exactly one member.
+    #[inline]
     pub fn is_singleton(self) -> bool {
         self.lo == self.hi
     }
 
     /// Whether it is bounded and not empty: what IEEE 1788 calls a common interval.
+    #[inline]
     pub fn is_bounded(self) -> bool {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
     /// Whether every member has a neighbourhood inside `other`; an infinite bound counts as inside itself.
+    #[inline]
     pub fn is_interior_of(self, other: Interval) -> bool {
         self.is_empty()
             || (is_below(other.lo, self.lo, f64::NEG_INFINITY) && is_below(self.hi, other.hi, f64::INFINITY))
     }
 
     /// Whether the two have no member in common.
+    #[inline]
     pub fn is_disjoint_from(self, other: Interval) -> bool {
         !self.overlaps(other)
     }
 
     /// Whether each bound is at most the other's: every member here has one above it there, and the reverse.
+    #[inline]
     pub fn is_less(self, other: Interval) -> bool {
         (self.is_empty() && other.is_empty()) || (self.lo <= other.lo && self.hi <= other.hi)
     }
 
     /// As [`is_less`](Self::is_less), strictly; equal infinite bounds count as less.
+    #[inline]
     pub fn is_strictly_less(self, other: Interval) -> bool {
         (self.is_empty() && other.is_empty())
             || (is_below(self.lo, other.lo, f64::NEG_INFINITY) && is_below(self.hi, other.hi, f64::INFINITY))
     }
 
     /// Whether no member is above a member of `other`.
+    #[inline]
     pub fn precedes(self, other: Interval) -> bool {
         self.is_empty() || other.is_empty() || self.hi <= other.lo
     }
 
     /// Whether every member is below every member of `other`.
+    #[inline]
     pub fn strictly_precedes(self, other: Interval) -> bool {
         self.is_empty() || other.is_empty() || self.hi < other.lo
     }
@@ -105,11 +114,13 @@ impl Interval {
     }
 }
 
+#[inline]
 fn is_below(low: f64, high: f64, infinity: f64) -> bool {
     low < high || (low == infinity && high == infinity)
 }
 
 /// Bounds are never NaN here, and −0 equals 0.
+#[inline]
 fn order(a: f64, b: f64) -> std::cmp::Ordering {
     if a < b {
         std::cmp::Ordering::Less

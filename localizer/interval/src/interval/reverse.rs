@@ -14,11 +14,13 @@ const NON_NEGATIVE: Interval = Interval::from_bounds(0.0, f64::INFINITY);
 
 impl Interval {
     /// Operands in `known` whose square is in `self`.
+    #[inline]
     pub fn sqr_rev(self, known: Interval) -> Interval {
         even_reverse(self.sqrt(), known)
     }
 
     /// Operands in `known` whose absolute value is in `self`.
+    #[inline]
     pub fn abs_rev(self, known: Interval) -> Interval {
         even_reverse(self.intersect(NON_NEGATIVE), known)
     }
@@ -75,6 +77,7 @@ impl Interval {
     }
 
     /// Factors x in `known` with x · `factor` in `self`, for some member of `factor`.
+    #[inline]
     pub fn mul_rev(self, factor: Interval, known: Interval) -> Interval {
         let (first, second) = self.div2(factor);
         first.intersect(known).hull(second.intersect(known))
@@ -83,6 +86,7 @@ impl Interval {
     /// The tightest c with `other + c ⊇ self` (IEEE 1788: `cancelMinus`): undoes an addition without widening.
     ///
     /// The whole line when `self` is narrower than `other` or one is unbounded.
+    #[inline]
     pub fn cancel_minus(self, other: Interval) -> Interval {
         if self.is_empty() && (other.is_empty() || other.is_bounded()) {
             return Interval::EMPTY;
@@ -94,12 +98,14 @@ impl Interval {
     }
 
     /// The tightest c with `c − other ⊇ self` (IEEE 1788: `cancelPlus`).
+    #[inline]
     pub fn cancel_plus(self, other: Interval) -> Interval {
         self.cancel_minus(-other)
     }
 }
 
 /// kπ; exact multiples of the bounds of π where there are such.
+#[inline]
 fn pi_times(k: i64) -> Interval {
     let factor = k as f64;
     match k {
@@ -110,6 +116,7 @@ fn pi_times(k: i64) -> Interval {
 }
 
 /// Operands of an even function that has the value y ≥ 0 exactly at ±y.
+#[inline]
 fn even_reverse(magnitude: Interval, known: Interval) -> Interval {
     magnitude.intersect(known).hull((-magnitude).intersect(known))
 }
@@ -140,6 +147,7 @@ fn periodic_reverse(principal: Interval, known: Interval, offset: f64, branch: i
 }
 
 /// Whether a is narrower than b, decided on the exact widths.
+#[inline]
 fn is_narrower(a: Interval, b: Interval) -> bool {
     let (a_width, a_error) = exact_difference(a.hi, a.lo);
     let (b_width, b_error) = exact_difference(b.hi, b.lo);

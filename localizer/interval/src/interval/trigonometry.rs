@@ -52,6 +52,7 @@ impl Interval {
     }
 
     /// Tangent; the whole line when a pole is inside.
+    #[inline]
     pub fn tan(self) -> Interval {
         if self.is_empty() {
             return Interval::EMPTY;
@@ -65,6 +66,7 @@ impl Interval {
     }
 
     /// Inverse sine in [−π/2, π/2] of the members in [−1, 1].
+    #[inline]
     pub fn asin(self) -> Interval {
         let domain = self.intersect(Interval::from_bounds(-1.0, 1.0));
         if domain.is_empty() {
@@ -76,6 +78,7 @@ impl Interval {
     }
 
     /// Inverse cosine in [0, π] of the members in [−1, 1].
+    #[inline]
     pub fn acos(self) -> Interval {
         let domain = self.intersect(Interval::from_bounds(-1.0, 1.0));
         if domain.is_empty() {
@@ -87,6 +90,7 @@ impl Interval {
     }
 
     /// Inverse tangent in (−π/2, π/2).
+    #[inline]
     pub fn atan(self) -> Interval {
         if self.is_empty() {
             return Interval::EMPTY;
@@ -189,12 +193,14 @@ fn upper_half_plane_angle(y: Interval, x: Interval) -> Interval {
     Interval::from_bounds(lo.max(0.0), hi)
 }
 
+#[inline]
 fn angle_down(y: f64, x: f64) -> f64 {
     let nearest = pxfm::f_atan2(y + 0.0, x + 0.0);
     // A tiny angle may have underflowed to zero from either side.
     if y == 0.0 && x >= 0.0 { 0.0 } else { down_twice(nearest).max(-PI_UP) }
 }
 
+#[inline]
 fn angle_up(y: f64, x: f64) -> f64 {
     let nearest = pxfm::f_atan2(y + 0.0, x + 0.0);
     if y == 0.0 && x >= 0.0 { 0.0 } else { up_twice(nearest).min(PI_UP) }
