@@ -1,4 +1,20 @@
-//! One verb, `contract`: shrink a box without losing a solution.
+//! Constraints that make boxes smaller without losing a solution. One verb, `contract`.
+//!
+//! A contractor stands for a constraint on some variables. Given a box of what these may be, it takes away points that violate the
+//! constraint, as many as it can tell, and no other ones. What is left of the box still holds every solution that was in it.
+//!
+//! | constraint | contractor |
+//! |---|---|
+//! | a formula of the variables is in an interval | [`ForwardBackward`]; several formulas, and what another contractor leaves of them, [`Inverse`] |
+//! | the variables are in a fixed box | [`Within`] |
+//! | a point is at a known distance from a place | [`Distance`] |
+//! | Cartesian and polar coordinates are of one vector | [`Polar`] |
+//! | a coordinate is on one of equally spaced lines | [`Periodic`] |
+//! | a point in space is seen at a place of a picture | [`Pinhole`] |
+//! | all constraints hold but at most q | [`QRelaxed`] |
+//! | both, either, the same again, the same on other axes | [`then`](Contractor::then), [`union`](Contractor::union), [`fixpoint`](Contractor::fixpoint), [`on_axes`](Contractor::on_axes) |
+//!
+//! A contractor of your own implements [`Contractor`], and ends with [`settle`].
 //!
 //! ```
 //! use interval::contractor::{Contractor, ForwardBackward};

@@ -1,4 +1,7 @@
-//! SIVIA, set inversion by interval analysis: covers a set with boxes that are surely inside, and boxes that may cut its boundary.
+//! Sets covered by boxes: those that are surely inside, those that are surely outside, and small ones that may cut the boundary.
+//!
+//! A paving comes about by set inversion (SIVIA): a separator decides what it can of a box, the rest is cut in two, and so on until boxes are as
+//! small as wanted. [`Paving`] does so for sets with an inside, [`cover`] for the solutions of a contractor, which may be thin.
 //!
 //! Source: L. Jaulin, É. Walter, "Set inversion via interval analysis for nonlinear bounded-error estimation", Automatica 29
 //! (1993); with contractors and separators, L. Jaulin, B. Desrochers (2014).

@@ -1,4 +1,7 @@
-//! Separators: a set and its complement, each with a contractor, so that a box can be proven inside, outside or neither.
+//! A set and its complement, each with a contractor, so that a box can be proven inside, outside or neither.
+//!
+//! A contractor alone can only prove that a box is outside of its set: it is left empty. A separator has a second one for all points that are not in
+//! the set, which proves in the same way that a box is inside. Sets combine by `and`, `or` and `complement`.
 //!
 //! Source: L. Jaulin, B. Desrochers, "Introduction to the algebra of separators with application to path planning",
 //! Engineering Applications of Artificial Intelligence 33 (2014).

@@ -1,13 +1,4 @@
 //! The planar pose from matched landmarks in one shot: linear elimination, then thin slices of heading.
-//!
-//! **Constraint.** That of [`RigidPlanar`], of which this is a stronger contractor: it looks at pairs of landmarks.
-//! **Sound.** Each row says value ∈ mᵢ + δ gᵢ ± eᵢ (`rigid_rows`) with the *same* value for all landmarks i. The difference of two
-//! rows has no translation in it and bounds δ; a convex combination of two rows with slopes of opposite sign has no δ in it and bounds the
-//! translation. Both are consequences of the rows, whatever the multipliers. Slices of heading cover the heading.
-//! **Optimal** for the linearised rows along x and y: in a linear problem with two unknowns a bound is always given by two rows.
-//! What is lost is Lagrange's remainder, which slices make as small as wanted: with k slices the result tends to the hull of the solutions.
-//! **Source.** The elimination is Fourier and Motzkin's; its use on a linearisation with a rigorous remainder is that of
-//! A. Neumaier, *Interval Methods for Systems of Equations*, Cambridge 1990, chapter 5.
 
 use interval::contractor::{Contractor, Outcome, settle};
 use interval::{Interval, IntervalBox};
@@ -17,6 +8,18 @@ use super::rigid_planar::{CAUSE, common};
 use super::rigid_rows::{About, LANES, Row, SLACK};
 
 /// Pose boxes without bisection.
+///
+/// **Constraint.** That of [`RigidPlanar`], of which this is a stronger contractor: it looks at pairs of landmarks.
+///
+/// **Sound.** Each row says value ∈ mᵢ + δ gᵢ ± eᵢ (`rigid_rows`) with the *same* value for all landmarks i. The difference of two
+/// rows has no translation in it and bounds δ; a convex combination of two rows with slopes of opposite sign has no δ in it and bounds the
+/// translation. Both are consequences of the rows, whatever the multipliers. Slices of heading cover the heading.
+///
+/// **Optimal** for the linearised rows along x and y: in a linear problem with two unknowns a bound is always given by two rows.
+/// What is lost is Lagrange's remainder, which slices make as small as wanted: with k slices the result tends to the hull of the solutions.
+///
+/// **Source.** The elimination is Fourier and Motzkin's; its use on a linearisation with a rigorous remainder is that of
+/// A. Neumaier, *Interval Methods for Systems of Equations*, Cambridge 1990, chapter 5.
 #[derive(Clone, Debug)]
 pub struct LinearPose {
     /// The landmarks in both frames.

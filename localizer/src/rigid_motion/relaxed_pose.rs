@@ -1,13 +1,4 @@
 //! The rigid motion when some landmarks are wrong.
-//!
-//! **Constraint.** a = t + R(θ) b for all landmarks but at most q; the variables are tx, ty, θ.
-//! **Sound.** The headings are covered by thin slices. For any heading of a slice every right landmark puts t into the box a − R(\[θ\]) b, along the
-//! axes of the world and along those of the turned boxes; t is in all but q of them, and a slice in which no point is goes. No pair of
-//! landmarks is compared: a pair is wrong as soon as one of the two is.
-//! **Not optimal.** The q-intersection projects on axes, and a slice of width w leaves |b|·w/2 open. Slices are renewed while they narrow the
-//! heading, so that what is left in the end is a sixteenth of its width.
-//! **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009), on the problem of Table IV of M. Mustafa et al.,
-//! CSCS 2015.
 
 use interval::contractor::{Contractor, Outcome, q_intersection, settle};
 use interval::{Interval, IntervalBox};
@@ -16,6 +7,18 @@ use super::Landmark;
 use super::rigid_planar::{CAUSE, is_divisible};
 
 /// Boxes of the same landmarks in two frames, of which at most `q` are of different ones.
+///
+/// **Constraint.** a = t + R(θ) b for all landmarks but at most q; the variables are tx, ty, θ.
+///
+/// **Sound.** The headings are covered by thin slices. For any heading of a slice every right landmark puts t into the box a − R(\[θ\]) b, along the
+/// axes of the world and along those of the turned boxes; t is in all but q of them, and a slice in which no point is goes. No pair of
+/// landmarks is compared: a pair is wrong as soon as one of the two is.
+///
+/// **Not optimal.** The q-intersection projects on axes, and a slice of width w leaves |b|·w/2 open. Slices are renewed while they narrow the
+/// heading, so that what is left in the end is a sixteenth of its width.
+///
+/// **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009), on the problem of Table IV of M. Mustafa et al.,
+/// CSCS 2015.
 #[derive(Clone, Debug)]
 pub struct RelaxedPose {
     /// The landmarks in both frames.

@@ -1,15 +1,4 @@
 //! A planar rigid motion between two views of the same landmarks.
-//!
-//! **Constraint.** aᵢ = t + R(θ) bᵢ for all landmarks i, with aᵢ and bᵢ in boxes; the variables are tx, ty, θ. With aᵢ in the world
-//! frame and bᵢ in the robot frame they are the pose. Correspondences are known; see `QRelaxed` when some may be wrong.
-//! **Sound.** Landmarks are compared along the axes of both boxes, linearised about the middle heading with Lagrange's remainder
-//! (`rigid_rows`); a box so large that the remainder dominates is cut into headings first. The heading of the vector from one
-//! landmark to another, which no translation changes, bounds θ before any bisection.
-//! **Optimal** in the limit of small boxes: for one heading, two rectangles, one turned, have a point in common exactly if none of
-//! their four directions of axes separates them, and the translations left by those directions are bounded exactly.
-//! **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV.
-//! As printed its rows 31 and 32 keep the truth for a quarter of headings only (`arccos` and `arcsin` have one branch); here there are no
-//! inverse functions to choose a branch of.
 
 use interval::contractor::{Contractor, Outcome, settle};
 use interval::{Interval, IntervalBox};
@@ -19,6 +8,20 @@ use super::rigid_rows::{About, Landmark, Lanes, SLACK};
 pub(super) const CAUSE: &str = "no rigid motion carries the landmarks of one view into those of the other";
 
 /// Boxes of the same landmarks in two frames.
+///
+/// **Constraint.** aᵢ = t + R(θ) bᵢ for all landmarks i, with aᵢ and bᵢ in boxes; the variables are tx, ty, θ. With aᵢ in the world
+/// frame and bᵢ in the robot frame they are the pose. Correspondences are known; see `QRelaxed` when some may be wrong.
+///
+/// **Sound.** Landmarks are compared along the axes of both boxes, linearised about the middle heading with Lagrange's remainder
+/// (`rigid_rows`); a box so large that the remainder dominates is cut into headings first. The heading of the vector from one
+/// landmark to another, which no translation changes, bounds θ before any bisection.
+///
+/// **Optimal** in the limit of small boxes: for one heading, two rectangles, one turned, have a point in common exactly if none of
+/// their four directions of axes separates them, and the translations left by those directions are bounded exactly.
+///
+/// **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV.
+/// As printed its rows 31 and 32 keep the truth for a quarter of headings only (`arccos` and `arcsin` have one branch); here there are no
+/// inverse functions to choose a branch of.
 #[derive(Clone, Debug)]
 pub struct RigidPlanar {
     groups: Vec<Lanes>,

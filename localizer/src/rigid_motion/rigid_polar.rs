@@ -1,11 +1,4 @@
 //! The rigid motion in polar coordinates.
-//!
-//! **Constraint.** That of [`RigidPlanar`](super::RigidPlanar): a − t is b, turned by θ. So a − t = |b| (cos, sin)(θ + ∠b).
-//! **Sound.** The headings are first cut by the directions between landmarks, which no translation changes; then each landmark contracts t and
-//! θ by the polar equation and by the rotation itself, again and again. Each is a consequence of the constraint.
-//! **Not optimal.** Landmarks meet only in t and θ; the rows of [`RigidPlanar`](super::RigidPlanar) compare them along four directions.
-//! **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation: application to robot localization",
-//! Engineering Applications of Artificial Intelligence 55 (2016), for the problem of Table IV of M. Mustafa et al., CSCS 2015.
 
 use interval::contractor::{Contractor, Outcome, Polar, settle};
 use interval::{Interval, IntervalBox};
@@ -14,6 +7,16 @@ use super::rigid_planar::{CAUSE, direction};
 use super::{Landmark, RigidPlanar};
 
 /// Boxes of the same landmarks in two frames, compared by length and direction.
+///
+/// **Constraint.** That of [`RigidPlanar`]: a − t is b, turned by θ. So a − t = |b| (cos, sin)(θ + ∠b).
+///
+/// **Sound.** The headings are first cut by the directions between landmarks, which no translation changes; then each landmark contracts t and
+/// θ by the polar equation and by the rotation itself, again and again. Each is a consequence of the constraint.
+///
+/// **Not optimal.** Landmarks meet only in t and θ; the rows of [`RigidPlanar`] compare them along four directions.
+///
+/// **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation: application to robot localization",
+/// Engineering Applications of Artificial Intelligence 55 (2016), for the problem of Table IV of M. Mustafa et al., CSCS 2015.
 #[derive(Clone, Debug)]
 pub struct RigidPolar {
     motion: RigidPlanar,

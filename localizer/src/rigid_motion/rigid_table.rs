@@ -1,13 +1,4 @@
 //! The rigid motion by forward-backward propagation: Table IV of the paper, with every branch of the inverse functions.
-//!
-//! **Constraint.** That of [`RigidPlanar`](super::RigidPlanar), written as Eq. (16):
-//! bx = cos θ (ax − tx) + sin θ (ay − ty), by = −sin θ (ax − tx) + cos θ (ay − ty) for each landmark.
-//! **Sound.** Each step of the formulas is inverted by an enclosure of all its operands. As printed, rows 31 and 32 of Table IV invert
-//! sine and cosine on one branch only and lose three quarters of all headings, and rows 19 to 26 divide by intervals that may
-//! contain 0; here all periods of the inverse that meet the known angle are kept, and a division never drops an operand.
-//! **Not optimal.** tx, ty and θ occur in every landmark's equations, and the landmarks are looked at one by one: nothing
-//! compares two of them. The widths are about twice those of [`RigidPlanar`](super::RigidPlanar); bisection helps.
-//! **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV.
 
 use interval::contractor::{Contractor, Inverse, Outcome, Within, settle};
 use interval::{Interval, IntervalBox};
@@ -16,6 +7,18 @@ use super::Landmark;
 use super::rigid_planar::CAUSE;
 
 /// Boxes of the same landmarks in two frames, contracted row by row.
+///
+/// **Constraint.** That of [`RigidPlanar`](super::RigidPlanar), written as Eq. (16):
+/// bx = cos θ (ax − tx) + sin θ (ay − ty), by = −sin θ (ax − tx) + cos θ (ay − ty) for each landmark.
+///
+/// **Sound.** Each step of the formulas is inverted by an enclosure of all its operands. As printed, rows 31 and 32 of Table IV invert
+/// sine and cosine on one branch only and lose three quarters of all headings, and rows 19 to 26 divide by intervals that may
+/// contain 0; here all periods of the inverse that meet the known angle are kept, and a division never drops an operand.
+///
+/// **Not optimal.** tx, ty and θ occur in every landmark's equations, and the landmarks are looked at one by one: nothing
+/// compares two of them. The widths are about twice those of [`RigidPlanar`](super::RigidPlanar); bisection helps.
+///
+/// **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV.
 #[derive(Clone, Debug)]
 pub struct RigidTable {
     /// One contractor per landmark on (tx, ty, θ, ax, ay), and the landmark's box in the first frame.

@@ -1,17 +1,20 @@
 //! An equation becomes a contractor: enclose the formula forward, then contract each step backward.
-//!
-//! **Constraint.** f(x) ∈ range, or f(x) ∈ what another contractor leaves ([`Inverse`]).
-//! **Sound.** Forward, every step encloses its values at all points of the box; backward, every step removes only operands for
-//! which no value of the result is left.
-//! **Optimal** when each variable occurs once and all steps are continuous; otherwise the occurrences are treated as if they
-//! were different variables, and a fixpoint or bisection helps.
-//! **Source.** F. Benhamou, F. Goualard, L. Granvilliers, J.-F. Puget, "Revising hull and box consistency", ICLP 1999 (HC4-revise).
 
 use super::expression::{Expression, Program};
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
 /// f(x) ∈ range, for one formula of `N` variables.
+///
+/// **Constraint.** f(x) ∈ range, or f(x) ∈ what another contractor leaves ([`Inverse`]).
+///
+/// **Sound.** Forward, every step encloses its values at all points of the box; backward, every step removes only operands for
+/// which no value of the result is left.
+///
+/// **Optimal** when each variable occurs once and all steps are continuous; otherwise the occurrences are treated as if they
+/// were different variables, and a fixpoint or bisection helps.
+///
+/// **Source.** F. Benhamou, F. Goualard, L. Granvilliers, J.-F. Puget, "Revising hull and box consistency", ICLP 1999 (HC4-revise).
 #[derive(Clone, Debug)]
 pub struct ForwardBackward<const N: usize> {
     program: Program<N, 1>,

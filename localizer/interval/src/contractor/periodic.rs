@@ -1,14 +1,17 @@
-//! A coordinate on one of equally spaced lines: tile joints, quarter turns.
-//!
-//! **Constraint.** x ∈ offset + k · period for some integer k, with offset and period in intervals, period > 0.
-//! **Sound.** The indices k are enclosed by an outward-rounded division, with every one of them tried.
-//! **Optimal.** Branches are exact up to rounding; the contraction is their hull. Nothing is lost by walking from both ends.
-//! **Source.** Solving for k: k ∈ (x − offset) / period, where each variable occurs once, so that the enclosure of k is exact.
+//! A coordinate on one of equally spaced lines, such as the joints between tiles, or quarter turns.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
 /// x = offset + k · period, k any integer.
+///
+/// **Constraint.** x ∈ offset + k · period for some integer k, with offset and period in intervals, period > 0.
+///
+/// **Sound.** The indices k are enclosed by an outward-rounded division, with every one of them tried.
+///
+/// **Optimal.** Branches are exact up to rounding; the contraction is their hull. Nothing is lost by walking from both ends.
+///
+/// **Source.** Solving for k: k ∈ (x − offset) / period, where each variable occurs once, so that the enclosure of k is exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periodic {
     /// Distance from line to line; positive.

@@ -1,16 +1,19 @@
 //! Pinhole projection of a point in front of a camera, without a division.
-//!
-//! **Constraint.** u · z = f · x, v · z = f · y, z > 0, where (x, y, z) is in the camera frame (x right, y down, z forward), (u, v)
-//! is the pixel relative to the principal point and f the focal length in pixels. The variables are x, y, z, u, v.
-//! **Sound.** Products are enclosed, and each is undone by the division in two pieces, so that a depth interval that reaches 0, or
-//! a pixel interval around 0, costs nothing.
-//! **Not optimal.** z occurs twice; repeat it to a fixpoint.
-//! **Source.** R. Hartley, A. Zisserman, *Multiple View Geometry*, 2nd ed., (6.1), multiplied by z.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
 /// What a camera of this focal length sees of a point in front of it.
+///
+/// **Constraint.** u · z = f · x, v · z = f · y, z > 0, where (x, y, z) is in the camera frame (x right, y down, z forward), (u, v)
+/// is the pixel relative to the principal point and f the focal length in pixels. The variables are x, y, z, u, v.
+///
+/// **Sound.** Products are enclosed, and each is undone by the division in two pieces, so that a depth interval that reaches 0, or
+/// a pixel interval around 0, costs nothing.
+///
+/// **Not optimal.** z occurs twice; repeat it to a fixpoint.
+///
+/// **Source.** R. Hartley, A. Zisserman, *Multiple View Geometry*, 2nd ed., (6.1), multiplied by z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pinhole {
     /// Focal length; positive.

@@ -1,16 +1,19 @@
-//! Polar coordinates, whatever quadrants the heading covers.
-//!
-//! **Constraint.** x = r cos θ, y = r sin θ, r ≥ 0; the variables are x, y, r, θ, and θ is on the real line (not wrapped).
-//! **Sound.** θ is cut at the multiples of π/2, enclosed; in each quadrant, turned into the first one, every function is monotone
-//! and every variable is contracted by outward-rounded inverses. The quadrants' results are joined.
-//! **Optimal** on boxes within a quadrant as far as tested; the source proves its own order of steps minimal, and the hull over quadrants keeps that.
-//! **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation: application to robot localization",
-//! Engineering Applications of Artificial Intelligence 55 (2016).
+//! Polar coordinates, whatever quadrants the angle covers.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
 /// (x, y) = r (cos θ, sin θ) with r ≥ 0.
+///
+/// **Constraint.** x = r cos θ, y = r sin θ, r ≥ 0; the variables are x, y, r, θ, and θ is on the real line (not wrapped).
+///
+/// **Sound.** θ is cut at the multiples of π/2, enclosed; in each quadrant, turned into the first one, every function is monotone
+/// and every variable is contracted by outward-rounded inverses. The quadrants' results are joined.
+///
+/// **Optimal** on boxes within a quadrant as far as tested; the source proves its own order of steps minimal, and the hull over quadrants keeps that.
+///
+/// **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation",
+/// Engineering Applications of Artificial Intelligence 55 (2016).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Polar;
 

@@ -1,17 +1,20 @@
 //! All constraints but at most q hold: what outliers ask for.
-//!
-//! **Constraint.** x satisfies at least n − q of n constraints.
-//! **Sound.** Each constraint is contracted alone; a solution is in at least n − q of the boxes left, hence on each axis in at
-//! least n − q of their intervals, and stays so after boxes that miss the hull are dropped (they never contain a solution).
-//! **Not optimal.** The exact hull of points in n − q of n boxes takes time exponential in the dimension; this one projects on
-//! the axes and repeats until nothing changes.
-//! **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009);
-//! the projection is that of C. Carbonnel et al., "Q-intersection algorithms for constraint-based robust parameter estimation", AAAI 2014.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
 /// At least all but `q` of the constraints.
+///
+/// **Constraint.** x satisfies at least n − q of n constraints.
+///
+/// **Sound.** Each constraint is contracted alone; a solution is in at least n − q of the boxes left, hence on each axis in at
+/// least n − q of their intervals, and stays so after boxes that miss the hull are dropped (they never contain a solution).
+///
+/// **Not optimal.** The exact hull of points in n − q of n boxes takes time exponential in the dimension; this one projects on
+/// the axes and repeats until nothing changes.
+///
+/// **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009);
+/// the projection is that of C. Carbonnel et al., "Q-intersection algorithms for constraint-based robust parameter estimation", AAAI 2014.
 pub struct QRelaxed<const N: usize> {
     /// The constraints, each alone.
     pub contractors: Vec<Box<dyn Contractor<N> + Send + Sync>>,

@@ -1,12 +1,16 @@
 //! Membership of a box.
-//!
-//! **Constraint.** x is in a fixed box. **Sound** and **optimal**: an intersection is exact. **Source.** The definition; it is what a
-//! measurement says of the quantity measured, at the root of a forward-backward contractor ([`Inverse`](super::Inverse)).
 
 use super::{Contractor, Outcome, settle};
 use crate::IntervalBox;
 
 /// x ∈ box.
+///
+/// **Constraint.** x is in a fixed box.
+///
+/// **Sound** and **optimal**: an intersection is exact.
+///
+/// **Source.** The definition; it is what a
+/// measurement says of the quantity measured, at the root of a forward-backward contractor ([`Inverse`](super::Inverse)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Within<const N: usize>(pub IntervalBox<N>);
 
