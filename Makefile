@@ -39,7 +39,8 @@ lint:
 	RUSTDOCFLAGS=-Dwarnings cargo doc --workspace --no-deps
 
 bench: driver
-	cargo bench --profile dev -p wherein-localizer --bench interval
+	cargo bench --profile dev -p wherein-interval --bench interval
+	cargo bench --profile dev -p wherein-localizer --bench rigid_motion
 	cargo bench --profile dev -p wherein-tests --bench speed
 
 bench-render: driver

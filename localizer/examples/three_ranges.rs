@@ -1,7 +1,6 @@
 //! Where is a robot that measured its distance to three beacons, each to within 0.2 m?
 use image::{ImageError, Rgb, RgbImage};
-use localizer::{Interval, IntervalBox, contractor::ForwardBackward};
-use localizer::{paving::Paving, separator::Separator};
+use interval::{Interval, IntervalBox, contractor::ForwardBackward, paving::Paving, separator::Separator};
 
 fn main() -> Result<(), ImageError> {
     let beacons = [[0.0, 0.0, 4.3], [6.0, 0.0, 4.1], [2.0, 5.0, 2.4]];

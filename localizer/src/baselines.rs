@@ -15,10 +15,12 @@ mod slip_decision;
 mod vertical_known;
 mod weighted_points;
 
+use interval::contractor::Contractor;
+
 use crate::{
-    Contractor, PoseBox,
-    contractor::Landmark,
+    PoseBox,
     methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver},
+    rigid_motion::Landmark,
 };
 
 pub use corrected_reckoning::CorrectedReckoning;

@@ -12,8 +12,10 @@ mod moves;
 mod ring;
 mod slip;
 
+use interval::Interval;
+
 use crate::{
-    Constraint, Interval, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
+    Constraint, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     method::Assumption,
     motion::{Agreement, Motion, SlipExcess, WheelHistory, WheelIntegral, agree, moved_union, reach_motion},
 };

@@ -2,10 +2,9 @@
 //!
 //! Frame `world`: x and y along two walls of the room, z up, heading counter-clockwise from x.
 
-use crate::{
-    Interval,
-    markers::{Coding, MarkerId},
-};
+use interval::Interval;
+
+use crate::markers::{Coding, MarkerId};
 
 /// Room and floor as surveyed.
 #[derive(Clone, Debug, PartialEq)]

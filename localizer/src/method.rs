@@ -1,7 +1,9 @@
 //! What every localization method offers: one reading in, one constraint on the pose out, with what it claims to have seen.
 
+use interval::{Interval, contractor::Contractor};
+
 use crate::{
-    Contractor, Interval, PoseUnion, Reading,
+    PoseUnion, Reading,
     markers::{GridPlace, MarkerId},
     motion::Motion,
     reading::LandmarkId,

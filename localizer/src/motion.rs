@@ -14,8 +14,10 @@ mod slip_excess;
 
 use std::{borrow::Cow, collections::VecDeque};
 
+use interval::{Interval, IntervalBox};
+
 use crate::{
-    Interval, IntervalBox, PoseBox, PoseUnion,
+    PoseBox, PoseUnion,
     method::Twist,
     robot::{FlowModel, GyroModel, Reach, WheelModel},
 };

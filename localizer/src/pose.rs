@@ -1,6 +1,6 @@
 //! Planar poses, boxes of poses and unions of boxes. Heading lives on the real line and is never wrapped.
 
-use crate::{Interval, IntervalBox};
+use interval::{Interval, IntervalBox};
 
 /// A pose in the plane: `world_from_robot`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 //!
 //! Frame `robot`: x forward, y left, z up; its origin is the middle of the wheel axle, projected on the floor at rest.
 
-use crate::Interval;
+use interval::Interval;
 
 /// Everything the localizer is told about the robot; the drawn true values stay with the simulator.
 #[derive(Clone, Debug, PartialEq)]

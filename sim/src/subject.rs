@@ -2,9 +2,8 @@
 
 mod interval_localizer;
 
-use localizer::{
-    Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, Status, localizer::Account, motion::SlipExcess,
-};
+use interval::Interval;
+use localizer::{Estimate, Pose, PoseBox, PoseUnion, Reading, Status, localizer::Account, motion::SlipExcess};
 
 use crate::scene::Scene;
 

@@ -4,8 +4,9 @@
 
 use std::{hint::black_box, path::Path, time::Instant};
 
+use interval::{Interval, IntervalBox};
 use localizer::{
-    Interval, IntervalBox, Pose, PoseUnion,
+    Pose, PoseUnion,
     methods::wall_directions::{Setup, WallDirections},
     reading::Camera,
     vision::forward::{self, Picture, stabilise},

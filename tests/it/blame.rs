@@ -1,7 +1,8 @@
 //! Who is at fault when the truth is outside: on records made by hand, one cause at a time, and on runs with a fault planted in them.
 
+use interval::Interval;
 use localizer::{
-    Claim, Estimate, Interval, Localizer, Method, Pose, PoseBox, PoseUnion, Status,
+    Claim, Estimate, Localizer, Method, Pose, PoseBox, PoseUnion, Status,
     methods::floor_tiles::{Chain, FloorTiles},
 };
 use sim::{

@@ -1,7 +1,8 @@
 //! From dots in an image to the pose, against a pinhole camera of the tests' own under a ceiling of the tests' own.
 
+use interval::Interval;
 use localizer::{
-    Interval, Map, PoseBox, PoseUnion, RobotModel,
+    Map, PoseBox, PoseUnion, RobotModel,
     map::{MarkerMap, PlacedMarker},
     markers::{Coding, GridPlace, MarkerId},
     methods::ceiling_markers::CeilingMarkers,

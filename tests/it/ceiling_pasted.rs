@@ -1,7 +1,8 @@
 //! Markers on rendered ceilings: where they are by hand, what the localizer reads of them, and of damaged ones.
 
+use interval::Interval;
 use localizer::{
-    Interval, Pose, PoseBox, PoseUnion, Reading,
+    Pose, PoseBox, PoseUnion, Reading,
     map::MarkerMap,
     markers::{GridPlace, MarkerId, dot_in_marker_m},
     method::{Claim, Method, Twist},

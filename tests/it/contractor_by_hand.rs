@@ -1,12 +1,11 @@
 //! Contractors, separators and pavings on problems whose answer is worked out by hand: one that does nothing fails here.
 
-use localizer::contractor::{
-    Distance, ForwardBackward, Inverse, Landmark, LinearPose, Periodic, Pinhole, Polar, QRelaxed, RigidPlanar,
-    q_intersection,
+use interval::contractor::{
+    Contractor, Distance, ForwardBackward, Inverse, Outcome, Periodic, Pinhole, Polar, QRelaxed, q_intersection,
 };
-use localizer::paving::{self, Paving};
-use localizer::separator::Separator;
-use localizer::{Contractor, Interval, IntervalBox, Outcome};
+use interval::paving::{self, Paving};
+use interval::{Interval, IntervalBox, separator::Separator};
+use localizer::rigid_motion::{Landmark, LinearPose, RigidPlanar};
 
 /// Equal up to rounding, on both sides: not wider, and nothing lost.
 fn assert_close(actual: Interval, lo: f64, hi: f64) {
@@ -17,7 +16,7 @@ fn assert_close(actual: Interval, lo: f64, hi: f64) {
 #[test]
 fn distance_is_optimal_on_a_circle() {
     // A circle of radius 5 about the origin; above y = 3 it reaches x = ±4, and right of 0 no further than y = 5.
-    let circle = Distance { landmark: [Interval::ZERO; 2], distance: Interval::point(5.0) };
+    let circle = Distance { centre: [Interval::ZERO; 2], distance: Interval::point(5.0) };
     let mut domain = IntervalBox::new([Interval::new(0.0, 10.0), Interval::new(3.0, 10.0)]);
     circle.contract(&mut domain);
     assert_close(domain[0], 0.0, 4.0);
@@ -95,10 +94,8 @@ fn two_errors_of_the_same_size_are_two_errors() {
 #[test]
 fn an_inverse_image_contracts_through_its_formulas() {
     // The place at distance 5 in the frame turned by a quarter and moved: (y − 1, −x).
-    let moved = Inverse::new(
-        |[x, y]| [y - 1.0, -x],
-        Distance { landmark: [Interval::ZERO; 2], distance: Interval::point(5.0) },
-    );
+    let moved =
+        Inverse::new(|[x, y]| [y - 1.0, -x], Distance { centre: [Interval::ZERO; 2], distance: Interval::point(5.0) });
     let mut domain = IntervalBox::new([Interval::new(4.0, 9.0), Interval::new(1.0, 9.0)]);
     moved.contract(&mut domain);
     assert_close(domain[0], 4.0, 5.0);

@@ -3,12 +3,12 @@
 
 use std::{sync::mpsc, thread, time::Duration};
 
-use localizer::contractor::{
-    Distance, ForwardBackward, Inverse, Landmark, LinearPose, Periodic, Pinhole, Polar, QRelaxed, RelaxedPose,
-    RigidPlanar, RigidPolar, RigidTable, Translated, Within,
+use interval::contractor::{
+    Contractor, Distance, ForwardBackward, Inverse, Periodic, Pinhole, Polar, QRelaxed, Within,
 };
+use interval::{Interval, IntervalBox};
 use localizer::methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver};
-use localizer::{Contractor, Interval, IntervalBox};
+use localizer::rigid_motion::{Landmark, LinearPose, RelaxedPose, RigidPlanar, RigidPolar, RigidTable, Translated};
 
 /// What nobody waits for: a thousand times what the slowest of these takes.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -150,7 +150,7 @@ fn every_solver_of_landmarks_answers_unbounded_huge_and_empty_boxes_promptly() {
 #[test]
 fn contractors_of_formulas_answer_unbounded_huge_and_empty_boxes_promptly() {
     let near = |value: f64| Interval::centred(value, 0.01);
-    answers("Distance", Distance { landmark: [near(1.0), near(2.0)], distance: near(5.0) }, [4.0, 6.0], 1);
+    answers("Distance", Distance { centre: [near(1.0), near(2.0)], distance: near(5.0) }, [4.0, 6.0], 1);
     answers("Periodic", Periodic { period: near(0.3), offset: near(0.1) }, [3.1], 1);
     answers("Periodic", Periodic { period: Interval::new(0.0, 0.3), offset: near(0.1) }, [3.1], 1);
     answers("Pinhole", Pinhole { focal_px: near(500.0) }, [1.0, 2.0, 4.0, 125.0, 250.0], 1);

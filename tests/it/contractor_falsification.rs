@@ -3,8 +3,8 @@
 //!
 //! `WHEREIN_RIGID_TRIALS` sets the number of problems; the experiments ask for 10⁸.
 
-use localizer::contractor::{LinearPose, RigidPlanar};
-use localizer::{Contractor, Interval, IntervalBox};
+use interval::{Interval, IntervalBox, contractor::Contractor};
+use localizer::rigid_motion::{LinearPose, RigidPlanar};
 
 fn n_trials() -> u64 {
     std::env::var("WHEREIN_RIGID_TRIALS").ok().and_then(|text| text.parse().ok()).unwrap_or(100_000)

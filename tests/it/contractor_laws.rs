@@ -1,11 +1,11 @@
 //! The laws of contractors on random problems with known solutions, often at a corner: the result is a subset, no solution is
 //! lost, and a fixpoint stays.
 
-use localizer::contractor::{
-    Distance, ForwardBackward, Landmark, Periodic, Pinhole, Polar, QRelaxed, RelaxedPose, RigidPolar, RigidTable,
-    Translated, Within,
+use interval::contractor::{
+    Contractor, Distance, ForwardBackward, Outcome, Periodic, Pinhole, Polar, QRelaxed, Within,
 };
-use localizer::{Contractor, Interval, IntervalBox, Outcome};
+use interval::{Interval, IntervalBox};
+use localizer::rigid_motion::{Landmark, RelaxedPose, RigidPolar, RigidTable, Translated};
 use proptest::prelude::*;
 
 /// Room for the rounding of a solution that is computed in doubles.
@@ -63,7 +63,7 @@ proptest! {
         let distance = ((x - a).powi(2) + (y - b).powi(2)).sqrt();
         let [x_box, y_box, a_box, b_box, d_box] =
             [(x, s[0]), (y, s[1]), (a, s[2]), (b, s[3]), (distance, s[4])].map(|(v, (w, share))| around(v, w, share));
-        let contractor = Distance { landmark: [a_box, b_box], distance: d_box };
+        let contractor = Distance { centre: [a_box, b_box], distance: d_box };
         check_laws(&contractor, IntervalBox::new([x_box, y_box]), [x, y]);
     }
 
@@ -127,8 +127,8 @@ proptest! {
         let beacons = [[6.0, 0.0], [-6.0, 1.0], [0.0, 7.0], [1.0, -6.0], [6.0, 6.0]];
         let contractors = beacons.iter().enumerate().map(|(idx, [a, b])| {
             let distance = f64::hypot(x - a, y - b) + if idx == outlier { error } else { 0.0 };
-            let landmark = [Interval::point(*a), Interval::point(*b)];
-            Box::new(Distance { landmark, distance: around(distance, 0.1, 0.5) }) as Box<dyn Contractor<2> + Send + Sync>
+            let centre = [Interval::point(*a), Interval::point(*b)];
+            Box::new(Distance { centre, distance: around(distance, 0.1, 0.5) }) as Box<dyn Contractor<2> + Send + Sync>
         });
         let relaxed = QRelaxed { contractors: contractors.collect(), q: 1 };
         check_laws(&relaxed, IntervalBox::new([around(x, s[0].0, s[0].1), around(y, s[1].0, s[1].1)]), [x, y]);

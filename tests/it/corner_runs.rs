@@ -1,7 +1,9 @@
 //! Errors at their corners and in a drift: every estimate holds the truth, and would not if boxes were 45 % too small.
 
+use interval::Interval;
+use interval::contractor::{Contractor, Outcome};
 use localizer::{
-    Constraint, Contractor, Estimate, Interval, Localizer, Method, Outcome, Pose, PoseBox, PoseUnion, Reading,
+    Constraint, Estimate, Localizer, Method, Pose, PoseBox, PoseUnion, Reading,
     localizer::Account,
     method::{MotionBetween, Twist},
     methods::{

@@ -1,7 +1,8 @@
 //! Paper 2's point methods, and those of a careful engineer on its sensors, on cases worked out by hand.
 
+use interval::Interval;
 use localizer::{
-    Interval, Pose,
+    Pose,
     baselines::{
         CorrectedReckoning, DeadReckoning, DirectionDatabase, GyroAtRest, SlipDecision, Way,
         pose_graph::{Step, Weights, optimised},

@@ -1,4 +1,5 @@
-use localizer::{Estimate, Interval, Pose, PoseBox, PoseUnion, Status};
+use interval::Interval;
+use localizer::{Estimate, Pose, PoseBox, PoseUnion, Status};
 use sim::{
     drawn::Drawn,
     falsify::{Wish, hits},

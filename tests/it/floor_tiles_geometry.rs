@@ -1,7 +1,8 @@
 //! From lines in an image to the pose, against a pinhole camera of the tests' own over joints of the tests' own.
 
+use interval::Interval;
 use localizer::{
-    Interval, Map, Method, PoseBox, PoseUnion, RobotModel,
+    Map, Method, PoseBox, PoseUnion, RobotModel,
     map::TileGrid,
     methods::floor_tiles::{Chain, FloorTiles},
     robot::{BodyModel, FloorCameraModel, Reach, WheelModel},

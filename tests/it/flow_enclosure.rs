@@ -1,7 +1,7 @@
 //! The flow sensor's motion against motion integrated much finer; certified slip.
 
+use interval::Interval;
 use localizer::{
-    Interval,
     motion::{Agreement, FlowHistory, FlowIntegral, Motion, agree},
     robot::{FlowModel, Reach, WheelModel},
 };

@@ -1,7 +1,7 @@
 //! The gyroscope's turn against turns integrated much finer, with bias, scale and noise at the corners of their bounds.
 
+use interval::Interval;
 use localizer::{
-    Interval,
     motion::{GyroHistory, WheelHistory},
     robot::{GyroModel, Reach, WheelModel},
 };

@@ -1,7 +1,7 @@
 //! The gyroscope's bias and scale, learnt together from turns known from elsewhere: against biases and turns made here.
 
+use interval::{Interval, contractor::Outcome};
 use localizer::{
-    Interval, Outcome,
     motion::{GyroErrors, GyroHistory},
     robot::GyroModel,
 };

@@ -5,8 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use localizer::Interval;
-use localizer::interval::Overlap;
+use interval::{Interval, Overlap};
 
 /// What a case asks for or expects.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use dashu_float::round::mode::Zero;
 use dashu_float::{CachedFBig, ConstCache, FBig};
-use localizer::Interval;
+use interval::Interval;
 
 type Big = CachedFBig<Zero, 2>;
 

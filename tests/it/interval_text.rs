@@ -1,6 +1,6 @@
 //! What is printed reads back as the same interval, and what is read contains what was written.
 
-use localizer::{Interval, IntervalBox};
+use interval::{Interval, IntervalBox};
 use proptest::prelude::*;
 
 /// Every double but NaN is as likely as its bits.

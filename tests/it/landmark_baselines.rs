@@ -1,13 +1,14 @@
 //! What stands beside our boxes: least squares and closest points, bare and as one would field them, and Table IV as it is printed.
 
+use interval::{Interval, contractor::Contractor};
 use localizer::{
-    Contractor, Interval, Pose, PoseBox,
+    Pose, PoseBox,
     baselines::{
         GatedIcp, LearntPoint, RansacMap, SOLVERS, WeightedPoint, WeightedPose, closest_points, least_squares,
         printed_table_iv, ransac, solve, weighted_fit,
     },
-    contractor::{Landmark, RigidPlanar},
     reading::LandmarkId,
+    rigid_motion::{Landmark, RigidPlanar},
     robot::WheelModel,
 };
 use nalgebra::{Matrix2, Matrix3, Vector2};

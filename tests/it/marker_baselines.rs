@@ -1,7 +1,8 @@
 //! Where ceiling markers put a robot whose camera's vertical is known, against a pinhole worked out by hand.
 
+use interval::Interval;
 use localizer::{
-    Interval, Pose,
+    Pose,
     baselines::vertical_known,
     map::{MarkerMap, PlacedMarker},
     markers::{Coding, GridPlace, MarkerId, dot_in_marker_m},

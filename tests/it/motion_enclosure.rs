@@ -1,7 +1,8 @@
 //! The wheels' enclosure against motion integrated in steps a hundred times finer, with slip at the corner of its bounds.
 
+use interval::Interval;
 use localizer::{
-    Interval, PoseBox,
+    PoseBox,
     motion::{WheelHistory, moved},
     robot::{GyroModel, Reach, WheelModel},
 };

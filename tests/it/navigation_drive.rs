@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use localizer::{Estimate, Interval, Pose, PoseUnion, Status};
+use interval::Interval;
+use localizer::{Estimate, Pose, PoseUnion, Status};
 use sim::{
     drawn::Drawn,
     driver::{ErrandDriver, ErrandLog, Outcome, bearing},

@@ -1,6 +1,7 @@
 //! How much of the boxes is used: error over half the width, and what counts as available or as measured.
 
-use localizer::{Interval, PoseBox, PoseUnion, Status};
+use interval::Interval;
+use localizer::{PoseBox, PoseUnion, Status};
 use serde_json::Value;
 use sim::{
     run::{RunOptions, RunRecord, run},

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use interval::{Interval, IntervalBox};
+use localizer::method::Twist;
 use localizer::{
-    Claim, Interval, Method, PoseUnion, Reading,
+    Claim, Method, PoseUnion, Reading,
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
     motion::{Motion, moved, moved_union},
     reading::LandmarkId,
 };
-use localizer::{IntervalBox, method::Twist};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

@@ -1,7 +1,8 @@
 //! What must not be taken for consecutive, and what must not outlive a doubt.
 
+use interval::{Interval, contractor::Contractor};
 use localizer::{
-    Constraint, Contractor, Interval, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status,
+    Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status,
     method::Twist,
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
     reading::Sighting,

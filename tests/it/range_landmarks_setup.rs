@@ -1,7 +1,9 @@
 //! A range camera and landmarks of the tests' own: true geometry in three dimensions, every error drawn inside its bound.
 
+use interval::Interval;
+use interval::contractor::{Contractor, Outcome};
 use localizer::{
-    Constraint, Contractor, Interval, Outcome, PoseBox, Reading, RobotModel,
+    Constraint, PoseBox, Reading, RobotModel,
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach, WheelModel},
 };

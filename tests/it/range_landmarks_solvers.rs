@@ -2,10 +2,11 @@
 //!
 //! `WHEREIN_LANDMARK_TRIALS` sets the number of scenes for each solver and each q.
 
+use interval::{Interval, contractor::Contractor};
 use localizer::{
-    Contractor, PoseBox,
-    contractor::Landmark as Pair,
+    PoseBox,
     methods::range_landmarks::{Freedom, PoseFromLandmarks, Sensor, Solver},
+    rigid_motion::Landmark as Pair,
 };
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -86,7 +87,7 @@ fn the_box_of_a_sighting_holds_its_landmark_whatever_the_robot_did_since_the_sta
 fn a_pitched_body_sees_a_landmark_nearer_than_it_is() {
     // Everything exact but the body's tilt of 0.1 rad. Pitched so far, a landmark 5 m ahead at the height of the lens is 5·cos 0.1 m
     // along the optical axis: 25 mm less, which no height explains.
-    let exact = localizer::Interval::point;
+    let exact = Interval::point;
     let mut model = robot(0, 3);
     model.body.tilt_rad = 0.1;
     let optics = model.range_camera.as_mut().expect("a range camera");
@@ -105,10 +106,10 @@ fn one_landmark_seen_from_a_known_place_tells_the_heading() {
     // From (0, 0) a landmark at (3, 0) is seen at (3, 0) to within 3 mm across: 1 mrad to each side.
     let landmark = (
         [measured(3.0, 1e-6, &mut random(1)), measured(0.0, 1e-6, &mut random(2))],
-        [localizer::Interval::centred(3.0, 0.01), localizer::Interval::centred(0.0, 0.003)],
+        [Interval::centred(3.0, 0.01), Interval::centred(0.0, 0.003)],
     );
-    let known = localizer::Interval::centred(0.0, 1e-6);
-    let prior = PoseBox::from([known, known, localizer::Interval::centred(0.0, 0.5)]);
+    let known = Interval::centred(0.0, 1e-6);
+    let prior = PoseBox::from([known, known, Interval::centred(0.0, 0.5)]);
     for solver in [Solver::OneShot, Solver::Polar, Solver::TableIv] {
         let branches = PoseFromLandmarks::new(vec![landmark], 0, Freedom::Full, solver).branches(&prior);
         let hull = branches.iter().fold(PoseBox::EMPTY, |hull, branch| hull.hull(branch));

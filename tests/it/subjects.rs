@@ -1,6 +1,7 @@
 //! Localizers of somebody's own in the loop: what they are told and how they are judged.
 
-use localizer::{Interval, Pose, PoseBox, PoseUnion, Reading, Status, robot::WheelModel};
+use interval::Interval;
+use localizer::{Pose, PoseBox, PoseUnion, Reading, Status, robot::WheelModel};
 use serde_json::Value;
 use sim::{
     judge::Verdict,

@@ -3,7 +3,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use localizer::{Interval, PoseUnion, pose::PoseBox};
+use interval::Interval;
+use localizer::{PoseUnion, pose::PoseBox};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{

@@ -1,7 +1,8 @@
 //! Level edges to headings, against a camera, rooms and lines of the tests' own.
 
+use interval::Interval;
 use localizer::{
-    Claim, Interval, Map, Method, PoseBox, PoseUnion, RobotModel,
+    Claim, Map, Method, PoseBox, PoseUnion, RobotModel,
     methods::wall_directions::{IMAGES, Quotas, Setup, WallDirections},
     robot::{BodyModel, ForwardCameraModel, Reach},
     vision::forward::EdgeLine,

@@ -1,6 +1,7 @@
 //! Scenes and drives that the tests of the world share.
 
-use localizer::{Estimate, Interval, PoseBox, PoseUnion, Status};
+use interval::Interval;
+use localizer::{Estimate, PoseBox, PoseUnion, Status};
 use sim::{
     drawn::Drawn,
     driver::Driver,

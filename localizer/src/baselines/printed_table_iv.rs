@@ -3,7 +3,9 @@
 //! Rows 31 and 32 contract the heading by arcsin and arccos, whose values lie in [−π/2, π/2] and [0, π]: a heading outside of
 //! [0, π/2] is cut away by one of them. The rows are in the order of the print, with a, b, t and θ as its names.
 
-use crate::{Interval, IntervalBox, PoseBox, contractor::Landmark};
+use interval::{Interval, IntervalBox};
+
+use crate::{PoseBox, rigid_motion::Landmark};
 
 /// Passes end when no width shrinks by more than this share; the print says "while contraction is significant".
 const SIGNIFICANT: f64 = 0.01;

@@ -6,8 +6,10 @@
 //! is, and all dots weigh alike. Source: Z. Kukelova, M. Bujnak, T. Pajdla, "Closed-form solutions to minimal absolute pose problems with known
 //! vertical direction", ACCV 2010; with the height known too, what is left is D. Eggert et al.'s closed form of [`least_squares`].
 
+use interval::Interval;
+
 use crate::{
-    Interval, Pose, RobotModel,
+    Pose, RobotModel,
     map::MarkerMap,
     markers::DOT_RADIUS_M,
     methods::ceiling_markers::paper::{body_from_camera, dot_radius_px, in_world_m},

@@ -6,7 +6,9 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Rotation2, Vector2, Vector3};
 
-use crate::{Interval, Pose, robot::WheelModel};
+use interval::Interval;
+
+use crate::{Pose, robot::WheelModel};
 
 use super::{least_squares, pose_graph::Step};
 

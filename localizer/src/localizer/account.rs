@@ -1,6 +1,8 @@
 //! What became of a reading of a camera.
 
-use crate::{Constraint, Interval, PoseUnion, method::Claim, reading::LandmarkId};
+use interval::Interval;
+
+use crate::{Constraint, PoseUnion, method::Claim, reading::LandmarkId};
 
 /// What became of a camera's reading.
 #[derive(Clone, Debug)]

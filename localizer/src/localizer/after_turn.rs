@@ -1,6 +1,7 @@
 //! A constraint of the heading some turn later.
 
-use crate::{Contractor, Interval, IntervalBox, Outcome};
+use interval::contractor::{Contractor, Outcome};
+use interval::{Interval, IntervalBox};
 
 /// What `on_pose` says of the heading after a turn, said of the heading before it; x and y are left as they are.
 pub(super) struct AfterTurn {

@@ -1,6 +1,8 @@
 //! Unions of poses carried from slot to slot, and slots recomputed when something is told of the past.
 
-use crate::{Contractor, Interval, IntervalBox, PoseBox, PoseUnion, motion::moved_union};
+use interval::{Interval, IntervalBox, contractor::Contractor};
+
+use crate::{PoseBox, PoseUnion, motion::moved_union};
 
 use super::{
     Localizer, REMEMBER_S,

@@ -11,7 +11,9 @@
 //! Each reading agrees with a hypothesis or contradicts it. Two witnesses that have nothing in common end one; with two that agree, and no
 //! other hypothesis elsewhere, one is believed.
 
-use crate::{Constraint, Interval, IntervalBox, PoseUnion};
+use interval::{Interval, IntervalBox};
+
+use crate::{Constraint, PoseUnion};
 
 use super::{
     Localizer, REMEMBER_S,

@@ -5,8 +5,9 @@
 
 use std::collections::VecDeque;
 
+use interval::{Interval, contractor::Outcome};
+
 use crate::{
-    Interval, Outcome,
     method::Assumption,
     motion::{GyroErrors, GyroHistory, sudden_change_rad_per_s2},
     robot::{GyroModel, Reach},

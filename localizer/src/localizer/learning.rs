@@ -1,6 +1,8 @@
 //! What the localizer learns of the gyroscope, at rest and from headings fixed, and what that tells of the heading now.
 
-use crate::{Constraint, Interval, Localizer, Outcome, PoseUnion, motion::greatest_change_rad_per_s2};
+use interval::{Interval, contractor::Outcome};
+
+use crate::{Constraint, Localizer, PoseUnion, motion::greatest_change_rad_per_s2};
 
 use super::{after_turn::AfterTurn, heading_fixes::HeadingFixes, moves::memory_s};
 

@@ -14,8 +14,10 @@ mod ray;
 #[allow(clippy::expect_used)]
 mod trial;
 
+use interval::Interval;
+
 use crate::{
-    Interval, Map, PoseUnion, Reading, RobotModel,
+    Map, PoseUnion, Reading, RobotModel,
     map::{MarkerMap, PlacedMarker},
     markers::{DOT_RADIUS_M, GridPlace, dot_in_marker_m},
     method::{Assumption, Claim, Constraint, Method, Twist},

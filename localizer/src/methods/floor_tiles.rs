@@ -16,8 +16,10 @@ mod pose_contractor;
 #[cfg(test)]
 mod trial;
 
+use interval::Interval;
+
 use crate::{
-    Interval, Map, PoseUnion, Reading, RobotModel,
+    Map, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, Twist},
     reading::Camera,
     vision::{self, FloorLines, FloorView, line_fit, straighten::RowMotion},

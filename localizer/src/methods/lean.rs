@@ -2,7 +2,7 @@
 //!
 //! A lean is a turn about a level axis, T(a). Everything here holds for any leans that the function takes, not for small ones alone.
 
-use crate::Interval;
+use interval::Interval;
 
 /// Greatest difference between two ways to tell the heading of a body that leans by up to `lean_rad`: the direction of its forward axis
 /// seen from above, as in Rz(heading)·Ry(pitch)·Rx(roll), and the turn about the vertical that a lean alone is left of.

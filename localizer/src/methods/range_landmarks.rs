@@ -24,8 +24,11 @@ mod solver;
 
 use std::collections::VecDeque;
 
+use interval::Interval;
+use interval::contractor::{Contractor, Outcome};
+
 use crate::{
-    Contractor, Interval, Outcome, PoseUnion, Reading, RobotModel,
+    PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
     reading::LandmarkId,
 };

@@ -25,8 +25,10 @@ use sight::SightPlane;
 
 use std::collections::VecDeque;
 
+use interval::Interval;
+
 use crate::{
-    Interval, Map, PoseBox, PoseUnion, Reading, RobotModel,
+    Map, PoseBox, PoseUnion, Reading, RobotModel,
     method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
     reading::Camera,
     robot::{BodyModel, ForwardCameraModel, Reach},

@@ -22,7 +22,9 @@
 //! its middle: a vector of length w/√2 at most. It telescopes in ∫ R dc: by summation by parts it acts at both ends and with the
 //! total turning, (2 + ∫ |dφ|)·w/√2. Where the scale varies it does not telescope in metres: every step's |Δc| may be greater by w.
 
-use crate::{Interval, IntervalBox, robot::FlowModel};
+use interval::{Interval, IntervalBox};
+
+use crate::robot::FlowModel;
 
 use super::Motion;
 

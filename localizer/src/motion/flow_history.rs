@@ -2,10 +2,9 @@
 
 use std::collections::VecDeque;
 
-use crate::{
-    Interval,
-    robot::{FlowModel, Reach, WheelModel},
-};
+use interval::Interval;
+
+use crate::robot::{FlowModel, Reach, WheelModel};
 
 use super::{FlowIntegral, Motion, gyro::greatest_change_rad_per_s2};
 

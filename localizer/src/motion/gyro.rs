@@ -6,10 +6,9 @@
 
 use std::collections::VecDeque;
 
-use crate::{
-    Interval,
-    robot::{GyroModel, Reach, WheelModel},
-};
+use interval::Interval;
+
+use crate::robot::{GyroModel, Reach, WheelModel};
 
 /// Recent turn rates.
 #[derive(Clone, Debug)]

@@ -4,7 +4,9 @@
 //! ∫r dt = scale·Δθ + bias·T ± noise. So a turn that is known from elsewhere leaves a strip of the plane (bias, scale), askew unless the
 //! robot was at rest: what laps of one sense hide of the bias in the scale is hidden again when it is used, and costs nothing.
 
-use crate::{Interval, contractor::Outcome, method::Assumption, robot::GyroModel};
+use interval::{Interval, contractor::Outcome};
+
+use crate::{method::Assumption, robot::GyroModel};
 
 use super::polygon::Polygon;
 

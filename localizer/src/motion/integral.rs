@@ -5,10 +5,9 @@
 //! totals |e| and |L| are bounded, not their parts; summation by parts turns ∫ cos φ de into e·cos φ at the end and a remainder of
 //! at most |e| times the total turning.
 
-use crate::{
-    Interval, IntervalBox,
-    robot::{Reach, WheelModel},
-};
+use interval::{Interval, IntervalBox};
+
+use crate::robot::{Reach, WheelModel};
 
 use super::{Motion, WheelSample};
 

@@ -1,6 +1,6 @@
 //! A convex polygon that half-planes cut.
 
-use crate::Interval;
+use interval::Interval;
 
 /// Share of a coordinate's size by which every cut leaves more than it was told to: far more than its arithmetic can lose.
 const SLACK: f64 = 1e-12;

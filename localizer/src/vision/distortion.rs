@@ -4,7 +4,7 @@
 //! pinhole shows at x to D(x) = x + b(x) (Brown, *Decentering distortion of lenses*, 1966, in OpenCV's order). Back from a box of
 //! places there is no formula: the inverse is enclosed by an interval Newton step.
 
-use crate::{Interval, dual::Dual};
+use interval::{Dual, Interval};
 
 /// b(x): x·(k1·r² + k2·r⁴ + k3·r⁶) + 2·p1·x·y + p2·(r² + 2x²), and likewise for y with p1 and p2 exchanged.
 pub(crate) fn bend([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [f64; 2]) -> [f64; 2] {

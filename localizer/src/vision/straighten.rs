@@ -12,7 +12,7 @@ mod tests;
 use image::GrayImage;
 
 use super::{FloorLines, distortion};
-use crate::Interval;
+use interval::Interval;
 
 /// How far the pinhole's picture moves from one raw row's exposure to that of the next, as far as it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,6 +1,7 @@
 //! What part of the ceiling the ceiling camera surely shows.
 
-use localizer::{Interval, Pose};
+use interval::Interval;
+use localizer::Pose;
 use nalgebra::Vector3;
 
 use super::{Place, Poses};

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use localizer::{Claim, Interval, Pose, reading::LandmarkId};
+use interval::Interval;
+use localizer::{Claim, Pose, reading::LandmarkId};
 use nalgebra::{Point2, Point3, Vector3};
 
 use super::markers;

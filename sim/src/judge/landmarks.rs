@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use localizer::{Interval, Status, reading::LandmarkId};
+use interval::Interval;
+use localizer::{Status, reading::LandmarkId};
 
 use crate::{run::RunRecord, scene::Scene};
 

@@ -1,6 +1,7 @@
 //! What a run leaves for the check and the record.
 
-use localizer::{Claim, Estimate, Interval, Pose, PoseBox, PoseUnion, Reading, Status, reading::LandmarkId};
+use interval::Interval;
+use localizer::{Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status, reading::LandmarkId};
 
 use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
 

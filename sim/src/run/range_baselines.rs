@@ -2,15 +2,16 @@
 
 use std::{collections::BTreeMap, time::Instant};
 
+use interval::{Interval, IntervalBox, paving};
 use localizer::{
-    Claim, Interval, IntervalBox, Pose, PoseBox,
+    Claim, Pose, PoseBox,
     baselines::{
         GatedIcp, RansacMap, SOLVERS, WeightedPoint, WeightedPose, closest_points, least_squares, printed_table_iv,
         solve,
     },
-    contractor,
     localizer::Account,
     reading::LandmarkId,
+    rigid_motion::Landmark,
     robot::{RangeCameraModel, WheelModel},
 };
 
@@ -137,8 +138,7 @@ impl RangeBaselines {
     }
 
     fn put_to_solvers(&mut self, seen: &[(LandmarkId, [Interval; 2])], posterior: &PoseBox, truth: Pose) {
-        let pairs: Vec<contractor::Landmark> =
-            seen.iter().filter_map(|(code, b)| Some((*self.boxes.get(code)?, *b))).collect();
+        let pairs: Vec<Landmark> = seen.iter().filter_map(|(code, b)| Some((*self.boxes.get(code)?, *b))).collect();
         if pairs.len() < 2 || posterior.is_empty() {
             return;
         }
@@ -162,7 +162,7 @@ impl Answers {
         self.spent_s += began.elapsed().as_secs_f64();
         self.problems += 1;
         self.contained += usize::from(boxes.iter().any(|one| one.contains(&truth.to_array())));
-        let hull = localizer::paving::hull(&boxes);
+        let hull = paving::hull(&boxes);
         if !hull.is_empty() {
             self.hulls.push(hull);
         }

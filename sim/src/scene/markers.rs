@@ -1,7 +1,7 @@
 //! Dot-matrix markers on the ceiling (paper 5): what is printed, where it is pasted, and what is wrong with it.
 
+use interval::Interval;
 use localizer::{
-    Interval,
     map::{MarkerMap, PlacedMarker},
     markers::{self, MarkerId},
 };

@@ -1,7 +1,8 @@
 //! What the scene tells the localizer: nominal values with their declared bounds, never a drawn value.
 
+use interval::Interval;
 use localizer::{
-    Interval, Map, Pose, PoseBox, RobotModel,
+    Map, Pose, PoseBox, RobotModel,
     map::TileGrid,
     reading::Camera,
     robot::{

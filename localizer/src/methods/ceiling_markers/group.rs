@@ -4,10 +4,9 @@
 //! part c = Σ Ḡₖ φₖ and what each dot differs from it: `dot = z + R(θ) bᵢ` with z = (x, y) + R(θ) c. A tilt of 0.1° shifts a marker at
 //! 2.6 m by 4.5 mm and turns it by less than 0.05°.
 
-use crate::{
-    Contractor, Interval, IntervalBox,
-    contractor::{LinearPose, RigidPlanar},
-};
+use interval::{Interval, IntervalBox, contractor::Contractor};
+
+use crate::rigid_motion::{LinearPose, RigidPlanar};
 
 use super::pairs;
 use super::ray::{BODY_TILT, DOT_HEIGHT, MOUNT_TILT, N_PARAMETERS, PIXEL, Sight};

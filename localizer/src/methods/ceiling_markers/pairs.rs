@@ -4,7 +4,7 @@
 //! θ = arg w − arg b. What the image and the marker share, its height above all, changes b along itself and hardly across, so that it
 //! costs the angle next to nothing; as an error of each dot alone it would cost as much as the pixels do. No shift enters.
 
-use crate::Interval;
+use interval::Interval;
 
 use super::{
     group::{SeenDot, is_own},

@@ -2,8 +2,10 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+use interval::Interval;
+
 use crate::{
-    Interval, Pose, RobotModel,
+    Pose, RobotModel,
     map::{MarkerMap, PlacedMarker},
     markers::{DIRECTION_DOTS, DOT_RADIUS_M, GridPlace, MarkerId, dot_in_marker_m},
     robot::CeilingCameraModel,

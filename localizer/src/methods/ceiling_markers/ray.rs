@@ -10,7 +10,12 @@
 //!
 //! A tilt by the angle α is written as Cayley's vector a = tan(α/2)·axis: T(a) v = v + 2 (a × v + a × (a × v))/(1 + |a|²), free of trigonometry.
 
-use crate::{Interval, dual::Dual, robot::BodyModel, robot::CeilingCameraModel, vision::distortion};
+use interval::{Dual, Interval};
+
+use crate::{
+    robot::{BodyModel, CeilingCameraModel},
+    vision::distortion,
+};
 
 /// Parameters: what is unknown of one dot (its pixel), of the image (optics and posture), and of the marker (its height).
 pub(super) const N_PARAMETERS: usize = 14;

@@ -5,8 +5,10 @@ use std::time::Instant;
 use nalgebra::{Rotation3, Vector3};
 
 use super::{CeilingMarkers, paper};
+use interval::Interval;
+
 use crate::{
-    Interval, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
+    Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     map::{MarkerMap, PlacedMarker},
     markers::{Coding, MarkerId},
     method::Twist,

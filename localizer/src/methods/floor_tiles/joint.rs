@@ -2,8 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use interval::{Interval, IntervalBox};
+
 use crate::{
-    Interval, IntervalBox, PoseUnion,
+    PoseUnion,
     vision::{FloorLine, line_fit::LineSet},
 };
 

@@ -1,6 +1,6 @@
 //! Which normals a line may have that is near enough to most of some points.
 
-use crate::Interval;
+use interval::Interval;
 
 /// Unit normals in (u, v): those within an angle of one, or any.
 #[derive(Clone, Copy, Debug)]

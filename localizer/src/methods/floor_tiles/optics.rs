@@ -2,8 +2,9 @@
 
 use image::GrayImage;
 
+use interval::Interval;
+
 use crate::{
-    Interval,
     robot::FloorCameraModel,
     vision::{
         FloorLines,

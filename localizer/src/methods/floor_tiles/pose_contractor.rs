@@ -1,6 +1,7 @@
 //! All joints of one image as a contractor on the pose.
 
-use crate::{Contractor, Interval, IntervalBox, Outcome};
+use interval::contractor::{Contractor, Outcome};
+use interval::{Interval, IntervalBox};
 
 use super::{Geometry, joint::Joint};
 

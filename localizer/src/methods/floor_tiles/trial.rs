@@ -6,8 +6,10 @@ mod rows;
 use image::GrayImage;
 
 use super::{Chain, FloorTiles};
+use interval::Interval;
+
 use crate::{
-    Constraint, Interval, Map, PoseBox, RobotModel,
+    Constraint, Map, PoseBox, RobotModel,
     map::TileGrid,
     method::Twist,
     robot::{BodyModel, FloorCameraModel, Reach, WheelModel},

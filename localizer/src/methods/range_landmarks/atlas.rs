@@ -2,7 +2,10 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use crate::{Interval, IntervalBox, Outcome, contractor::q_intersection, reading::LandmarkId};
+use interval::contractor::{Outcome, q_intersection};
+use interval::{Interval, IntervalBox};
+
+use crate::reading::LandmarkId;
 
 /// Former places of a landmark at most. Beyond, every second one goes: less can then be kept when something is unlearnt.
 const MOST_FORMER: usize = 256;

@@ -6,9 +6,11 @@
 
 use std::collections::BTreeMap;
 
+use interval::contractor::{Contractor, Outcome, q_intersection};
+use interval::{Interval, IntervalBox};
+
 use crate::{
-    Contractor, Interval, IntervalBox, Outcome, PoseBox,
-    contractor::q_intersection,
+    PoseBox,
     method::MotionBetween,
     motion::{Motion, moved},
     reading::LandmarkId,

@@ -16,8 +16,10 @@
 //! of the robot frame moves there by at most (v + ω|q|)·e. The box is inflated, and not the pose, because the same box
 //! is claimed, contracts the pose at the stamp, and learns the landmark.
 
+use interval::Interval;
+
 use crate::{
-    Interval, PoseBox, RobotModel,
+    PoseBox, RobotModel,
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach},
 };

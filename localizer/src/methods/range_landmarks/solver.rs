@@ -1,9 +1,11 @@
 //! The pose from landmarks: which equations, and which contractor for them.
 
+use interval::contractor::{Contractor, Outcome, QRelaxed};
+use interval::{IntervalBox, paving};
+
 use crate::{
-    Contractor, IntervalBox, Outcome, PoseBox,
-    contractor::{Landmark, LinearPose, QRelaxed, RelaxedPose, RigidPlanar, RigidPolar, RigidTable, Translated},
-    paving,
+    PoseBox,
+    rigid_motion::{Landmark, LinearPose, RelaxedPose, RigidPlanar, RigidPolar, RigidTable, Translated},
 };
 
 /// What the landmarks contract of the pose.

@@ -1,6 +1,9 @@
 //! Headings on which edges of an image, and several images, agree.
 
-use crate::{Contractor, Interval, IntervalBox, Outcome, vision::forward::EdgeLine};
+use interval::contractor::{Contractor, Outcome};
+use interval::{Interval, IntervalBox};
+
+use crate::vision::forward::EdgeLine;
 
 use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, Quotas, headings};
 

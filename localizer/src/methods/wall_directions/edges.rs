@@ -1,6 +1,8 @@
 //! An image's edges, sorted by what they may be.
 
-use crate::{Interval, vision::forward::EdgeLine};
+use interval::Interval;
+
+use crate::vision::forward::EdgeLine;
 
 use super::{
     NEW_DIRECTION_RAD, WallDirections,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::Interval;
+use interval::Interval;
 
 /// Headings in `within` at which a line seen at `azimuth` runs along one of the building's `directions`, up to quarter turns:
 /// θ = direction + k·π/2 − azimuth.

@@ -10,7 +10,7 @@ use super::{
     Quotas, headings,
     sight::{Lean, SightPlane, level_direction},
 };
-use crate::Interval;
+use interval::Interval;
 
 /// Squares on a diameter of the disc of leans.
 const SQUARES: usize = 24;

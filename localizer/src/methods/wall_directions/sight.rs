@@ -5,9 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 
 use super::super::lean::{heading_off_rad, twist_of_two_rad};
+use interval::{Dual, Interval};
+
 use crate::{
-    Interval,
-    dual::Dual,
     robot::ForwardCameraModel,
     vision::{distortion, forward::EdgeLine},
 };

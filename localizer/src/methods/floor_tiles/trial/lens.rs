@@ -6,8 +6,10 @@ use super::{
     BARREL, Eye, HEIGHT_M, MIDDLE_PX, PINCUSHION, ROW_TIME_S, SCALE, contracted, known_robot, method, random_pose,
     robot,
 };
+use interval::{Interval, contractor::Contractor};
+
 use crate::{
-    Claim, Contractor, Interval, Method, PoseBox, PoseUnion, Reading, RobotModel,
+    Claim, Method, PoseBox, PoseUnion, Reading, RobotModel,
     method::Twist,
     methods::floor_tiles::Chain,
     reading::Camera,

@@ -3,8 +3,10 @@
 use super::{
     BARREL, Eye, HEIGHT_M, MIDDLE_PX, ROW_TIME_S, SCALE, TILT_RAD, contracted, method, moved, random_pose, robot,
 };
+use interval::Interval;
+
 use crate::{
-    Interval, PoseBox, PoseUnion,
+    PoseBox, PoseUnion,
     methods::floor_tiles::Chain,
     vision::{FloorLine, FloorLines, synthetic::Random},
 };

@@ -1,0 +1,207 @@
+//! Sine, cosine, tangent and their inverses.
+//!
+//! Extrema and poles are found by the quadrants of the two ends. Far from a quadrant boundary a multiplication by 2/π decides;
+//! near one, or for large arguments, the signs of sine and cosine decide: they are right for every double, because the
+//! reduction inside `pxfm` keeps enough digits of π. No multiple of π is ever rounded.
+
+use super::Interval;
+use super::rounding::{down_twice, up_twice};
+
+/// Whole circle in quadrants.
+const QUADRANTS: u32 = 4;
+
+/// π/2 rounded up.
+const HALF_PI_UP: f64 = std::f64::consts::FRAC_PI_2.next_up();
+
+/// π rounded up.
+const PI_UP: f64 = std::f64::consts::PI.next_up();
+
+impl Interval {
+    /// Sine.
+    #[inline]
+    pub fn sin(self) -> Interval {
+        self.wave(pxfm::f_sin, 0)
+    }
+
+    /// Cosine.
+    #[inline]
+    pub fn cos(self) -> Interval {
+        // The cosine is the sine one quadrant later.
+        self.wave(pxfm::f_cos, 1)
+    }
+
+    /// Sine or cosine: highest where quadrant 0 of the shifted argument ends, lowest where quadrant 2 ends.
+    #[inline]
+    fn wave(self, function: impl Fn(f64) -> f64, shift: u32) -> Interval {
+        const FULL: Interval = Interval::from_bounds(-1.0, 1.0);
+        if self.is_empty() {
+            return Interval::EMPTY;
+        }
+        let Some((first, crossed)) = self.quadrants() else {
+            return FULL;
+        };
+        let first = (first + shift) % QUADRANTS;
+        if crossed >= QUADRANTS {
+            return FULL;
+        }
+        let (at_lo, at_hi) = (function(self.lo), function(self.hi));
+        let (least, greatest) = if at_lo < at_hi { (at_lo, at_hi) } else { (at_hi, at_lo) };
+        let lo = if crosses(first, crossed, 2) { -1.0 } else { widened_down(least).max(-1.0) };
+        let hi = if crosses(first, crossed, 0) { 1.0 } else { widened_up(greatest).min(1.0) };
+        Interval::from_bounds(lo, hi)
+    }
+
+    /// Tangent; the whole line when a pole is inside.
+    #[inline]
+    pub fn tan(self) -> Interval {
+        if self.is_empty() {
+            return Interval::EMPTY;
+        }
+        match self.quadrants() {
+            Some((first, crossed)) if !crosses(first, crossed, 0) && !crosses(first, crossed, 2) => {
+                Interval::from_bounds(widened_down(pxfm::f_tan(self.lo)), widened_up(pxfm::f_tan(self.hi)))
+            }
+            _ => Interval::ENTIRE,
+        }
+    }
+
+    /// Inverse sine in [−π/2, π/2] of the members in [−1, 1].
+    #[inline]
+    pub fn asin(self) -> Interval {
+        let domain = self.intersect(Interval::from_bounds(-1.0, 1.0));
+        if domain.is_empty() {
+            return Interval::EMPTY;
+        }
+        let lo = widened_down(pxfm::f_asin(domain.lo)).max(-HALF_PI_UP);
+        let hi = widened_up(pxfm::f_asin(domain.hi)).min(HALF_PI_UP);
+        Interval::from_bounds(lo, hi)
+    }
+
+    /// Inverse cosine in [0, π] of the members in [−1, 1].
+    #[inline]
+    pub fn acos(self) -> Interval {
+        let domain = self.intersect(Interval::from_bounds(-1.0, 1.0));
+        if domain.is_empty() {
+            return Interval::EMPTY;
+        }
+        let lo = widened_down(pxfm::f_acos(domain.hi)).max(0.0);
+        let hi = widened_up(pxfm::f_acos(domain.lo)).min(PI_UP);
+        Interval::from_bounds(lo, hi)
+    }
+
+    /// Inverse tangent in (−π/2, π/2).
+    #[inline]
+    pub fn atan(self) -> Interval {
+        if self.is_empty() {
+            return Interval::EMPTY;
+        }
+        let lo = widened_down(pxfm::f_atan(self.lo)).max(-HALF_PI_UP);
+        let hi = widened_up(pxfm::f_atan(self.hi)).min(HALF_PI_UP);
+        Interval::from_bounds(lo, hi)
+    }
+
+    /// Angle in (−π, π] of the vectors (x, y), as `f64::atan2`: `self` is y. The vector (0, 0) has none.
+    ///
+    /// A box that touches the cut (y = 0 and x < 0) from below gives all of [−π, π].
+    pub fn atan2(self, x: Interval) -> Interval {
+        let y = self;
+        if y.is_empty() || x.is_empty() || (y == Interval::ZERO && x == Interval::ZERO) {
+            return Interval::EMPTY;
+        }
+        if y.lo >= 0.0 {
+            return upper_half_plane_angle(y, x);
+        }
+        if y.hi >= 0.0 && x.lo < 0.0 {
+            return Interval::from_bounds(-PI_UP, PI_UP);
+        }
+        if y.hi <= 0.0 {
+            return -upper_half_plane_angle(-y, x);
+        }
+        Interval::from_bounds(angle_down(y.lo, x.lo), angle_up(y.hi, x.lo))
+    }
+
+    /// Quadrant (0 to 3) of the lower end, and how many quadrant boundaries lie between the ends (4: at least four).
+    /// `None` when unbounded or wider than a circle.
+    #[inline]
+    fn quadrants(self) -> Option<(u32, u32)> {
+        // The double nearest to 2π is below it: a narrower interval crosses at most four boundaries.
+        let width = self.hi - self.lo;
+        if width > std::f64::consts::TAU {
+            return None;
+        }
+        let (first, is_first_sure) = quadrant_count(self.lo);
+        let (last, is_last_sure) = quadrant_count(self.hi);
+        if is_first_sure & is_last_sure {
+            return Some((first % QUADRANTS, last.wrapping_sub(first)));
+        }
+        let (first, last) = (quadrant_by_signs(self.lo), quadrant_by_signs(self.hi));
+        let crossed = (last + QUADRANTS - first) % QUADRANTS;
+        // The same quadrant at both ends is either none crossed (width < π/2) or all four (width > 3π/2).
+        Some((first, if crossed == 0 && width > 3.0 { QUADRANTS } else { crossed }))
+    }
+}
+
+/// Whether, starting in quadrant `first` and crossing `crossed` boundaries, the end of `quadrant` is crossed.
+#[inline(always)]
+fn crosses(first: u32, crossed: u32, quadrant: u32) -> bool {
+    (quadrant + QUADRANTS - first) % QUADRANTS < crossed
+}
+
+/// ⌊x / (π/2)⌋ modulo 2³², and whether a product in doubles was enough to be sure.
+#[inline(always)]
+fn quadrant_count(x: f64) -> (u32, bool) {
+    // |x| < 2²⁰ and a relative error below 2⁻⁵¹ put the quotient within 2⁻³¹; the guard is 2⁻³⁰.
+    const GUARD: f64 = 1.0 / (1u64 << 30) as f64;
+    // Adding 1.5 · 2⁵² rounds to a whole number, which then stands in the low bits.
+    const WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
+    let quotient = x * std::f64::consts::FRAC_2_PI;
+    let shifted = quotient + WHOLE;
+    let nearest = shifted - WHOLE;
+    let floor = (shifted.to_bits() as u32).wrapping_sub(u32::from(nearest > quotient));
+    (floor, (x.abs() < 1048576.0) & ((quotient - nearest).abs() > GUARD))
+}
+
+#[cold]
+fn quadrant_by_signs(x: f64) -> u32 {
+    match (pxfm::f_sin(x) >= 0.0, pxfm::f_cos(x) > 0.0) {
+        (true, true) => 0,
+        (true, false) => 1,
+        (false, false) => 2,
+        (false, true) => 3,
+    }
+}
+
+/// Zero is exact in every function here: at no other double is one of them zero, and none is zero at another place.
+#[inline(always)]
+fn widened_down(nearest: f64) -> f64 {
+    if nearest == 0.0 { 0.0 } else { down_twice(nearest) }
+}
+
+#[inline(always)]
+fn widened_up(nearest: f64) -> f64 {
+    if nearest == 0.0 { 0.0 } else { up_twice(nearest) }
+}
+
+/// Angles of a box with y ≥ 0, not the origin alone.
+fn upper_half_plane_angle(y: Interval, x: Interval) -> Interval {
+    if y.hi == 0.0 && x.hi <= 0.0 {
+        return Interval::PI;
+    }
+    // The lowest direction is a corner on the right, the highest a corner on the left; which one depends on the side of the y axis.
+    let lo = if x.hi > 0.0 { angle_down(y.lo, x.hi) } else { angle_down(y.hi, x.hi) };
+    let hi = if x.lo >= 0.0 { angle_up(y.hi, x.lo) } else { angle_up(y.lo, x.lo) };
+    Interval::from_bounds(lo.max(0.0), hi)
+}
+
+#[inline]
+fn angle_down(y: f64, x: f64) -> f64 {
+    let nearest = pxfm::f_atan2(y + 0.0, x + 0.0);
+    // A tiny angle may have underflowed to zero from either side.
+    if y == 0.0 && x >= 0.0 { 0.0 } else { down_twice(nearest).max(-PI_UP) }
+}
+
+#[inline]
+fn angle_up(y: f64, x: f64) -> f64 {
+    let nearest = pxfm::f_atan2(y + 0.0, x + 0.0);
+    if y == 0.0 && x >= 0.0 { 0.0 } else { up_twice(nearest).min(PI_UP) }
+}

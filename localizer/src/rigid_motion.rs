@@ -1,0 +1,20 @@
+//! Contractors on a planar pose (x, y, heading), from the boxes of landmarks in two frames.
+//!
+//! A rigid motion turns a point by the heading θ and moves it by t: a = t + R(θ) b. With a in the world frame and b in the robot frame it is the
+//! pose of the robot. All contractors here are of that constraint: they differ in what they compare, in time and in width.
+
+mod rigid_rows;
+mod rigid_planar;
+mod linear_pose;
+mod rigid_polar;
+mod rigid_table;
+mod relaxed_pose;
+mod translated;
+
+pub use linear_pose::LinearPose;
+pub use relaxed_pose::RelaxedPose;
+pub use rigid_planar::RigidPlanar;
+pub use rigid_polar::RigidPolar;
+pub use rigid_rows::Landmark;
+pub use rigid_table::RigidTable;
+pub use translated::Translated;
