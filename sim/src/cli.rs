@@ -17,7 +17,7 @@ use crate::{
     falsify::FalsifyError,
     render::RenderError,
     replay::ReplayError,
-    scene::{SceneError, Setting, keys_markdown, schema_text},
+    scene::{SceneError, SceneTemplate, Setting, keys_markdown, schema_text},
     sweep::{Seeds, SweepError},
 };
 
@@ -65,6 +65,7 @@ Examples:
   wherein run scenes/x.toml --live                                the same while it happens
   wherein replay renders/x/0/recording.mcap                       the localizer on that recording, bit for bit
   wherein markers scenes/x.toml                                   the sheet and the map of its ceiling markers
+  wherein scene scenes/x.toml                                     the scene with what it extends, as one text
   wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
@@ -95,6 +96,8 @@ enum Command {
     Table(TableArguments),
     /// Writes a scene's occupancy grid as files of ROS's map_server.
     Map(MapArguments),
+    /// Prints a scene as one text, with what it extends and what is set.
+    Scene(SceneArguments),
     /// Prints the JSON schema of scene files.
     Schema {
         /// Print a page of all keys to read instead.
@@ -195,6 +198,17 @@ bounds that are all used, above 3 where nobody would notice boxes a third as wid
 What is lost in the first 5 s of a drive, or in its first half where it is shorter than 10 s, does not count unless it still is lost then:
 before, wheels and gyroscope are alone with errors at their corners, and no method has told anything.
 With robot.errors=corner errors are as large as declared. Exit code: 0 it ran, 2 it could not.";
+
+/// What `wherein scene` is asked.
+#[derive(Debug, Args)]
+struct SceneArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Set a key of the scene, such as floor.friction=0.3; may be given several times.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Setting>,
+}
 
 /// What `wherein map` is asked.
 #[derive(Debug, Args)]
@@ -355,6 +369,7 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => replay::replay_recording(&arguments),
         Command::Table(arguments) => table::tabulate(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Map(arguments) => map::write_map(&arguments).map(|()| ExitCode::SUCCESS),
+        Command::Scene(arguments) => print_scene(&arguments).map(|()| ExitCode::SUCCESS),
         Command::Completions { shell } => manual::completions(shell).map(|()| ExitCode::SUCCESS),
         Command::Man { out } => manual::manual(out.as_deref()).map(|()| ExitCode::SUCCESS),
         Command::Schema { markdown } => {
@@ -366,6 +381,10 @@ pub fn main() -> ExitCode {
         complain(&error);
         ExitCode::from(2)
     })
+}
+
+fn print_scene(arguments: &SceneArguments) -> Result<(), CommandError> {
+    print(&SceneTemplate::load(&arguments.scene)?.with(&arguments.set)?.text)
 }
 
 fn print_adapter(adapter: Option<&str>) -> Result<(), CommandError> {

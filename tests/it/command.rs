@@ -4,6 +4,8 @@ use std::{
     process::{Command, Output},
 };
 
+use sim::scene::SceneFile;
+
 /// A folder that a test has to itself, empty at first.
 pub(crate) fn folder(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -15,6 +17,12 @@ pub(crate) fn folder(name: &str) -> PathBuf {
 /// The root of the repository.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+/// A scene of the repository as one text, with what it extends.
+pub(crate) fn scene_text(path: &str) -> String {
+    let file = SceneFile::load(&root().join("scenes").join(path));
+    file.unwrap_or_else(|error| panic!("failed to {error}")).text
 }
 
 /// `wherein` with these arguments, in `folder`.

@@ -1,7 +1,5 @@
 //! Whole runs by `wall_directions` at 0.1 lx: soundness, what is judged of a claim, the bounds, exposures, the paper's chain.
 
-use std::fs;
-
 use localizer::{Claim, Reading, Status};
 use sim::{
     judge::is_true,
@@ -11,14 +9,14 @@ use sim::{
 };
 
 use crate::{
-    command::root,
+    command::scene_text,
     judging::verdict_of,
     render_studio::{judged, renderer},
 };
 
 /// The scene of the repository with some of its lines replaced, `setup` under `[localizer.wall_directions]`.
 fn scene(changes: &[[&str; 2]], setup: &str) -> Scene {
-    let mut text = fs::read_to_string(root().join("scenes/dark/walls.toml")).unwrap();
+    let mut text = scene_text("dark/walls.toml");
     for [from, to] in changes {
         assert!(text.contains(from), "no {from} in the scene");
         text = text.replace(from, to);
@@ -68,7 +66,7 @@ fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
 
 /// A scene that broke something once.
 fn found(name: &str, changes: &[[&str; 2]]) -> Scene {
-    let mut text = fs::read_to_string(root().join("scenes/found").join(name)).unwrap();
+    let mut text = scene_text(&format!("found/{name}"));
     for [from, to] in changes {
         assert!(text.contains(from), "no {from} in the scene");
         text = text.replace(from, to);
@@ -113,7 +111,7 @@ fn furniture_as_askew_as_declared_is_no_false_claim_and_takes_no_heading() {
 
 /// The full system on paper 2's rectangle: carpet, flow sensor, a gyroscope that is learnt.
 fn rectangle(duration_s: f64, event: &str) -> Scene {
-    let text = fs::read_to_string(root().join("scenes/papers/dark_carpet.toml")).unwrap();
+    let text = scene_text("papers/dark_carpet.toml");
     let text = text.replace("duration_s = 872.0", &format!("duration_s = {duration_s:?}"));
     let text = text.replace("[expect]\n", &format!("{event}\n[expect]\n"));
     Scene::parse(&text, "scene.toml").unwrap_or_else(|error| panic!("failed to {error}"))

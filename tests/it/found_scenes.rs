@@ -43,7 +43,7 @@ fn every_scene_that_broke_something_keeps_its_promise_now() {
     let out = folder("found_scenes");
     for path in found() {
         let text = fs::read_to_string(&path).unwrap();
-        Scene::parse(&text, &path.display().to_string()).unwrap_or_else(|error| panic!("failed to {error}"));
+        Scene::load(&path).unwrap_or_else(|error| panic!("failed to {error}"));
         for seed in seeds(&text) {
             let (file, seed) = (path.display().to_string(), seed.to_string());
             let (code, _, errors) = outcome(&mut wherein(&out, &["run", &file, "--seed", &seed, "--out", "out"]));

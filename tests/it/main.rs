@@ -98,6 +98,8 @@ mod world_encoder;
 mod world_drawn;
 /// Scenes that must be refused, and what the refusal says.
 mod scene_refusals;
+/// Scenes that build on others: what they come to state, what is refused, and what is left of them.
+mod scene_extends;
 /// What `[expect]` holds a run against.
 mod scene_expectations;
 /// What a user meets on the command line besides refusals: exit codes, output, replay, resumption.

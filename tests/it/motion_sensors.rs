@@ -11,7 +11,7 @@ use sim::{
 };
 
 use crate::judging::verdict_of;
-use crate::{command::root, world_setup::scene};
+use crate::{command::scene_text, world_setup::scene};
 
 /// Rates that a gyroscope at rest reads, one per period, with its drawn bias taken off.
 fn rates_at_rest(gyro: serde_json::Value, seed: u64, n: usize) -> Vec<f64> {
@@ -157,7 +157,7 @@ fn noise_makes_up_for_a_bias_that_would_depart_too_far() {
 fn a_noise_bound_that_would_cut_the_random_walk_off_is_refused() {
     // By hand: 0.15/60/√0.005 = 0.0354 °/s, three times that 0.1061.
     for (noise_deg_per_s, is_taken) in [(0.107, true), (0.105, false), (0.0, false)] {
-        let text = std::fs::read_to_string(root().join("scenes/dark/pushed.toml")).unwrap();
+        let text = scene_text("dark/pushed.toml");
         let text = text.replace("noise_deg_per_s = 0.12", &format!("noise_deg_per_s = {noise_deg_per_s:?}"));
         let parsed = Scene::parse(&text, "scene.toml");
         assert_eq!(parsed.is_ok(), is_taken, "{noise_deg_per_s}");
@@ -169,7 +169,7 @@ fn a_noise_bound_that_would_cut_the_random_walk_off_is_refused() {
 
 #[test]
 fn what_would_bound_or_tell_nothing_is_refused() {
-    let text = std::fs::read_to_string(root().join("scenes/papers/dark_carpet.toml")).unwrap();
+    let text = scene_text("papers/dark_carpet.toml");
     let refusal = |text: &str| Scene::parse(text, "scene.toml").unwrap_err().to_string();
     for (from, to, key) in [
         ("angle_floor_deg = 0.02\n", "", "robot.gyro.angle_deg_per_s"),
@@ -180,10 +180,9 @@ fn what_would_bound_or_tell_nothing_is_refused() {
         assert!(error.contains(key), "{key}: {error}");
     }
     // The P3-DX has no gyroscope unless its scene states one.
-    let mut gyroless = text.replace("preset = \"vacuum\"", "preset = \"p3dx\"");
-    let own = gyroless.find("[robot.gyro]").unwrap()..gyroless.find("[robot.forward_camera]").unwrap();
-    gyroless.replace_range(own, "");
-    let error = refusal(&gyroless);
+    let mut gyroless: toml::Table = text.replace("preset = \"vacuum\"", "preset = \"p3dx\"").parse().unwrap();
+    gyroless["robot"].as_table_mut().unwrap().remove("gyro").unwrap();
+    let error = refusal(&gyroless.to_string());
     assert!(error.contains("localizer.learns_gyro") && error.contains("[robot.gyro]"), "{error}");
 }
 

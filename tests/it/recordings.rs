@@ -7,11 +7,11 @@ use std::{
 use mcap::{MessageStream, WriteOptions, Writer, read::LinearReader, records::Metadata, records::Record};
 use serde_json::Value;
 
-use crate::command::{blind_scene, folder, outcome, root, wherein};
+use crate::command::{blind_scene, folder, outcome, scene_text, wherein};
 
 /// The run folder of a scene of the repository with `from` replaced by `to`, run with `flags`.
 fn recorded(place: &Path, scene: &str, [from, to]: [&str; 2], flags: &[&str]) -> PathBuf {
-    let text = fs::read_to_string(root().join("scenes").join(scene)).unwrap();
+    let text = scene_text(scene);
     assert!(text.contains(from), "{scene} has no {from}");
     fs::write(place.join("scene.toml"), text.replace(from, to)).unwrap();
     let arguments = [&["run", "scene.toml", "--seed", "3", "--out", "out"], flags].concat();

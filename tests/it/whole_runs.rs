@@ -11,7 +11,7 @@ use sim::{
     subject::IntervalLocalizer,
 };
 
-use crate::command::{folder, outcome, root, wherein};
+use crate::command::{folder, outcome, root, scene_text, wherein};
 use crate::judging::verdict_of;
 
 /// A scene of the repository, cut to `duration_s`.
@@ -139,8 +139,7 @@ fn a_tile_laid_off_its_place_is_told_while_it_is_in_view() {
 #[test]
 fn the_same_seed_gives_the_same_bytes_in_any_process_on_any_number_of_threads() {
     let place = folder("same_bytes");
-    let text =
-        fs::read_to_string(root().join("scenes/tiles.toml")).unwrap().replace("duration_s = 20.0", "duration_s = 2.0");
+    let text = scene_text("tiles.toml").replace("duration_s = 20.0", "duration_s = 2.0");
     fs::write(place.join("short.toml"), text).unwrap();
     let digest = |seed: &str, threads: &str| -> Value {
         let arguments = ["run", "short.toml", "--seed", seed, "--out", "out", "--json"];

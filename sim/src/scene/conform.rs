@@ -87,7 +87,14 @@ impl Walk<'_> {
                     Some(meant) => format!("unknown key, expected `{meant}`?"),
                     None => format!("unknown key, expected one of {}", names.collect::<Vec<_>>().join(", ")),
                 };
-                self.problems.push(Problem { key: path, value: None, expected, span: name.span(), help: None });
+                self.problems.push(Problem {
+                    key: path,
+                    value: None,
+                    expected,
+                    span: name.span(),
+                    help: None,
+                    file: None,
+                });
             }
         }
         for required in node.get("required").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str) {
@@ -96,7 +103,14 @@ impl Walk<'_> {
                 let expected = format!("missing, expected {}", expectation(resolve(property)));
                 let path = join(key, required);
                 let help = explanation(&path, property);
-                self.problems.push(Problem { key: path, value: None, expected, span: header(&span, key), help });
+                self.problems.push(Problem {
+                    key: path,
+                    value: None,
+                    expected,
+                    span: header(&span, key),
+                    help,
+                    file: None,
+                });
             }
         }
     }
@@ -121,6 +135,7 @@ impl Walk<'_> {
                 expected,
                 span: header(&span, key),
                 help: None,
+                file: None,
             });
             return None;
         };
@@ -163,7 +178,14 @@ impl Walk<'_> {
 
     fn report(&mut self, span: Range<usize>, key: &str, expected: String, node: &'static Value) {
         let value = Some(excerpt(&self.text[span.clone()]));
-        self.problems.push(Problem { key: key.to_owned(), value, expected, span, help: explanation(key, node) });
+        self.problems.push(Problem {
+            key: key.to_owned(),
+            value,
+            expected,
+            span,
+            help: explanation(key, node),
+            file: None,
+        });
     }
 }
 
@@ -205,7 +227,7 @@ fn fits(value: &DeValue<'_>, node: &'static Value) -> bool {
 }
 
 /// What a value is, in words.
-fn found(value: &DeValue<'_>) -> &'static str {
+pub(super) fn found(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "a text",
         DeValue::Integer(_) => "a whole number",

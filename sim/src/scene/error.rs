@@ -2,8 +2,10 @@
 
 use std::{fmt, io, ops::Range, path::PathBuf};
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use miette::{Diagnostic, LabeledSpan, SourceCode};
 use thiserror::Error;
+
+use super::extend::Sources;
 
 /// Why a scene cannot be used. Its text follows "failed to".
 #[derive(Debug, Error)]
@@ -25,15 +27,15 @@ pub enum SceneError {
         offset: usize,
     },
     /// The text is not a valid scene.
-    #[error("read scene {}: {problems}", text.name())]
+    #[error("read scene {}: {problems}", sources.name())]
     Invalid {
-        /// The file's name and text.
-        text: NamedSource<String>,
-        /// What is wrong, in the order of the file.
+        /// Its file and those that it extends.
+        sources: Sources,
+        /// What is wrong, in the order of the file, then of those that it extends.
         problems: Problems,
     },
     /// A folder holds no scene.
-    #[error("find a scene in {}: expected at least one file that ends in .toml, there or in a folder below", folder.display())]
+    #[error("find a scene in {}: expected at least one file that ends in .toml, there or in a folder below; .base.toml is for what scenes extend", folder.display())]
     NoScenes {
         /// The folder.
         folder: PathBuf,
@@ -47,6 +49,14 @@ pub enum SceneError {
         key: String,
         /// Keys that may have been meant, the nearest first.
         nearest: Vec<String>,
+    },
+    /// Another base was to be set.
+    #[error("set `extends = {value}` of scene {}: what it extends is a matter of its file, expected a key of the scene itself", path.display())]
+    SetBase {
+        /// The scene's file.
+        path: PathBuf,
+        /// The value.
+        value: String,
     },
     /// Two scenes would be recorded in the same place.
     #[error("tell {} and {} apart: both are scenes named `{name}`, expected different names", first.display(), second.display())]
@@ -69,10 +79,22 @@ pub struct Problem {
     pub value: Option<String>,
     /// What is wrong with it and what was expected.
     pub expected: String,
-    /// Bytes of the file to underline.
+    /// Bytes to underline, counted through all files of the scene.
     pub span: Range<usize>,
     /// What the key means.
     pub help: Option<String>,
+    /// The file in which it stands; none for the scene's own.
+    pub file: Option<String>,
+}
+
+impl Problem {
+    /// A text that is not TOML, which begins at byte `start` of all files of the scene.
+    pub(super) fn of_toml(error: &toml::de::Error, start: usize) -> Problem {
+        let expected = format!("not a scene in TOML: {}", error.message().trim().replace('\n', ", "));
+        let span = error.span().unwrap_or(0..0);
+        let span = span.start + start..span.end + start;
+        Problem { key: String::new(), value: None, expected, span, help: None, file: None }
+    }
 }
 
 /// At least one problem.
@@ -81,6 +103,9 @@ pub struct Problems(pub Vec<Problem>);
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "in {file}, ")?;
+        }
         match (self.key.as_str(), &self.value) {
             ("", _) => write!(f, "{}", self.expected),
             (key, None) => write!(f, "`{key}`: {}", self.expected),
@@ -102,7 +127,7 @@ impl fmt::Display for Problems {
 impl Diagnostic for SceneError {
     fn source_code(&self) -> Option<&dyn SourceCode> {
         match self {
-            SceneError::Invalid { text, .. } => Some(text),
+            SceneError::Invalid { sources, .. } => Some(sources),
             _ => None,
         }
     }

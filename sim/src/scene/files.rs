@@ -7,7 +7,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Scene, SceneError, Setting};
+use super::{Scene, SceneError, Setting, extend::Sources, parse};
+
+/// What a file ends in that scenes extend but that is none itself.
+const BASE_ENDING: &str = ".base.toml";
 
 /// A scene with the file it came from and the name under which its runs are recorded.
 #[derive(Clone, Debug)]
@@ -18,28 +21,28 @@ pub struct SceneFile {
     pub path: PathBuf,
     /// What differs from what the file states.
     pub settings: Vec<Setting>,
-    /// Its text as it was read, or with `settings`.
+    /// Its text as it was read; with `settings`, or when it extends another file, all of it written anew as one text.
     pub text: String,
     /// What that states.
     pub scene: Scene,
 }
 
 impl Scene {
-    /// Reads a scene file.
+    /// Reads a scene file and what it extends.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
-        Scene::parse(&read(path)?, &path.display().to_string())
+        SceneFile::load(path).map(|file| file.scene)
     }
 }
 
 impl SceneFile {
-    /// Reads one scene file.
+    /// Reads one scene file and what it extends.
     pub fn load(path: &Path) -> Result<SceneFile, SceneError> {
-        let text = read(path)?;
-        let scene = Scene::parse(&text, &path.display().to_string())?;
+        let (scene, text) = parse::read(Sources::load(path)?, path.parent())?;
         Ok(SceneFile { name: name_of(path), settings: Vec::new(), text, scene, path: path.to_owned() })
     }
 
-    /// Every scene that `paths` name, a folder standing for all scenes below it, in the order of their paths.
+    /// Every scene that `paths` name, a folder standing for all scenes below it but files that end
+    /// in `.base.toml`, in the order of their paths.
     pub fn load_all(paths: &[PathBuf]) -> Result<Vec<SceneFile>, SceneError> {
         let mut files = Vec::new();
         for path in paths {
@@ -69,7 +72,7 @@ impl SceneFile {
 }
 
 /// The text of a scene file.
-fn read(path: &Path) -> Result<String, SceneError> {
+pub(super) fn read(path: &Path) -> Result<String, SceneError> {
     let bytes = fs::read(path).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
     String::from_utf8(bytes).map_err(|error| SceneError::NotText {
         file: path.display().to_string(),
@@ -86,7 +89,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {
     for path in entries {
         if path.is_dir() {
             collect(&path, files)?;
-        } else if path.extension() == Some(OsStr::new("toml")) {
+        } else if path.extension() == Some(OsStr::new("toml")) && !path.to_string_lossy().ends_with(BASE_ENDING) {
             files.push(path);
         }
     }

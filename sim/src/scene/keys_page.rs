@@ -4,7 +4,10 @@ use std::{collections::VecDeque, fmt::Write};
 
 use serde_json::Value;
 
-use super::schema::{alternatives, choices, numbers, resolve, schema, type_name};
+use super::{
+    extend::EXTENDS,
+    schema::{alternatives, choices, numbers, resolve, schema, type_name},
+};
 
 const HEAD: &str = "\
 # Keys of a scene
@@ -50,6 +53,9 @@ fn write_table(text: &mut String, table: &Table) -> Vec<Table> {
     let _ = write!(text, "\n## {header}\n\n{}", paragraph(&table.description));
     let needed: Vec<&str> = table.node["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
     let (mut inner, mut rows) = (Vec::new(), String::new());
+    if table.path.is_empty() {
+        let _ = writeln!(rows, "| `extends` | {EXTENDS} See [Scenes that build on others](extends.md). | text |  |");
+    }
     for (key, property) in table.node["properties"].as_object().into_iter().flatten() {
         let said =
             [&property["description"], &resolve(property)["description"]].map(|text| text.as_str().unwrap_or_default());

@@ -2,24 +2,20 @@
 
 use std::{ops::Range, path::Path};
 
-use miette::NamedSource;
+use serde::Deserialize;
 use toml::{
-    Spanned,
+    Deserializer, Spanned, Table,
     de::{DeTable, DeValue},
 };
 
 use crate::navigation::map_server;
 
-use super::{
-    Scene, SceneError, conform,
-    error::{Problem, Problems},
-    places,
-};
+use super::{Scene, SceneError, conform, error::Problem, extend::Sources, places};
 
 impl Scene {
     /// Reads the text of a scene; `file` names it in errors, and the map that it may state lies beside that file.
     ///
-    /// Errs when the text is not TOML, departs from the schema, or describes what cannot be: something outside the
+    /// Errs when the text is not TOML, extends another, departs from the schema, or describes what cannot be: something outside the
     /// room, an event after the end, an errand to which no way leads, an expectation of an unknown figure.
     pub fn parse(text: &str, file: &str) -> Result<Scene, SceneError> {
         Scene::parse_beside(text, file, Path::new(file).parent())
@@ -27,35 +23,47 @@ impl Scene {
 
     /// Reads like [`Scene::parse`] with the map in `folder`; without one a map is not read, and nothing can be planned on it.
     pub(crate) fn parse_beside(text: &str, file: &str, folder: Option<&Path>) -> Result<Scene, SceneError> {
-        read(text, folder).map_err(|problems| SceneError::Invalid {
-            text: NamedSource::new(file, text.to_owned()).with_language("toml"),
-            problems: Problems(problems),
-        })
+        read(Sources::alone(text, file), folder).map(|(scene, _)| scene)
     }
 }
 
-fn read(text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
-    let document = DeTable::parse(text).map_err(|error| vec![from_toml(&error)])?;
-    let departures = conform::departures(&document, text);
+/// The scene that `sources` state, whose map lies in `folder`, and all of it as one text.
+pub(super) fn read(sources: Sources, folder: Option<&Path>) -> Result<(Scene, String), SceneError> {
+    let whole = sources.merged().and_then(|document| {
+        let scene = valid(&document, sources.text(), folder)?;
+        if sources.is_one() {
+            return Ok((scene, sources.text().to_owned()));
+        }
+        let whole =
+            Table::deserialize(Deserializer::from(document)).map_err(|error| vec![Problem::of_toml(&error, 0)])?;
+        Ok((scene, whole.to_string()))
+    });
+    whole.map_err(|problems| sources.refuse(problems))
+}
+
+/// The scene that `document` states, whose spans are of `text`.
+fn valid(document: &Spanned<DeTable<'_>>, text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
+    let departures = conform::departures(document, text);
     if !departures.is_empty() {
         return Err(departures);
     }
     // The schema has accepted the document, so that this fails only on what a schema cannot say, such as a whole
-    // number too large for its type.
-    let mut scene: Scene = toml::from_str(text).map_err(|error| vec![from_toml(&error)])?;
+    // number too large for its type. The derived function of the same name would leave careful bounds out.
+    let mut scene = <Scene as Deserialize>::deserialize(Deserializer::from(document.clone()))
+        .map_err(|error| vec![Problem::of_toml(&error, 0)])?;
     scene.spread_stations();
     let unreadable = survey(&mut scene, folder).err();
     let misplaced: Vec<Problem> = unreadable
         .map_or_else(|| places::contradictions(&scene), |unreadable| vec![unreadable])
         .into_iter()
-        .chain(stated_twice(&document))
-        .map(|contradiction| contradiction.in_text(&document, text))
+        .chain(stated_twice(document))
+        .map(|contradiction| contradiction.in_text(document, text))
         .collect();
     if !misplaced.is_empty() {
         return Err(misplaced);
     }
     // Only what is otherwise valid can be covered.
-    scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(&document, text)])?;
+    scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(document, text)])?;
     Ok(scene)
 }
 
@@ -79,11 +87,6 @@ fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
     Ok(())
 }
 
-fn from_toml(error: &toml::de::Error) -> Problem {
-    let expected = format!("not a scene in TOML: {}", error.message().trim().replace('\n', ", "));
-    Problem { key: String::new(), value: None, expected, span: error.span().unwrap_or(0..0), help: None }
-}
-
 /// Something that a scene states in the right form but that cannot be.
 pub(super) struct Contradiction {
     /// Dotted path of the key.
@@ -96,7 +99,7 @@ impl Contradiction {
     fn in_text(self, document: &Spanned<DeTable<'_>>, text: &str) -> Problem {
         let (span, is_value) = locate(document.get_ref(), &self.key);
         let value = is_value.then(|| conform::excerpt(&text[span.clone()]));
-        Problem { key: self.key, value, expected: self.expected, span, help: None }
+        Problem { key: self.key, value, expected: self.expected, span, help: None, file: None }
     }
 }
 

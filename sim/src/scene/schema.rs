@@ -1,19 +1,39 @@
 //! The JSON schema of a scene: what an editor checks while one types, and what `parse` checks.
 
-use std::sync::OnceLock;
+use std::{iter, sync::OnceLock};
 
 use schemars::generate::SchemaSettings;
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use super::Scene;
+use super::{Scene, extend::EXTENDS};
 
-/// The schema as `scenes/schema.json` holds it.
+/// The schema as `scenes/schema.json` holds it: of one file, which may extend another.
 pub fn schema_text() -> String {
+    let mut file = schema().clone();
+    file["properties"]["extends"] = json!({ "description": EXTENDS, "type": "string" });
+    ask_for_nothing(&mut file, "");
     // A `Value` that came from a schema always has a text, since its keys are strings.
-    format!("{:#}\n", schema())
+    format!("{file:#}\n")
 }
 
-/// The schema, generated once.
+/// Leaves away what tables outside of lists must state, as what a file leaves out may stand in the one that it extends. `pointer` leads
+/// to a table in `file`.
+fn ask_for_nothing(file: &mut Value, pointer: &str) {
+    let Some(table) = file.pointer_mut(pointer).and_then(Value::as_object_mut) else { return };
+    table.remove("required");
+    let properties =
+        table.get("properties").and_then(Value::as_object).into_iter().flat_map(|properties| properties.values());
+    let references: Vec<String> = properties
+        .flat_map(|property| {
+            iter::once(property).chain(property.get("anyOf").and_then(Value::as_array).into_iter().flatten())
+        })
+        .filter_map(|property| property.get("$ref").and_then(Value::as_str))
+        .map(|reference| reference.trim_start_matches('#').to_owned())
+        .collect();
+    references.iter().for_each(|pointer| ask_for_nothing(file, pointer));
+}
+
+/// The schema of a scene as a whole, generated once.
 pub(crate) fn schema() -> &'static Value {
     static SCHEMA: OnceLock<Value> = OnceLock::new();
     SCHEMA.get_or_init(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Scene>().to_value())

@@ -51,6 +51,9 @@ impl SceneTemplate {
         }
         let mut document = self.document.clone();
         for setting in settings {
+            if setting.key == "extends" {
+                return Err(SceneError::SetBase { path: self.file.path.clone(), value: shown(&setting.value) });
+            }
             let steps = self.steps(&setting.key)?;
             // Where the schema allows it but the file states something else, such as `false` for a device, that gives way.
             put(&mut document, &steps, setting.value.clone());
