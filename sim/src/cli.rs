@@ -13,12 +13,15 @@ use localizer::reading::Camera;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use crate::{
-    artefacts::{comparison::SideError, debug_frames::FramesPolicy, recording::LiveError, run_files::RecordError},
-    falsify::FalsifyError,
+    artefacts::{recording::LiveError, replay::ReplayError, run_files::RecordError},
+    campaign::{
+        comparison::SideError,
+        falsify::FalsifyError,
+        sweep::{Seeds, SweepError},
+    },
     render::RenderError,
-    replay::ReplayError,
+    run::FramesPolicy,
     scene::{SceneError, SceneTemplate, Setting, keys_markdown, schema_text},
-    sweep::{Seeds, SweepError},
 };
 
 mod compare;

@@ -3,6 +3,7 @@
 mod clearance;
 mod counterfactual;
 mod forward_baselines;
+mod frames_policy;
 mod history;
 mod marker_baselines;
 mod motion_baselines;
@@ -16,7 +17,6 @@ use std::time::Instant;
 use localizer::{Reading, motion::SlipExcess};
 
 use crate::{
-    artefacts::debug_frames::FramesPolicy,
     drawn::Drawn,
     driver::Pilot,
     render::{RenderError, Renderer},
@@ -29,6 +29,7 @@ use crate::{
 pub use clearance::Clearance;
 pub use counterfactual::{Change, Counterfactual};
 pub use forward_baselines::ForwardBaselines;
+pub use frames_policy::FramesPolicy;
 pub use history::{ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use motion_baselines::MotionBaselines;

@@ -10,6 +10,7 @@ pub mod gyro_bias;
 pub mod proximity;
 pub mod range_camera;
 pub(crate) mod sight;
+pub mod still;
 
 use localizer::{
     Reading,

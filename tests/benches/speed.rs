@@ -17,7 +17,7 @@ use sim::{
     render::{Renderer, View},
     run::{RunOptions, RunRecord, run},
     scene::Scene,
-    still::{take, views_at},
+    sensors::still::{take, views_at},
     subject::IntervalLocalizer,
 };
 

@@ -10,7 +10,7 @@ use sim::{
     drawn::Drawn,
     render::{NoiseKey, RenderedWorld, Renderer, View},
     scene::Scene,
-    still::views_at,
+    sensors::still::views_at,
 };
 
 const LUX: f64 = 40.0;

@@ -166,7 +166,9 @@ fn five_rendered_spins_give_the_mount_to_half_a_millimetre_and_a_fifth_of_a_degr
             Pose { x_m: 2.0 + 0.02 * cos, y_m: 1.5 + 0.015 * sin, heading_rad }
         };
         let views: Vec<View> = (0..5 * N_STOPS)
-            .flat_map(|stop| sim::still::views_at(&scene, &drawn, pose(stop), 20.0, &[Camera::Ceiling], stop as u64))
+            .flat_map(|stop| {
+                sim::sensors::still::views_at(&scene, &drawn, pose(stop), 20.0, &[Camera::Ceiling], stop as u64)
+            })
             .collect();
         let pictures = {
             let mut renderer = renderer();

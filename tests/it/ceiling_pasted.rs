@@ -10,7 +10,7 @@ use localizer::{
     reading::Camera,
     vision::ceiling::{self, CeilingView, PictureMotion, SeenMarker},
 };
-use sim::{drawn::Drawn, scene::Scene, still::Still};
+use sim::{drawn::Drawn, scene::Scene, sensors::still::Still};
 
 use crate::render_studio::renderer;
 
@@ -37,7 +37,9 @@ fn picture(scene: &Scene, drawn: &Drawn, pose: Pose) -> Still {
     let mut renderer = renderer();
     let world = renderer.upload_room(scene, drawn).unwrap();
     let lux = scene.light.illuminance_at_floor_lux;
-    sim::still::take(&mut renderer, &world, scene, drawn, pose, lux, (&[Camera::Ceiling], 7)).unwrap().remove(0)
+    sim::sensors::still::take(&mut renderer, &world, scene, drawn, pose, lux, (&[Camera::Ceiling], 7))
+        .unwrap()
+        .remove(0)
 }
 
 /// What vision reads, and how many grids it refuses.

@@ -1,7 +1,7 @@
 use std::collections::BTreeSet;
 
 use sim::{
-    falsify::{Profile, drawn, keys},
+    campaign::falsify::{Profile, drawn, keys},
     scene::{Scene, SceneError},
 };
 

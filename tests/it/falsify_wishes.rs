@@ -1,8 +1,8 @@
 use interval::Interval;
 use localizer::{Estimate, Pose, PoseBox, PoseUnion, Status};
 use sim::{
+    campaign::falsify::{Wish, hits},
     drawn::Drawn,
-    falsify::{Wish, hits},
     judge::judge,
     run::RunRecord,
     scene::Scene,

@@ -6,12 +6,11 @@ use image::GrayImage;
 use localizer::Pose;
 use nalgebra::Isometry3;
 use sim::{
-    artefacts::debug_frames::FramesPolicy,
     drawn::{Drawn, DrawnFloorCamera, cameras::world_from_floor_camera},
     judge::Verdict,
     optics::{Exposure, Lens},
     render::{NoiseKey, Renderer, Shows, View},
-    run::{RunOptions, RunRecord, run},
+    run::{FramesPolicy, RunOptions, RunRecord, run},
     scene::Scene,
     subject::IntervalLocalizer,
     truth::Truth,

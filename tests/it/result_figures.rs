@@ -1,11 +1,12 @@
 //! The result table: which method did it, and how the figures of several runs become one; the report's measures; the CSV's reader.
 
 use serde_json::{Value, json};
-use sim::artefacts::{
-    cases::from_csv,
-    figures::Figures,
-    report::MEASURES,
-    result_table::{Line, Outcome, lines},
+use sim::{
+    artefacts::{
+        figures::Figures,
+        result_table::{Line, Outcome, lines},
+    },
+    campaign::{cases::from_csv, report::MEASURES},
 };
 
 /// A run in which `tiles` halved x twice and the heading `tiles_heading` times, and `walls` y once and the heading three times.

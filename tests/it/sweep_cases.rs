@@ -8,7 +8,7 @@ use std::{
 };
 
 use serde_json::Value;
-use sim::artefacts::cases::from_csv;
+use sim::campaign::cases::from_csv;
 
 use crate::command::{blind_scene, folder, outcome, wherein};
 

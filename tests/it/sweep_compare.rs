@@ -8,10 +8,8 @@ use localizer::{PoseUnion, pose::PoseBox};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
-    artefacts::{
-        comparison::{Comparison, Finding, Side, compare, quantile},
-        run_files,
-    },
+    artefacts::run_files,
+    campaign::comparison::{Comparison, Finding, Side, compare, quantile},
     run::{RunOptions, run},
     scene::SceneFile,
     subject::IntervalLocalizer,

@@ -72,7 +72,7 @@ fn more_cases_than_a_sweep_may_have_are_refused() {
 #[test]
 fn two_processes_do_not_share_a_folder() {
     let folder = with_scene("sweep_locked");
-    let store = sim::sweep::Store::open(&folder.join("out")).unwrap();
+    let store = sim::campaign::sweep::Store::open(&folder.join("out")).unwrap();
     let sweep = ["sweep", "scene.toml", "--out", "out"];
     let (code, _, stderr) = outcome(&mut wherein(&folder, &sweep));
     assert_eq!(code, 2, "{stderr}");

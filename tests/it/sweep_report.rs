@@ -5,7 +5,10 @@ use std::{
     process::Command,
 };
 
-use sim::{artefacts::cases::from_csv, scene::SceneTemplate, sweep::Sweep};
+use sim::{
+    campaign::{cases::from_csv, sweep::Sweep},
+    scene::SceneTemplate,
+};
 
 use crate::command::{blind_scene, folder, outcome, root, wherein};
 

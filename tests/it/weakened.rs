@@ -3,10 +3,10 @@
 use localizer::PoseUnion;
 use serde_json::Value;
 use sim::{
+    campaign::weaken::{Lost, weaken},
     run::{RunOptions, RunRecord, run},
     scene::{Bounds, Distribution, Scene, SceneFile},
     subject::IntervalLocalizer,
-    weaken::{Lost, weaken},
 };
 
 use crate::{

@@ -6,7 +6,7 @@
 //!
 //! | topic | content |
 //! |---|---|
-//! | `/wherein/…` | readings, starts and estimates to the last bit: what [`crate::replay`] reads |
+//! | `/wherein/…` | readings, starts and estimates to the last bit: what [`crate::artefacts::replay`] reads |
 //! | `/floor_camera/image`, `/floor_camera/camera_info` | images without loss, and the nominal calibration; likewise `forward_camera`, `ceiling_camera` |
 //! | `/joint_states`, `/imu` | wheels and gyroscope as ROS 2 has them |
 //! | `/truth`, `/estimate`, `/odometry` | poses in frame `world`: true, middle of the hull, wheels alone |

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use crate::artefacts::comparison::{Side, as_text, compare};
+use crate::campaign::comparison::{Side, as_text, compare};
 
 use super::{CommandError, CompareArguments, print};
 

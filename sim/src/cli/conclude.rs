@@ -7,13 +7,13 @@ use std::{
 };
 
 use crate::{
-    artefacts::{
+    artefacts::run_files::naming,
+    campaign::{
         cases::{Results, Table, to_csv},
         junit::to_junit,
         report::{Overview, as_html, as_markdown, as_text},
-        run_files::naming,
+        sweep::write_whole,
     },
-    sweep::write_whole,
 };
 
 use super::{CommandError, Outputs, github::tell_github, print};
@@ -48,7 +48,7 @@ pub(super) fn write_junit(results: &Results, path: Option<&PathBuf>) -> Result<(
 #[cfg(feature = "parquet")]
 fn write_parquet(table: &Table, folder: &Path) -> Result<(), CommandError> {
     let path = folder.join("results.parquet");
-    let bytes = naming("write", &path, crate::artefacts::cases::to_parquet(table).map_err(io::Error::other))?;
+    let bytes = naming("write", &path, crate::campaign::cases::to_parquet(table).map_err(io::Error::other))?;
     Ok(write_whole(&path, &bytes)?)
 }
 

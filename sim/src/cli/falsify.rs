@@ -13,9 +13,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
 use crate::{
-    artefacts::{cases::program, machine::cores},
-    falsify::{Done, Profile, Progress, Search, Summary, Wish, probe, search},
-    sweep::Seeds,
+    artefacts::machine::cores,
+    campaign::{
+        cases::program,
+        falsify::{Done, Profile, Progress, Search, Summary, Wish, probe, search},
+        sweep::Seeds,
+    },
 };
 
 use super::{CommandError, print};

@@ -7,11 +7,11 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use crate::artefacts::{
+use crate::artefacts::run_files::naming;
+use crate::campaign::{
     cases::{CaseResult, Results},
     junit::{failure_account, failure_message},
     report::{Overview, as_markdown},
-    run_files::naming,
 };
 
 use super::CommandError;

@@ -11,7 +11,7 @@ use crate::{
     drawn::Drawn,
     render::{RenderedWorld, Renderer},
     scene::{BitDepth, Scene, SceneFile},
-    still::{Still, take},
+    sensors::still::{Still, take},
 };
 
 /// A place and a heading on the command line: `1.5,2,90`.

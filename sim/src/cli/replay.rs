@@ -3,7 +3,10 @@
 use std::process::ExitCode;
 
 use super::{CommandError, ReplayArguments, print};
-use crate::{artefacts::run_files, replay::replay, scene::Scene};
+use crate::{
+    artefacts::{replay::replay, run_files},
+    scene::Scene,
+};
 
 /// Replays a recording and says whether the localizer answered as it did then.
 pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, CommandError> {

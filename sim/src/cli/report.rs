@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use crate::artefacts::cases::Results;
+use crate::campaign::cases::Results;
 
 use super::{CommandError, ReportArguments, conclude::conclude};
 

@@ -5,8 +5,11 @@ use std::{num::NonZeroUsize, path::PathBuf};
 use clap::Args;
 
 use crate::{
-    artefacts::{comparison::CONFIDENCE, debug_frames::FramesPolicy},
-    sweep::{Seeds, Shard, Variable},
+    campaign::{
+        comparison::CONFIDENCE,
+        sweep::{Seeds, Shard, Variable},
+    },
+    run::FramesPolicy,
 };
 
 /// What `wherein sweep` is asked.

@@ -7,18 +7,20 @@ use serde_json::Value;
 
 use crate::{
     artefacts::{
-        cases::{CaseResult, Results, program, quoted},
         recording::{Form, LiveServer, Recording},
-        report::Overview,
         result_table::{Outcome, as_text, lines},
         run_files::{self, program_digest, scene_digest},
+    },
+    campaign::{
+        cases::{CaseResult, Results, program, quoted},
+        report::Overview,
+        sweep,
     },
     judge::judge,
     render::Renderer,
     run::{RunOptions, run_otherwise, run_witnessed},
     scene::{SceneFile, SceneTemplate},
     subject::IntervalLocalizer,
-    sweep,
 };
 
 use super::{CommandError, RunArguments, Seeds, conclude::write_junit, github::tell_github, print};

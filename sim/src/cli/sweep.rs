@@ -10,10 +10,13 @@ use std::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::{
-    artefacts::{cases::Results, machine::cores, run_files},
+    artefacts::{machine::cores, run_files},
+    campaign::{
+        cases::Results,
+        sweep::{Case, Finished, Plan, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
+    },
     render::Renderer,
     scene::SceneTemplate,
-    sweep::{Case, Finished, Plan, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
 };
 
 use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude};

@@ -6,12 +6,14 @@ use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use crate::{
+    campaign::{
+        sweep::Seeds,
+        weaken::{Weakened, weaken},
+    },
     render::Renderer,
     run::{RunOptions, run},
     scene::{SceneFile, SceneTemplate},
     subject::IntervalLocalizer,
-    sweep::Seeds,
-    weaken::{Weakened, weaken},
 };
 
 use super::{CommandError, WeakenArguments, print};

@@ -172,7 +172,7 @@ mod tests {
     use localizer::{Pose, reading::Camera};
 
     use super::*;
-    use crate::{drawn::Drawn, render::Renderer, scene::Scene, still::views_at};
+    use crate::{drawn::Drawn, render::Renderer, scene::Scene, sensors::still::views_at};
 
     /// A long loop. Software drivers end a loop after 65 535 rounds, so that many workgroups make it last: 0.7 s on two cores.
     const SLOW: &str = "

@@ -28,7 +28,7 @@ pub struct RunRecord {
     /// What each image claimed, with the truth at its mid-exposure.
     pub images: Vec<ImageRecord>,
     /// Which of `images` left the widest box, with its reading: what shows a failed run that never lost the truth. Kept with
-    /// [`FramesPolicy::Failures`](crate::artefacts::debug_frames::FramesPolicy).
+    /// [`FramesPolicy::Failures`](crate::run::FramesPolicy).
     pub widest_image: Option<(usize, Reading)>,
     /// Poses that odometry alone gives, same times.
     pub odometry: Vec<Pose>,

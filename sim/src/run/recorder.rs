@@ -6,7 +6,6 @@ use localizer::{Map, Pose, PoseBox, Reading, RobotModel, motion::PointOdometry, 
 use sha2::{Digest, Sha256};
 
 use crate::{
-    artefacts::debug_frames::FramesPolicy,
     drawn::Drawn,
     scene::Scene,
     sensors::Observation,
@@ -16,7 +15,7 @@ use crate::{
 };
 
 use super::range_baselines::Told;
-use super::{Clearance, ImageRecord, MotionBaselines, RunOptions, RunRecord, STEP_S, Timing, Witness};
+use super::{Clearance, FramesPolicy, ImageRecord, MotionBaselines, RunOptions, RunRecord, STEP_S, Timing, Witness};
 
 /// Writes the run's history down while it happens.
 pub(super) struct Recorder<'a> {

@@ -12,8 +12,8 @@ use crate::{
         figures::{Figures, figures},
         run_files::{self, RecordError, naming},
     },
+    campaign::sweep::{Plan, Recorded, SweepError, case_folder, read_case, read_plan},
     scene::{Setting, shown},
-    sweep::{Plan, Recorded, SweepError, case_folder, read_case, read_plan},
 };
 
 mod csv_file;
@@ -70,7 +70,7 @@ impl Results {
     /// The cases of a sweep whose index in the plan `is_meant`.
     pub fn of_sweep(folder: &Path, plan: Plan, is_meant: &dyn Fn(usize) -> bool) -> Results {
         let meant = plan.planned().into_iter().filter(|case| is_meant(case.index));
-        let result = |case: crate::sweep::PlannedCase| CaseResult {
+        let result = |case: crate::campaign::sweep::PlannedCase| CaseResult {
             scene: plan.scene.clone(),
             scene_path: plan.path.clone(),
             folder: case_folder(folder, &case.id),

@@ -3,7 +3,7 @@
 use serde_json::Value as Json;
 
 use crate::{
-    falsify::dice::{Dice, rounded},
+    campaign::falsify::dice::{Dice, rounded},
     scene::schema::resolve,
 };
 

@@ -5,11 +5,8 @@ use std::collections::BTreeSet;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::{
-    artefacts::{
-        cases::{CaseResult, Replay, Results},
-        figures::Figures,
-        result_table,
-    },
+    artefacts::{figures::Figures, result_table},
+    campaign::cases::{CaseResult, Replay, Results},
     judge::Judgement,
 };
 

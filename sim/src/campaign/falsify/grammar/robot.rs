@@ -3,7 +3,7 @@
 use toml::{Table, Value};
 
 use crate::{
-    falsify::dice::{Dice, Draws, rounded},
+    campaign::falsify::dice::{Dice, Draws, rounded},
     scene::{Bounds, Gyro, Robot, RobotPreset},
 };
 use localizer::reading::Camera;

@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 use crate::{
-    falsify::dice::{Draws, rounded},
+    campaign::falsify::dice::{Draws, rounded},
     scene::{MethodName, Robot},
 };
 

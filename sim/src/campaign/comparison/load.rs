@@ -10,11 +10,13 @@ use thiserror::Error;
 
 use crate::{
     artefacts::{
-        cases::{Results, Table, from_csv, to_csv},
         figures::Figures,
         run_files::{RecordError, naming},
     },
-    sweep::SweepError,
+    campaign::{
+        cases::{Results, Table, from_csv, to_csv},
+        sweep::SweepError,
+    },
 };
 
 /// Cases by scene, settings and seed.

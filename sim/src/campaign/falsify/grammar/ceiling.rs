@@ -4,7 +4,7 @@ use localizer::markers;
 use toml::{Table, Value};
 
 use crate::{
-    falsify::dice::{Dice, Draws},
+    campaign::falsify::dice::{Dice, Draws},
     scene::{Coding, Marker, Robot},
 };
 

@@ -1,6 +1,6 @@
 //! The report in short as Markdown, for the summary of a CI job.
 
-use crate::artefacts::cases::{CaseResult, Replay, Results};
+use crate::campaign::cases::{CaseResult, Replay, Results};
 
 use super::{Group, Overview, text::first_outside};
 

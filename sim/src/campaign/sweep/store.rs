@@ -13,12 +13,9 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use crate::{
-    artefacts::{
-        debug_frames::FramesPolicy,
-        run_files::{self, RecordError, naming, replace_whole},
-    },
+    artefacts::run_files::{self, RecordError, naming, replace_whole},
     judge::Verdict,
-    run::RunRecord,
+    run::{FramesPolicy, RunRecord},
 };
 
 use super::{Case, Plan, PlannedCase, SweepError};

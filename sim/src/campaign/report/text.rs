@@ -1,6 +1,6 @@
 //! The report for a terminal.
 
-use crate::artefacts::cases::{CaseResult, Replay, Results};
+use crate::campaign::cases::{CaseResult, Replay, Results};
 
 use super::{Group, Overview};
 

@@ -11,10 +11,9 @@ use std::{
 };
 
 use crate::{
-    artefacts::debug_frames::FramesPolicy,
     judge::judge,
     render::Renderer,
-    run::{RunOptions, run, run_otherwise},
+    run::{FramesPolicy, RunOptions, run, run_otherwise},
     subject::IntervalLocalizer,
 };
 

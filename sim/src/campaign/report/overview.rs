@@ -2,11 +2,8 @@
 
 use super::{MEASURES, Measure};
 use crate::{
-    artefacts::{
-        cases::{CaseResult, Results},
-        figures::Figures,
-        result_table::pool,
-    },
+    artefacts::{figures::Figures, result_table::pool},
+    campaign::cases::{CaseResult, Results},
     scene::Setting,
 };
 

@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use image::{ImageReader, codecs::jpeg::JpegEncoder, imageops::FilterType};
 
-use crate::artefacts::cases::CaseResult;
+use crate::campaign::cases::CaseResult;
 
 /// Wide enough to read a figure's title on a phone.
 const WIDTH_PX: u32 = 760;

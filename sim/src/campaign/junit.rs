@@ -4,11 +4,9 @@ use std::time::Duration;
 
 use quick_junit::{NonSuccessKind, Report, SerializeError, TestCase, TestCaseStatus, TestSuite};
 
-use crate::{
-    artefacts::{
-        cases::{CaseResult, Replay, Results},
-        report::first_outside,
-    },
+use crate::campaign::{
+    cases::{CaseResult, Replay, Results},
+    report::first_outside,
     sweep::Recorded,
 };
 

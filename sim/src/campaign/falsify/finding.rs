@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use crate::{
-    artefacts::{
+    artefacts::run_files::{self, RecordError},
+    campaign::{
         cases::{program, quoted},
-        run_files::{self, RecordError},
+        sweep::write_whole,
     },
-    sweep::write_whole,
 };
 
 use super::wish::{Hit, Wish};
