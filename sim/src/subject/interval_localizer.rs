@@ -20,8 +20,6 @@ use crate::scene::{
 /// The interval localizer as a subject.
 pub struct IntervalLocalizer {
     localizer: Localizer,
-    /// Whether a drive has begun.
-    has_begun: bool,
     /// Of the latest reading.
     accounts: Vec<Account>,
 }
@@ -39,19 +37,15 @@ impl IntervalLocalizer {
 }
 
 impl From<Localizer> for IntervalLocalizer {
-    /// A localizer that was made otherwise, at its first drive's start.
+    /// A localizer that was made otherwise; where it was made to start does not matter.
     fn from(localizer: Localizer) -> IntervalLocalizer {
-        IntervalLocalizer { localizer, has_begun: false, accounts: Vec::new() }
+        IntervalLocalizer { localizer, accounts: Vec::new() }
     }
 }
 
 impl Subject for IntervalLocalizer {
     fn start(&mut self, start: &PoseBox) {
-        // A localizer is made at a start; what it has then been told of its first drive stays.
-        if self.has_begun {
-            self.localizer.restart(start.clone());
-        }
-        self.has_begun = true;
+        self.localizer.restart(*start);
     }
 
     fn observe(&mut self, reading: &Reading) {
