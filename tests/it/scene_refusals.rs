@@ -490,7 +490,29 @@ fn a_declared_width_that_the_room_itself_implies_is_refused() {
         scene("declared_width_deg = 360"),
         &["`localizer.declared_width_deg = 360`", "expected less than 360"],
     );
-    Scene::parse(&scene("declared_width_m = 1.99\ndeclared_width_deg = 359.0"), "scene.toml").unwrap();
+    Scene::parse(&scene("declared_width_m = 1.501\ndeclared_width_deg = 359.0"), "scene.toml").unwrap();
+}
+
+#[test]
+fn draws_of_a_flow_sensor_beyond_what_is_declared_of_its_scale_are_refused() {
+    let scene = |keys: &str| blind_scene(10.0, &format!("[robot.flow]\nscale_tolerance = 0.01\n{keys}\n"));
+    for (index, (keys, parts)) in [
+        (
+            "calibration_tolerance = 0.4",
+            ["`robot.flow.calibration_tolerance = 0.4`", "expected at most `scale_tolerance`"],
+        ),
+        ("surface_tolerance = 0.4", ["`robot.flow.surface_tolerance = 0.4`", "at most 0.009"]),
+        (
+            "noise_tolerance = 0.006\nsurface_tolerance = 0.004",
+            ["`robot.flow.noise_tolerance = 0.006`", "at most 0.009"],
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert_refused(&format!("impossible_flow_{index}"), scene(keys), &parts);
+    }
+    Scene::parse(&scene("noise_tolerance = 0.005\nsurface_tolerance = 0.004"), "scene.toml").unwrap();
 }
 
 #[test]
