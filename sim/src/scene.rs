@@ -218,7 +218,8 @@ pub struct LocalizerSetup {
     pub wall_directions: Option<WallDirectionsSetup>,
     /// Learn the gyroscope's bias and scale between fixes of the heading, and at rest where `bounds.rest_turn_deg` is stated.
     pub learns_gyro: bool,
-    /// An estimate counts as available while it is sound, holds the truth, and its hull is narrower than this in x and y. Less than the room is wide and deep.
+    /// An estimate counts as available while it is sound, holds the truth, and its hull is narrower than this in x and y. Less than the walls
+    /// leave to the middle of the robot's body.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
     /// An estimate counts as available while it is sound, holds the truth, and its hull is narrower than this in heading. Less than 360.

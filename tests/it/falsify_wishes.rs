@@ -76,11 +76,11 @@ fn a_bound_excuses_only_where_an_estimate_relies_on_it() {
 }
 
 #[test]
-fn a_box_wider_than_the_room_and_its_start_is_one_only_while_sound() {
+fn a_box_wider_than_the_walls_leave_to_the_robot_is_one_only_while_sound() {
     let scene = scene();
-    // The room is 2 m deep and the start known to 0.01 m: 2.02 m are allowed.
-    assert_eq!(wishes(&scene, &record(&scene, 1.005, |_| 0.0)), []);
-    let mut wide = record(&scene, 1.015, |_| 0.0);
+    // The room is 2 m deep, and the body keeps its middle 0.25 m from either wall, of which contact takes a millimetre: 1.502 m are left.
+    assert_eq!(wishes(&scene, &record(&scene, 0.7505, |_| 0.0)), []);
+    let mut wide = record(&scene, 0.7515, |_| 0.0);
     assert_eq!(wishes(&scene, &wide), [Wish::WiderThanRoom]);
     wide.estimates.iter_mut().for_each(|estimate| estimate.status = Status::Recovering);
     assert_eq!(wishes(&scene, &wide), []);

@@ -478,12 +478,12 @@ fn a_range_camera_that_cannot_be_is_refused() {
 
 #[test]
 fn a_declared_width_that_the_room_itself_implies_is_refused() {
-    // The room is 3 m by 2 m: nothing in it is wider than 2 m along y.
+    // The room is 3 m by 2 m. A body of 0.25 m, at contact a millimetre less, stands within 2 - 2 * 0.249 = 1.502 m of it along y.
     let scene = |key: &str| blind_scene(10.0, &format!("[localizer]\n{key}\n"));
     assert_refused(
         "declared_width",
-        scene("declared_width_m = 2.0"),
-        &["`localizer.declared_width_m = 2.0`", "expected less than its 2 m"],
+        scene("declared_width_m = 1.99"),
+        &["`localizer.declared_width_m = 1.99`", "expected less than the 1.502 m"],
     );
     assert_refused(
         "declared_heading",

@@ -25,7 +25,7 @@ pub enum Wish {
     DigestDiffers,
     /// No pose is left.
     EmptyBox,
-    /// A box, *sound*, that is wider than the room.
+    /// A box, *sound*, that is wider than what the walls leave to the robot.
     WiderThanRoom,
     /// The truth is outside because more claims were false than declared.
     Perception,
@@ -158,19 +158,20 @@ fn empty_box(scene: &Scene, record: &RunRecord) -> Option<Hit> {
     Some(Hit { wish: Wish::EmptyBox, at_s: empty.time_s, signature: format!("{status}, {}", methods(scene)), seen })
 }
 
-/// The robot is known to be in the room, so that a box that is sound has no reason to be wider; what the start adds is not held against it.
+/// The localizer is told the walls and the body, so that no box that is sound reaches where the body would stand in a wall.
 fn wider_than_room(scene: &Scene, record: &RunRecord) -> Option<Hit> {
-    let tolerances = scene.stations.iter().filter_map(|station| station.tolerance_m).chain([scene.start.tolerance_m]);
-    let start_m = 2.0 * tolerances.fold(0.0, f64::max);
-    let most_m = [scene.room.width_m + start_m, scene.room.depth_m + start_m];
-    let is_wider = |axis: usize, width: f64| width > most_m[axis] + 1e-9;
+    let most_m = scene.left_to_origin_m();
+    // Interval arithmetic rounds outwards; nobody means a wall that finely.
+    const ROUNDING_M: f64 = 1e-9;
+    let is_wider = |axis: usize, width: f64| width > most_m[axis] + ROUNDING_M;
     let wide = record.estimates.iter().filter(|estimate| estimate.status == Status::Sound).find_map(|estimate| {
         let hull = estimate.pose.hull();
         let axis = (0..2).find(|axis| !hull.is_empty() && is_wider(*axis, hull[*axis].width()))?;
         Some((estimate.time_s, axis, hull[axis].width()))
     })?;
     let (at_s, axis, width_m) = wide;
-    let seen = format!("{width_m:.2} m along {}, allowed {:.2} m, at {at_s:.2} s", ["x", "y"][axis], most_m[axis]);
+    let seen =
+        format!("{width_m:.3} m along {}, where walls leave {:.3} m, at {at_s:.2} s", ["x", "y"][axis], most_m[axis]);
     Some(Hit { wish: Wish::WiderThanRoom, at_s, signature: methods(scene), seen })
 }
 
