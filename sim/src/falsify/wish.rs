@@ -4,7 +4,7 @@ use localizer::Status;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    judge::{Judgement, Verdict},
+    judge::{Judgement, Verdict, false_claims, misperceived},
     run::RunRecord,
     scene::Scene,
 };
@@ -115,17 +115,16 @@ fn judged(scene: &Scene, record: &RunRecord, verdict: &Verdict, judgement: Judge
     Some(Hit { wish, at_s: truth.time_s, signature: methods(scene), seen })
 }
 
-/// The first time that the truth is outside for long, *sound* said at every step, with nothing to excuse it: no bound that any estimate
-/// relied on exceeded by then, and no step that the judge puts down to false claims.
+/// The first time that the truth is outside for long, *sound* said at every step, with nothing to excuse it: by then no bound was exceeded
+/// that any estimate relied on, and no reading had more false claims than its method declares.
 ///
 /// It does not ask the judge whose fault it is, so that a judge who is too lenient does not hide it.
 fn sound_but_outside(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Option<Hit> {
-    let excused_from_s = excused_from_s(record, verdict);
+    let excused_from_s = broken_from_s(record, verdict).min(misread_from_s(scene, record));
     let mut since: Option<usize> = None;
     for (index, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
         let is_wrong = estimate.status == Status::Sound && !estimate.pose.contains(truth.pose);
-        let is_misled = verdict.judgements.get(index) == Some(&Judgement::Perception);
-        let is_excused = is_misled || truth.time_s >= excused_from_s;
+        let is_excused = truth.time_s >= excused_from_s;
         // A robot that is put at a station is not where it was.
         if !is_wrong || is_excused || record.restarts.contains(&index) {
             since = None;
@@ -143,12 +142,19 @@ fn sound_but_outside(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Op
 }
 
 /// From when on a bound was exceeded that an estimate has relied on; infinite when none ever was.
-fn excused_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
+fn broken_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
     let relied_on_s = |bound: &str| {
         record.estimates.iter().find(|estimate| estimate.relies_on.contains(&bound)).map(|estimate| estimate.time_s)
     };
     let excuses = verdict.violations.iter().filter_map(|broken| Some(relied_on_s(&broken.bound)?.max(broken.from_s)));
     excuses.fold(f64::INFINITY, f64::min)
+}
+
+/// From when on a reading had arrived that claims more falsely than declared; infinite when none ever did.
+fn misread_from_s(scene: &Scene, record: &RunRecord) -> f64 {
+    let misperceived = misperceived(scene, record, &false_claims(scene, record));
+    let misread = record.images.iter().zip(misperceived).filter(|(_, is_misread)| *is_misread);
+    misread.map(|(image, _)| image.arrived_s).fold(f64::INFINITY, f64::min)
 }
 
 fn empty_box(scene: &Scene, record: &RunRecord) -> Option<Hit> {
