@@ -43,7 +43,7 @@ pub use cameras::{Band, Calibration, CameraTiming, CeilingCamera, ForwardCamera,
 pub use careful::BoundsFrom;
 pub use error::SceneError;
 pub use events::{Event, Side, Stuck};
-pub use expect::Expect;
+pub use expect::{Expect, METRICS};
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
 pub use flow::{Delivery, Flow, FlowOptics};

@@ -147,6 +147,8 @@ fn an_unknown_region_is_refused_with_the_nearest_right_one() {
 fn an_unknown_figure_in_expect_is_refused_with_the_nearest_right_one() {
     let scene = blind_scene(10.0, "[expect]\navailabilty_min = 0.9\n");
     assert_refused("figure", scene, &["`expect.availabilty_min = 0.9`", "unknown figure", "`availability_min`"]);
+    let scene = blind_scene(10.0, "[expect]\nmetrics.colisions = 0\n");
+    assert_refused("metric", scene, &["`expect.metrics.colisions = 0`", "unknown figure", "`metrics.collisions`"]);
 }
 
 #[test]
