@@ -1,6 +1,6 @@
 use localizer::Status;
 use sim::{
-    judge::Verdict,
+    judge::{Verdict, Violation},
     render::Renderer,
     run::{RunOptions, RunRecord, run},
     scene::{Event, Scene, SceneFile},
@@ -203,6 +203,20 @@ fn a_marker_off_its_place_at_the_very_start_takes_nothing_of_what_was_known_ther
         );
         assert!(first_doubt_s(&record) < 1.0, "seed {seed}");
     }
+}
+
+#[test]
+fn a_robot_that_drives_against_a_wall_by_a_wide_hull_is_outside_by_slip_for_two_seconds_at_most() {
+    // After the shove several tiles are possible; the robot follows the middle of them all, until it slips along a wall.
+    let mut scene = scene("found/shoved_in_the_dark.toml");
+    (scene.duration_s, scene.route.as_mut().unwrap().repeat) = (24.0, true);
+    let (record, verdict) = judged(&scene, 0);
+    let containment = verdict.containment.as_ref().unwrap();
+    assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
+    assert!(outside_s(&record, 15.0) > 0.5, "{containment:?}");
+    assert!(verdict.metrics["longest_outside_s"] < 2.5, "{:?}", verdict.metrics);
+    let slips = |broken: &Violation| broken.bound == "wheels.slip" && broken.from_s > 15.0 && broken.to_s > 23.0;
+    assert!(verdict.violations.iter().any(slips), "{:?}", verdict.violations);
 }
 
 /// Spans of steps in a row at which the truth is outside: the first of each, and the first after it.
