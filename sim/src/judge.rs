@@ -15,6 +15,7 @@ pub use bounds::{violations, watched};
 pub use claims::{is_true, wall_line_deg};
 pub use errands::{distance_to_way_m, true_distance_m};
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
+pub(crate) use methods::{false_claims, misperceived};
 pub(crate) use statistics::{SETTLED_S, midpoint};
 pub use verdict::{
     AxisError, AxisPower, AxisWidth, Baseline, BaselineContainment, BaselineWidth, Containment, ErrorTable,

@@ -44,7 +44,7 @@ pub use cameras::{Band, Calibration, CameraTiming, CeilingCamera, ForwardCamera,
 pub use careful::BoundsFrom;
 pub use error::SceneError;
 pub use events::{Event, Side, Stuck};
-pub use expect::Expect;
+pub use expect::{Expect, METRICS};
 pub use extend::Sources;
 pub use files::SceneFile;
 pub use floor::{Floor, Misplaced, Pattern, Region, Stray, Tiles};
@@ -220,7 +220,8 @@ pub struct LocalizerSetup {
     pub wall_directions: Option<WallDirectionsSetup>,
     /// Learn the gyroscope's bias and scale between fixes of the heading, and at rest where `bounds.rest_turn_deg` is stated.
     pub learns_gyro: bool,
-    /// An estimate counts as available while it is sound, holds the truth, and its hull is narrower than this in x and y. Less than the room is wide and deep.
+    /// An estimate counts as available while it is sound, holds the truth, and its hull is narrower than this in x and y. Less than the walls
+    /// leave to the middle of the robot's body.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
     /// An estimate counts as available while it is sound, holds the truth, and its hull is narrower than this in heading. Less than 360.

@@ -1,6 +1,6 @@
 use localizer::Status;
 use sim::{
-    judge::Verdict,
+    judge::{Verdict, Violation},
     render::Renderer,
     run::{RunOptions, RunRecord, run},
     scene::{Event, Scene, SceneFile},
@@ -133,6 +133,22 @@ fn readings_of_wheels_that_come_late_leave_no_stale_box_and_cost_millimetres() {
 }
 
 #[test]
+fn readings_of_wheels_up_to_half_a_second_late_and_encoders_slower_than_images_keep_the_truth() {
+    for (late_s, period_s) in [(0.2, None), (0.5, None), (0.1, Some(0.05))] {
+        let mut scene = scene("tiles.toml");
+        scene.duration_s = 10.0;
+        scene.robot.delivery.late_s = late_s;
+        scene.robot.encoders.period_s = period_s.unwrap_or(scene.robot.encoders.period_s);
+        for seed in [0, 7] {
+            let (_, verdict) = judged(&scene, seed);
+            let containment = verdict.containment.as_ref().unwrap();
+            assert_eq!(containment.contained, containment.checks, "late by {late_s}, seed {seed}: {containment:?}");
+            assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+        }
+    }
+}
+
+#[test]
 fn a_turn_faster_than_reach_leaves_no_empty_box() {
     let scene = scene("found/turned_faster_than_reach.toml");
     let record = run(&scene, 5, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
@@ -187,4 +203,110 @@ fn a_marker_off_its_place_at_the_very_start_takes_nothing_of_what_was_known_ther
         );
         assert!(first_doubt_s(&record) < 1.0, "seed {seed}");
     }
+}
+
+#[test]
+fn a_robot_that_drives_against_a_wall_by_a_wide_hull_is_outside_by_slip_for_two_seconds_at_most() {
+    // After the shove several tiles are possible; the robot follows the middle of them all, until it slips along a wall.
+    let mut scene = scene("found/shoved_in_the_dark.toml");
+    (scene.duration_s, scene.route.as_mut().unwrap().repeat) = (24.0, true);
+    let (record, verdict) = judged(&scene, 0);
+    let containment = verdict.containment.as_ref().unwrap();
+    assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
+    assert!(outside_s(&record, 15.0) > 0.5, "{containment:?}");
+    assert!(verdict.metrics["longest_outside_s"] < 2.5, "{:?}", verdict.metrics);
+    let slips = |broken: &Violation| broken.bound == "wheels.slip" && broken.from_s > 15.0 && broken.to_s > 23.0;
+    assert!(verdict.violations.iter().any(slips), "{:?}", verdict.violations);
+}
+
+/// Spans of steps in a row at which the truth is outside: the first of each, and the first after it.
+fn spans_outside(record: &RunRecord) -> Vec<[usize; 2]> {
+    let mut spans: Vec<[usize; 2]> = Vec::new();
+    for (step, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
+        match spans.last_mut() {
+            _ if estimate.pose.contains(truth.pose) => {}
+            Some(span) if span[1] == step => span[1] += 1,
+            _ => spans.push([step, step + 1]),
+        }
+    }
+    spans
+}
+
+#[test]
+fn wheels_that_are_wrong_all_the_time_are_found_out_by_markers_within_a_second_each_time() {
+    // A wheel is 5 % smaller than told, where 0.2 % is declared, as where other people's odometry has bounds that nobody measured.
+    let mut scene = scene("papers/ir_markers_lab.toml");
+    scene.duration_s = 14.0;
+    scene.robot.wheel_wear = [0.05, 0.0];
+    let (record, verdict) = judged(&scene, 0);
+    let (containment, spans) = (verdict.containment.as_ref().unwrap(), spans_outside(&record));
+    let doubts =
+        |step: &usize| record.estimates.get(*step).is_none_or(|estimate| estimate.status == Status::Recovering);
+    let n_outside: usize = spans.iter().map(|[from, to]| to - from).sum();
+    let n_doubted = spans.iter().flat_map(|[from, to]| *from..*to).filter(doubts).count();
+    println!(
+        "{n_doubted} of {n_outside} outside are doubted, {:?}, {containment:?}",
+        verdict.metrics["recovering_share"]
+    );
+    // Not while it is outside: when a marker contradicts, all that is possible is told, and the truth is among it.
+    assert!(n_outside > 100 && 20 * n_doubted < n_outside, "{n_doubted} of {n_outside}");
+    assert!(spans.iter().all(|[from, to]| to - from < 100), "{spans:?}");
+    // Those that last end with a doubt.
+    let lasted = || spans.iter().filter(|[from, to]| to - from >= 20);
+    let n_found_out = lasted().filter(|[_, to]| doubts(to)).count();
+    println!("{n_found_out} of {} end with a doubt, {spans:?}", lasted().count());
+    assert!(lasted().count() >= 5 && 5 * n_found_out >= 4 * lasted().count(), "{n_found_out} of {}", lasted().count());
+    assert!(verdict.metrics["recovering_share"] > 0.2, "{:?}", verdict.metrics);
+    assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
+    assert_eq!(containment.first_failure.as_ref().unwrap().blame, "wheels.radius");
+}
+
+#[test]
+fn wheels_that_are_wrong_all_the_time_are_found_out_by_landmarks_before_the_truth_is_outside() {
+    let mut scene = scene("papers/rigid_transform_loop.toml");
+    (scene.duration_s, scene.robot.wheel_wear) = (10.0, [0.05, 0.0]);
+    let record = run(&scene, 0, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let verdict = verdict_of(&scene, &record);
+    let containment = verdict.containment.as_ref().unwrap();
+    assert_eq!(containment.contained, containment.checks, "{containment:?}");
+    assert!(first_doubt_s(&record) < 1.0, "{}", first_doubt_s(&record));
+    assert!(verdict.metrics["recovering_share"] > 0.9, "{:?}", verdict.metrics);
+}
+
+#[test]
+fn furniture_a_few_degrees_askew_that_nobody_tells_of_is_vision_s_fault_and_moves_a_heading_by_tenths_of_a_degree() {
+    // Its edges agree with each other, so that no reading contradicts another: nothing says Recovering.
+    let mut scene = scene("home.toml");
+    scene.duration_s = 41.0;
+    let askew_deg = [
+        ("kitchen counter", 2.0),
+        ("refrigerator", -1.5),
+        ("kitchen table", 2.5),
+        ("sofa", 1.0),
+        ("bookcase", -2.0),
+        ("chest in the hall", 1.5),
+    ];
+    for (name, turned_deg) in askew_deg {
+        scene.furniture.iter_mut().find(|furniture| furniture.name == name).unwrap().rotation_deg = turned_deg;
+    }
+    let (record, verdict) = judged(&scene, 0);
+    let containment = verdict.containment.as_ref().unwrap();
+    assert_eq!((containment.unsound, containment.bound_broken), (0, 0), "{containment:?}");
+    assert!(containment.perception > 50, "{containment:?}");
+    let beyond_deg = record.truths.iter().zip(&record.estimates).map(|(truth, estimate)| {
+        let heading = estimate.pose.hull()[2];
+        (heading.lo() - truth.pose.heading_rad).max(truth.pose.heading_rad - heading.hi()).to_degrees()
+    });
+    let most_deg = beyond_deg.fold(0.0, f64::max);
+    assert!(most_deg < 0.5, "{most_deg}");
+}
+
+#[test]
+fn furniture_all_askew_alike_at_a_tenth_of_a_lux_keeps_the_truth_on_the_way_once_lost() {
+    let mut scene = scene("dark/walls.toml");
+    scene.duration_s = 20.0;
+    scene.furniture.iter_mut().for_each(|furniture| furniture.rotation_deg = 2.0);
+    let (_, verdict) = judged(&scene, 0);
+    let containment = verdict.containment.as_ref().unwrap();
+    assert_eq!(containment.contained, containment.checks, "{containment:?}");
 }

@@ -2,7 +2,7 @@ use sim::{
     judge::{Verdict, judge},
     render::Renderer,
     run::{RunRecord, run_otherwise},
-    scene::Scene,
+    scene::{METRICS, Scene},
     subject::{IntervalLocalizer, SubjectOf},
 };
 
@@ -20,5 +20,9 @@ pub(crate) fn verdict_of_subject(scene: &Scene, record: &RunRecord, subject_of: 
         }
         run_otherwise(scene, record, asked, subject_of, renderer.as_mut(), &mut |_| {})
     });
-    verdict.unwrap()
+    let verdict = verdict.unwrap();
+    // What a run measures can be expected of it.
+    let unknown: Vec<&String> = verdict.metrics.keys().filter(|name| !METRICS.contains(&name.as_str())).collect();
+    assert!(unknown.is_empty(), "{unknown:?}");
+    verdict
 }

@@ -147,6 +147,8 @@ fn an_unknown_region_is_refused_with_the_nearest_right_one() {
 fn an_unknown_figure_in_expect_is_refused_with_the_nearest_right_one() {
     let scene = blind_scene(10.0, "[expect]\navailabilty_min = 0.9\n");
     assert_refused("figure", scene, &["`expect.availabilty_min = 0.9`", "unknown figure", "`availability_min`"]);
+    let scene = blind_scene(10.0, "[expect]\nmetrics.colisions = 0\n");
+    assert_refused("metric", scene, &["`expect.metrics.colisions = 0`", "unknown figure", "`metrics.collisions`"]);
 }
 
 #[test]
@@ -478,19 +480,41 @@ fn a_range_camera_that_cannot_be_is_refused() {
 
 #[test]
 fn a_declared_width_that_the_room_itself_implies_is_refused() {
-    // The room is 3 m by 2 m: nothing in it is wider than 2 m along y.
+    // The room is 3 m by 2 m. A body of 0.25 m, at contact a millimetre less, stands within 2 - 2 * 0.249 = 1.502 m of it along y.
     let scene = |key: &str| blind_scene(10.0, &format!("[localizer]\n{key}\n"));
     assert_refused(
         "declared_width",
-        scene("declared_width_m = 2.0"),
-        &["`localizer.declared_width_m = 2.0`", "expected less than its 2 m"],
+        scene("declared_width_m = 1.99"),
+        &["`localizer.declared_width_m = 1.99`", "expected less than the 1.502 m"],
     );
     assert_refused(
         "declared_heading",
         scene("declared_width_deg = 360"),
         &["`localizer.declared_width_deg = 360`", "expected less than 360"],
     );
-    Scene::parse(&scene("declared_width_m = 1.99\ndeclared_width_deg = 359.0"), "scene.toml").unwrap();
+    Scene::parse(&scene("declared_width_m = 1.501\ndeclared_width_deg = 359.0"), "scene.toml").unwrap();
+}
+
+#[test]
+fn draws_of_a_flow_sensor_beyond_what_is_declared_of_its_scale_are_refused() {
+    let scene = |keys: &str| blind_scene(10.0, &format!("[robot.flow]\nscale_tolerance = 0.01\n{keys}\n"));
+    for (index, (keys, parts)) in [
+        (
+            "calibration_tolerance = 0.4",
+            ["`robot.flow.calibration_tolerance = 0.4`", "expected at most `scale_tolerance`"],
+        ),
+        ("surface_tolerance = 0.4", ["`robot.flow.surface_tolerance = 0.4`", "at most 0.009"]),
+        (
+            "noise_tolerance = 0.006\nsurface_tolerance = 0.004",
+            ["`robot.flow.noise_tolerance = 0.006`", "at most 0.009"],
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert_refused(&format!("impossible_flow_{index}"), scene(keys), &parts);
+    }
+    Scene::parse(&scene("noise_tolerance = 0.005\nsurface_tolerance = 0.004"), "scene.toml").unwrap();
 }
 
 #[test]

@@ -89,7 +89,8 @@ fn an_expectation_of_boxes_is_not_met_by_points() {
 fn a_subject_is_started_once_a_station() {
     let scene = Scene::parse(
         "duration_s = 0.5\n[room]\nwidth_m = 3.0\ndepth_m = 2.0\n[robot]\nfloor_camera = false\n\
-         [[station]]\nx_m = 0.6\ny_m = 0.6\n[[station]]\nx_m = 1.2\ny_m = 0.6\n",
+         [start]\nx_m = 1.5\ny_m = 1.0\n\
+         [[station]]\nx_m = 0.6\ny_m = 0.6\nheading_deg = 0\n[[station]]\nx_m = 1.2\ny_m = 0.6\nheading_deg = 90\n",
         "scene.toml",
     )
     .unwrap_or_else(|error| panic!("failed to {error}"));

@@ -104,3 +104,14 @@ fn the_command_prints_how_tight_bounds_are() {
     assert!(table.lines().next().unwrap().ends_with("lost at"), "{table}");
     assert!(table.starts_with("scene") && table.lines().count() == 3, "{table}");
 }
+
+#[test]
+fn a_drive_too_short_to_lose_anything_in_is_said_to_be_too_short() {
+    let place = folder("weaken_too_short");
+    let scene = blind_scene(1.0, "").replace("x_m = 0.6\ny_m = 0.6\n", "x_m = 0.6\ny_m = 0.6\ntolerance_m = 0.1\n");
+    std::fs::write(place.join("scene.toml"), scene).unwrap();
+    let (code, table, errors) = outcome(&mut wherein(&place, &["weaken", "scene.toml"]));
+    assert_eq!(code, 0, "{errors}");
+    assert!(table.contains("too short to tell: losses count after 0.50 s"), "{table}");
+    assert!(!table.contains("never"), "{table}");
+}

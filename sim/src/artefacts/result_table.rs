@@ -9,7 +9,6 @@ mod columns;
 mod layout;
 mod pool;
 
-pub(crate) use columns::greatest_power;
 pub(crate) use pool::{methods, pool};
 
 pub use layout::{as_markdown, as_text};

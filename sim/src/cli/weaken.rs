@@ -10,6 +10,7 @@ use crate::{
         sweep::Seeds,
         weaken::{Weakened, weaken},
     },
+    judge::SETTLED_S,
     render::Renderer,
     run::{RunOptions, run},
     scene::{SceneFile, SceneTemplate},
@@ -45,7 +46,8 @@ pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) 
             let mut first = |at_s| progress(1.0, at_s);
             let recorded = run(scene, seed, &mut subject, used.as_deref_mut(), &RunOptions::default(), &mut first)?;
             let weakened = weaken(scene, &recorded, &IntervalLocalizer::boxed, used, &mut progress)?;
-            rows.push((file.name.clone(), seed, weakened));
+            let is_drive = scene.stations.is_empty();
+            rows.push(Row { scene: file.name.clone(), seed, is_drive, weakened });
         }
     }
     bar.finish_and_clear();
@@ -53,17 +55,32 @@ pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) 
     Ok(ExitCode::SUCCESS)
 }
 
-type Row = (String, u64, Weakened);
+/// A run and what came of it.
+struct Row {
+    scene: String,
+    seed: u64,
+    /// Whether it is a drive, and not still poses.
+    is_drive: bool,
+    weakened: Weakened,
+}
 
 fn as_json(rows: &[Row]) -> String {
-    let one = |(scene, seed, weakened): &Row| json!({ "scene": scene, "seed": seed, "weakened": weakened });
+    let one = |row: &Row| {
+        let is_too_short = row.too_short().is_some();
+        json!({ "scene": row.scene, "seed": row.seed, "too_short": is_too_short, "weakened": row.weakened })
+    };
     format!("{:#}\n", rows.iter().map(one).collect::<Value>())
 }
 
 fn as_table(rows: &[Row]) -> String {
-    let longest = rows.iter().map(|(scene, ..)| scene.len()).max().unwrap_or(0).max("scene".len());
+    let longest = rows.iter().map(|row| row.scene.len()).max().unwrap_or(0).max("scene".len());
     let mut text = format!("{:longest$}  seed  loses the truth at  1 / that  lost at\n", "scene");
-    for (scene, seed, weakened) in rows {
+    for row in rows {
+        let Row { scene, seed, weakened, .. } = row;
+        if let Some(too_short) = row.too_short() {
+            text += &format!("{scene:longest$}  {seed:4}  {too_short}\n");
+            continue;
+        }
         let (factor, tightness) = match (weakened.factor, weakened.tightness) {
             (Some(factor), Some(tightness)) => (format!("{factor:.1} of its bounds"), format!("{tightness:.2}")),
             _ => ("none".to_owned(), "> 10".to_owned()),
@@ -73,4 +90,16 @@ fn as_table(rows: &[Row]) -> String {
         text += &format!("{scene:longest$}  {seed:4}  {factor:>18}  {tightness:>8}  {lost_at}\n");
     }
     text
+}
+
+impl Row {
+    /// Says so where a drive was too short to find anything: nothing was lost, and less time was left in which it counts than a loss may take.
+    fn too_short(&self) -> Option<String> {
+        let after_s = self.weakened.counted_after_s;
+        let is_short = self.is_drive && self.weakened.factor.is_none() && after_s < SETTLED_S;
+        let needed_s = 2.0 * SETTLED_S;
+        is_short.then(|| {
+            format!("too short to tell: losses count after {after_s:.2} s, expected a drive of {needed_s:.0} s or more")
+        })
+    }
 }

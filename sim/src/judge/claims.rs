@@ -17,7 +17,7 @@ use crate::{
 
 /// How many of an image's claims are false.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct FalseClaims {
+pub(crate) struct FalseClaims {
     /// Of upright edges.
     pub(super) upright: usize,
     /// Of all else.

@@ -46,13 +46,13 @@ impl Halvings {
 }
 
 /// For each image how many of its claims are false.
-pub(super) fn false_claims(scene: &Scene, record: &RunRecord) -> Vec<FalseClaims> {
+pub(crate) fn false_claims(scene: &Scene, record: &RunRecord) -> Vec<FalseClaims> {
     record.images.iter().map(|image| FalseClaims::of(scene, record, image)).collect()
 }
 
 /// For each image whether its method's declaration of wrong claims is broken with it: too many in the image; for `wall_directions`
 /// too many in the images that it holds together, or too many such images of those.
-pub(super) fn misperceived(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
+pub(crate) fn misperceived(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
     let setup = scene.localizer.wall_directions();
     let (solves_lean, quotas) = (setup.solves_lean, setup.quotas());
     let edges = held_edges(scene, record, judged);

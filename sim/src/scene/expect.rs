@@ -37,6 +37,58 @@ const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception
 /// Tables of a summary whose keys depend on the run: any one name stands for `*` in the figures known beforehand.
 const ANY_NAME: &str = "*";
 
+/// What `metrics` may hold, each where the run has what it measures.
+pub const METRICS: [&str; 48] = [
+    "arrival_error_greatest_m",
+    "arrival_error_mean_m",
+    "arrival_estimate_greatest_m",
+    "arrivals_off",
+    "branches_at_end",
+    "branches_max",
+    "clearance_furniture_least_m",
+    "clearance_least_m",
+    "clearance_people_least_m",
+    "collisions",
+    "distance_m",
+    "errands",
+    "feature_matches_median",
+    "goals_missed",
+    "goals_reached",
+    "heading_error_max_deg",
+    "heading_error_p95_deg",
+    "landmark_width_m",
+    "landmarks_grown",
+    "landmarks_known",
+    "landmarks_outside",
+    "longest_outside_s",
+    "marker_images",
+    "marker_images_read_share",
+    "markers_in_view",
+    "markers_misread",
+    "markers_read_share",
+    "nearest_marker_confidence_heading_correlation",
+    "nearest_marker_confidence_position_correlation",
+    "nearest_marker_misread",
+    "nearest_marker_read_share",
+    "path_deviation_greatest_m",
+    "path_deviation_p95_m",
+    "recovering_share",
+    "replans",
+    "vanishing_point_error_median_deg",
+    "vanishing_point_error_p95_deg",
+    "vanishing_point_share",
+    "waited_s",
+    "wall_fix_contained_share",
+    "wall_fix_error_max_deg",
+    "wall_fix_error_p95_deg",
+    "wall_fix_share",
+    "wall_fix_width_mean_deg",
+    "wall_images",
+    "wall_lines_per_image",
+    "wall_spoilt_images_max",
+    "wall_wrong_share_max",
+];
+
 impl Expect {
     /// One line for each limit that `summary` misses: its name, the value found, the limit.
     ///
@@ -140,7 +192,7 @@ fn blank_summary() -> Value {
         availability: Some(0.0),
         methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
         baselines: BTreeMap::from([(ANY_NAME.to_owned(), baseline)]),
-        metrics: BTreeMap::from([(ANY_NAME.to_owned(), 0.0)]),
+        metrics: METRICS.map(|name| (name.to_owned(), 0.0)).into(),
         verdict: Default::default(),
     };
     // Nothing in a verdict can fail to serialise: its keys are texts.

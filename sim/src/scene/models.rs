@@ -19,6 +19,9 @@ use crate::{
 
 use super::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
 
+/// The contact with a wall gives way by less than a millimetre.
+const GIVES_WAY_M: f64 = 0.001;
+
 impl Scene {
     /// The building as surveyed.
     pub fn map(&self) -> Map {
@@ -54,8 +57,7 @@ impl Scene {
             body: BodyModel {
                 tilt_rad: bounds.body_tilt_deg.to_radians(),
                 heave_m: bounds.body_heave_m,
-                // The contact with a wall gives way by less than a millimetre.
-                clearance_m: robot.body_radius_m - 0.001,
+                clearance_m: robot.body_radius_m - GIVES_WAY_M,
             },
             floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
             forward_camera: robot.forward_camera.as_ref().map(forward_camera_model),
@@ -78,6 +80,12 @@ impl Scene {
         let most_deg = if self.draws_walls() { self.localizer.wall_directions().tolerance_deg } else { 0.0 };
         let (plan, beyond_m) = (self.plan(), self.plan().beyond_m(most_deg.to_radians()));
         [0, 1].map(|axis| Interval::new(-beyond_m[axis], plan.size_m[axis] + beyond_m[axis]))
+    }
+
+    /// How far apart two places of the robot's origin may be along x and along y: what the walls leave to its body.
+    pub(crate) fn left_to_origin_m(&self) -> [f64; 2] {
+        let keep_m = self.robot.body_radius_m - GIVES_WAY_M;
+        self.room_hull_m().map(|range| range.width() - 2.0 * keep_m)
     }
 
     fn wall_directions_rad(&self) -> Vec<Interval> {

@@ -104,11 +104,16 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
 /// An estimate that says no more than the room itself is not available.
 fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
     let setup = &scene.localizer;
-    let shortest_m = scene.room.width_m.min(scene.room.depth_m);
+    let [x_m, y_m] = scene.left_to_origin_m();
+    let shortest_m = x_m.min(y_m);
     let mut refuse =
         |key: &str, expected: String| found.push(Contradiction { key: format!("localizer.{key}"), expected });
     if setup.declared_width_m >= shortest_m {
-        refuse("declared_width_m", format!("no estimate in the room is wider, expected less than its {shortest_m} m"));
+        let expected = format!(
+            "no estimate is wider, expected less than the {} m that the walls leave to the middle of the robot's body",
+            short(shortest_m)
+        );
+        refuse("declared_width_m", expected);
     }
     if setup.declared_width_deg >= 360.0 {
         refuse("declared_width_deg", "every heading is within it, expected less than 360".to_owned());

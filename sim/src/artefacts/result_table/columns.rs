@@ -25,9 +25,9 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
 }
 
 /// All columns, from left to right. Errors are those of the worst third of a run; widths are full widths, the wider of
-/// x and y, averaged over the run and just after a fix. The greatest |error| over half the width is that after 5 s. A method's
-/// share of position and heading is of how often widths were halved.
-pub(super) const COLUMNS: [Column; 27] = [
+/// x and y, averaged over the run and just after a fix. |Error| over half the width is the greatest after 5 s, and what one step in a
+/// thousand exceeds, of several runs that of the run where it is greatest. A method's share of position and heading is of how often widths were halved.
+pub(super) const COLUMNS: [Column; 29] = [
     text("scene", |line| line.scene.clone()),
     text(RUN, |line| line.run.clone()),
     number("checks", "", |line| show(line, "containment.checks", 1.0, 0)),
@@ -42,9 +42,9 @@ pub(super) const COLUMNS: [Column; 27] = [
     number("width", "°", |line| show(line, "width.heading_rad.mean", DEGREES, 2)),
     number("at fix", "mm", |line| wider(&line.figures, "width.at_fix")),
     number("at fix", "°", |line| show(line, "width.at_fix.heading_rad.mean", DEGREES, 2)),
-    number("error / half width", "", |line| {
-        greatest_power(&line.figures).map(|ratio| format!("{ratio:.2}")).unwrap_or_default()
-    }),
+    number("x error / half", "max, 99.9 %", |line| power(&line.figures, "x_m")),
+    number("y error / half", "max, 99.9 %", |line| power(&line.figures, "y_m")),
+    number("heading error / half", "max, 99.9 %", |line| power(&line.figures, "heading_rad")),
     number("available", "%", |line| share(line.figures.get("availability"))),
     number("readings", "", |line| show(line, "method.readings", 1.0, 0)),
     number("fixes", "", |line| show(line, "method.constraints", 1.0, 0)),
@@ -76,10 +76,13 @@ fn goals_reached(figures: &Figures) -> Option<f64> {
     (*errands > 0.0).then(|| reached / errands)
 }
 
-/// Greatest |error| over half the width after 5 s, the greatest of all axes.
-pub(crate) fn greatest_power(figures: &Figures) -> Option<f64> {
-    let axes = ["x_m", "y_m", "heading_rad"];
-    axes.iter().filter_map(|axis| figures.get(&format!("power.after_5_s.{axis}.max"))).copied().reduce(f64::max)
+/// |Error| over half the width along an axis after 5 s: the greatest, and what one step in a thousand exceeds.
+fn power(figures: &Figures, axis: &str) -> String {
+    let figure = |which: &str| figures.get(&format!("power.after_5_s.{axis}.{which}"));
+    match (figure("max"), figure("p999")) {
+        (Some(max), Some(p999)) => format!("{max:.2}, {p999:.2}"),
+        _ => String::new(),
+    }
 }
 
 fn wider(figures: &Figures, width: &str) -> String {

@@ -73,7 +73,7 @@ fn combine(name: &str, values: &[f64]) -> f64 {
         sum
     } else if name.contains(".rmse") {
         (values.iter().map(|value| value * value).sum::<f64>() / n).sqrt()
-    } else if last == "max" || last.ends_with("_greatest_m") {
+    } else if ["max", "p999"].contains(&last) || last.ends_with("_greatest_m") {
         values.iter().fold(f64::NEG_INFINITY, |greatest, value| greatest.max(*value))
     } else if last.ends_with("_least_m") {
         values.iter().fold(f64::INFINITY, |least, value| least.min(*value))

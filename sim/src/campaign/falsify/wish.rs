@@ -4,7 +4,7 @@ use localizer::Status;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    judge::{Judgement, Verdict},
+    judge::{Judgement, Verdict, false_claims, misperceived},
     run::RunRecord,
     scene::Scene,
 };
@@ -25,7 +25,7 @@ pub enum Wish {
     DigestDiffers,
     /// No pose is left.
     EmptyBox,
-    /// A box, *sound*, that is wider than the room.
+    /// A box, *sound*, that is wider than what the walls leave to the robot.
     WiderThanRoom,
     /// The truth is outside because more claims were false than declared.
     Perception,
@@ -115,17 +115,16 @@ fn judged(scene: &Scene, record: &RunRecord, verdict: &Verdict, judgement: Judge
     Some(Hit { wish, at_s: truth.time_s, signature: methods(scene), seen })
 }
 
-/// The first time that the truth is outside for long, *sound* said at every step, with nothing to excuse it: no bound that any estimate
-/// relied on exceeded by then, and no step that the judge puts down to false claims.
+/// The first time that the truth is outside for long, *sound* said at every step, with nothing to excuse it: by then no bound was exceeded
+/// that any estimate relied on, and no reading had more false claims than its method declares.
 ///
 /// It does not ask the judge whose fault it is, so that a judge who is too lenient does not hide it.
 fn sound_but_outside(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Option<Hit> {
-    let excused_from_s = excused_from_s(record, verdict);
+    let excused_from_s = broken_from_s(record, verdict).min(misread_from_s(scene, record));
     let mut since: Option<usize> = None;
     for (index, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
         let is_wrong = estimate.status == Status::Sound && !estimate.pose.contains(truth.pose);
-        let is_misled = verdict.judgements.get(index) == Some(&Judgement::Perception);
-        let is_excused = is_misled || truth.time_s >= excused_from_s;
+        let is_excused = truth.time_s >= excused_from_s;
         // A robot that is put at a station is not where it was.
         if !is_wrong || is_excused || record.restarts.contains(&index) {
             since = None;
@@ -143,12 +142,19 @@ fn sound_but_outside(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Op
 }
 
 /// From when on a bound was exceeded that an estimate has relied on; infinite when none ever was.
-fn excused_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
+fn broken_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
     let relied_on_s = |bound: &str| {
         record.estimates.iter().find(|estimate| estimate.relies_on.contains(&bound)).map(|estimate| estimate.time_s)
     };
     let excuses = verdict.violations.iter().filter_map(|broken| Some(relied_on_s(&broken.bound)?.max(broken.from_s)));
     excuses.fold(f64::INFINITY, f64::min)
+}
+
+/// From when on a reading had arrived that claims more falsely than declared; infinite when none ever did.
+fn misread_from_s(scene: &Scene, record: &RunRecord) -> f64 {
+    let misperceived = misperceived(scene, record, &false_claims(scene, record));
+    let misread = record.images.iter().zip(misperceived).filter(|(_, is_misread)| *is_misread);
+    misread.map(|(image, _)| image.arrived_s).fold(f64::INFINITY, f64::min)
 }
 
 fn empty_box(scene: &Scene, record: &RunRecord) -> Option<Hit> {
@@ -158,19 +164,20 @@ fn empty_box(scene: &Scene, record: &RunRecord) -> Option<Hit> {
     Some(Hit { wish: Wish::EmptyBox, at_s: empty.time_s, signature: format!("{status}, {}", methods(scene)), seen })
 }
 
-/// The robot is known to be in the room, so that a box that is sound has no reason to be wider; what the start adds is not held against it.
+/// The localizer is told the walls and the body, so that no box that is sound reaches where the body would stand in a wall.
 fn wider_than_room(scene: &Scene, record: &RunRecord) -> Option<Hit> {
-    let tolerances = scene.stations.iter().filter_map(|station| station.tolerance_m).chain([scene.start.tolerance_m]);
-    let start_m = 2.0 * tolerances.fold(0.0, f64::max);
-    let most_m = [scene.room.width_m + start_m, scene.room.depth_m + start_m];
-    let is_wider = |axis: usize, width: f64| width > most_m[axis] + 1e-9;
+    let most_m = scene.left_to_origin_m();
+    // Interval arithmetic rounds outwards; nobody means a wall that finely.
+    const ROUNDING_M: f64 = 1e-9;
+    let is_wider = |axis: usize, width: f64| width > most_m[axis] + ROUNDING_M;
     let wide = record.estimates.iter().filter(|estimate| estimate.status == Status::Sound).find_map(|estimate| {
         let hull = estimate.pose.hull();
         let axis = (0..2).find(|axis| !hull.is_empty() && is_wider(*axis, hull[*axis].width()))?;
         Some((estimate.time_s, axis, hull[axis].width()))
     })?;
     let (at_s, axis, width_m) = wide;
-    let seen = format!("{width_m:.2} m along {}, allowed {:.2} m, at {at_s:.2} s", ["x", "y"][axis], most_m[axis]);
+    let seen =
+        format!("{width_m:.3} m along {}, where walls leave {:.3} m, at {at_s:.2} s", ["x", "y"][axis], most_m[axis]);
     Some(Hit { wish: Wish::WiderThanRoom, at_s, signature: methods(scene), seen })
 }
 

@@ -1,6 +1,6 @@
 //! The few figures that a report shows of every combination.
 
-use crate::artefacts::{figures::Figures, result_table::greatest_power};
+use crate::artefacts::figures::Figures;
 
 /// A figure as people read it.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ pub struct Measure {
 
 /// What is contained, how wide the boxes are, how far off their midpoints, how often they are good enough, how much of them is used, and what
 /// came of errands.
-pub const MEASURES: [Measure; 6] = [
+pub const MEASURES: [Measure; 11] = [
     Measure {
         name: "contained",
         unit: "%",
@@ -52,10 +52,45 @@ pub const MEASURES: [Measure; 6] = [
         digits: 2,
     },
     Measure {
-        name: "error / half width",
-        unit: "greatest",
-        meaning: "greatest error over half the width after 5 s, of x, y and heading: at 0.5 boxes half as wide had held the truth",
-        value: greatest_power,
+        name: "x error / half",
+        unit: "max",
+        meaning: "greatest error along x over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
+        value: |figures| scaled(figures, "power.after_5_s.x_m.max", 1.0),
+        digits: 2,
+    },
+    Measure {
+        name: "x error / half",
+        unit: "99.9 %",
+        meaning: "what one step in a thousand exceeds of the error along x over half the width after 5 s, in the run where that is greatest",
+        value: |figures| scaled(figures, "power.after_5_s.x_m.p999", 1.0),
+        digits: 2,
+    },
+    Measure {
+        name: "y error / half",
+        unit: "max",
+        meaning: "greatest error along y over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
+        value: |figures| scaled(figures, "power.after_5_s.y_m.max", 1.0),
+        digits: 2,
+    },
+    Measure {
+        name: "y error / half",
+        unit: "99.9 %",
+        meaning: "what one step in a thousand exceeds of the error along y over half the width after 5 s, in the run where that is greatest",
+        value: |figures| scaled(figures, "power.after_5_s.y_m.p999", 1.0),
+        digits: 2,
+    },
+    Measure {
+        name: "heading error / half",
+        unit: "max",
+        meaning: "greatest error along heading over half the width after 5 s: at 0.5 boxes half as wide had held the truth",
+        value: |figures| scaled(figures, "power.after_5_s.heading_rad.max", 1.0),
+        digits: 2,
+    },
+    Measure {
+        name: "heading error / half",
+        unit: "99.9 %",
+        meaning: "what one step in a thousand exceeds of the error along heading over half the width after 5 s, in the run where that is greatest",
+        value: |figures| scaled(figures, "power.after_5_s.heading_rad.p999", 1.0),
         digits: 2,
     },
     Measure {

@@ -1,6 +1,8 @@
 //! Sensors besides cameras that cannot be read when they are, whose bounds bound nothing, or that nobody asks.
 
-use crate::scene::{Gyro, Scene, parse::Contradiction};
+use crate::scene::{Flow, Gyro, Scene, parse::Contradiction};
+
+use super::short;
 
 /// Everything about sensors in which `scene` contradicts itself.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
@@ -13,6 +15,9 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
         if !is_sampled(period_s) {
             found_at(key, "expected a multiple of 0.001, the step of the physics".to_owned());
         }
+    }
+    if let Some(flow) = &robot.flow {
+        flow_shares(flow, &mut found_at);
     }
     match &robot.gyro {
         Some(gyro) => gyro_bounds(gyro, &mut found_at),
@@ -27,6 +32,28 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     {
         let expected = "tells of no wall, expected a direction, or `learns = true`";
         found_at("localizer.wall_directions.mapped_deg", expected.to_owned());
+    }
+}
+
+/// What is drawn of a flow sensor's scale is part of what is declared of it: its calibration of the whole, surfaces and noise together of
+/// what the calibration leaves.
+fn flow_shares(flow: &Flow, found_at: &mut impl FnMut(&str, String)) {
+    if flow.calibration_tolerance > flow.scale_tolerance {
+        let expected =
+            format!("expected at most `scale_tolerance`, of which it is part and which is {}", flow.scale_tolerance);
+        found_at("robot.flow.calibration_tolerance", expected);
+        return;
+    }
+    // Sums like 0.01 + 0.02 are not exact.
+    const ROUNDING: f64 = 1e-12;
+    if flow.surface_tolerance + flow.noise_tolerance > flow.varying_share() + ROUNDING {
+        let key = if flow.surface_tolerance > flow.noise_tolerance { "surface_tolerance" } else { "noise_tolerance" };
+        let expected = format!(
+            "expected `surface_tolerance` and `noise_tolerance` to come to at most {}, which is what `calibration_tolerance` leaves of \
+             `scale_tolerance`",
+            short(flow.varying_share())
+        );
+        found_at(&format!("robot.flow.{key}"), expected);
     }
 }
 

@@ -4,7 +4,7 @@ use toml::{Table, Value};
 
 use crate::{
     campaign::falsify::dice::{Dice, Draws, rounded},
-    scene::{Bounds, Gyro, Robot, RobotPreset},
+    scene::{Bounds, Flow, Gyro, Robot, RobotPreset},
 };
 use localizer::reading::Camera;
 
@@ -46,6 +46,9 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Rob
     if let Some(Value::Table(gyro)) = robot.get_mut("gyro") {
         settle_gyro(gyro);
     }
+    if let Some(Value::Table(flow)) = robot.get_mut("flow") {
+        settle_flow(flow);
+    }
     if let Some(Value::Table(camera)) = robot.get_mut("range_camera")
         && let (Some(least_m), Some(greatest_m)) = (number(camera, "least_range_m"), number(camera, "greatest_range_m"))
         && least_m >= greatest_m
@@ -64,6 +67,20 @@ fn fit(robot: &mut Table, name: &str, is_fitted: bool) {
         table(robot, name);
     } else {
         robot.insert(name.to_owned(), Value::Boolean(false));
+    }
+}
+
+/// What is drawn of the scale is declared, and a hair more for its products.
+fn settle_flow(flow: &mut Table) {
+    let Some(meant) = meaning::<Flow>(flow) else { return };
+    let drawn = 1.02 * (meant.calibration_tolerance + meant.surface_tolerance + meant.noise_tolerance);
+    // A scale that may be off by nearly all of it tells nothing.
+    if drawn > 0.8 {
+        for key in ["calibration_tolerance", "surface_tolerance", "noise_tolerance"] {
+            flow.remove(key);
+        }
+    } else if drawn > meant.scale_tolerance {
+        flow.insert("scale_tolerance".to_owned(), Value::Float(rounded(drawn + 0.001, 4)));
     }
 }
 
