@@ -34,6 +34,7 @@
 
 pub mod pose;
 pub mod rigid_motion;
+mod bounds;
 pub mod robot;
 pub mod markers;
 pub mod map;
@@ -46,9 +47,10 @@ pub mod methods;
 pub mod baselines;
 pub mod localizer;
 
+pub use bounds::Assumption;
 pub use localizer::{Estimate, Localizer, Status};
 pub use map::Map;
-pub use method::{Assumption, Claim, Constraint, Method};
+pub use method::{Claim, Constraint, Method};
 pub use pose::{Pose, PoseBox, PoseUnion};
 pub use reading::Reading;
 pub use robot::RobotModel;

@@ -16,7 +16,7 @@ use interval::Interval;
 
 use crate::{
     Constraint, Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
-    method::Assumption,
+    bounds::Assumption,
     motion::{Agreement, Motion, SlipExcess, WheelHistory, WheelIntegral, agree, moved_union, reach_motion},
 };
 

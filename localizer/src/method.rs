@@ -4,13 +4,11 @@ use interval::{Interval, contractor::Contractor};
 
 use crate::{
     PoseUnion, Reading,
+    bounds::Assumption,
     markers::{GridPlace, MarkerId},
     motion::Motion,
     reading::LandmarkId,
 };
-
-/// Name of a declared bound, such as `wheels.slip` or `floor_tiles.laying`.
-pub type Assumption = &'static str;
 
 /// One cue: reads a sensor once and answers with a constraint.
 pub trait Method: Send {

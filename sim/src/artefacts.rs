@@ -6,7 +6,6 @@
 //! | [`recording`] | a run as a stream of messages: an MCAP file, or live to a viewer |
 //! | [`replay`] | a localizer on a recording, without the simulator |
 //! | [`debug_frames`] | pictures of one run: what a camera saw, with what the localizer made of it drawn over |
-//! | [`figures`] | every number of a `summary.json` by its dotted name |
 //! | [`result_table`] | the table of results that a terminal and README show |
 //! | [`machine`] | the words for the machine that ran, which files name |
 
@@ -14,6 +13,5 @@ pub mod run_files;
 pub mod recording;
 pub mod replay;
 pub mod debug_frames;
-pub mod figures;
 pub mod result_table;
 pub mod machine;

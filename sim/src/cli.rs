@@ -19,9 +19,10 @@ use crate::{
         falsify::FalsifyError,
         sweep::{Seeds, SweepError},
     },
+    loading::{SceneTemplate, Setting},
     render::RenderError,
     run::FramesPolicy,
-    scene::{SceneError, SceneTemplate, Setting, keys_markdown, schema_text},
+    scene::{SceneError, keys_markdown, schema_text},
 };
 
 mod compare;

@@ -19,7 +19,7 @@ use std::{
 
 use localizer::Pose;
 
-use crate::scene::Scene;
+use crate::scene::{Layout, Markers, Scene};
 
 pub use field::Field;
 pub use lattice::{Ceiling, smallest};
@@ -35,8 +35,18 @@ pub struct Goal {
 
 impl Default for Goal {
     fn default() -> Self {
-        // Vision compares a dot with its surroundings, which need a few pixels.
-        Goal { seen_at_once: 1, margin_px: 3.0 }
+        let Layout { seen_at_once, margin_px } = Layout::default();
+        Goal { seen_at_once, margin_px }
+    }
+}
+
+impl Markers {
+    /// What their coverage is asked for.
+    pub fn goal(&self) -> Goal {
+        self.layout.as_ref().map_or_else(Goal::default, |layout| Goal {
+            seen_at_once: layout.seen_at_once,
+            margin_px: layout.margin_px,
+        })
     }
 }
 

@@ -3,6 +3,8 @@
 mod bounds;
 mod claims;
 mod errands;
+mod expectations;
+pub mod figures;
 mod containment;
 mod landmarks;
 mod markers;
@@ -14,6 +16,7 @@ mod wall_directions;
 pub use bounds::{violations, watched};
 pub use claims::{is_true, wall_line_deg};
 pub use errands::{distance_to_way_m, true_distance_m};
+pub use expectations::METRICS;
 pub use markers::{MarkerCounts, confidence_correlations, marker_counts};
 pub(crate) use methods::{false_claims, misperceived};
 pub(crate) use statistics::{SETTLED_S, midpoint};

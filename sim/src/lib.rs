@@ -10,6 +10,8 @@
 //! Modules in reading order, from the file to the verdict.
 
 pub mod scene;
+pub mod loading;
+mod told;
 pub mod randomness;
 pub mod drawn;
 pub mod coverage;

@@ -4,5 +4,5 @@ mod grid;
 pub mod map_server;
 mod planner;
 
-pub use grid::{Cell, OccupancyGrid};
+pub use crate::scene::{Cell, OccupancyGrid};
 pub use planner::{Planner, Reach, length_m};

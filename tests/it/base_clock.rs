@@ -2,8 +2,9 @@
 
 use localizer::{Localizer, Reading};
 use sim::{
+    loading::SceneTemplate,
     run::{RunOptions, run},
-    scene::{Scene, SceneTemplate},
+    scene::Scene,
     subject::IntervalLocalizer,
 };
 

@@ -8,9 +8,10 @@ use localizer::{
 use sim::{
     drawn::Drawn,
     judge::{Judgement, Verdict, Violation, judge},
+    loading::SceneFile,
     render::Renderer,
     run::{Change, Counterfactual, ImageRecord, RunOptions, RunRecord, run, run_otherwise},
-    scene::{Distribution, Event, Scene, SceneFile, WallDirectionsSetup},
+    scene::{Distribution, Event, Scene, WallDirectionsSetup},
     subject::{IntervalLocalizer, Subject, SubjectOf},
     truth::Truth,
 };

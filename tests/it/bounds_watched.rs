@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 
 use sim::{
     judge::watched,
+    loading::SceneFile,
     render::Renderer,
     run::{RunOptions, run},
-    scene::{Scene, SceneFile},
+    scene::Scene,
     subject::IntervalLocalizer,
 };
 

@@ -3,9 +3,10 @@
 use serde_json::Value;
 use sim::{
     judge::Verdict,
+    loading::{SceneTemplate, Setting},
     render::Renderer,
     run::{RunOptions, run},
-    scene::{Scene, SceneTemplate, Setting},
+    scene::Scene,
     subject::IntervalLocalizer,
 };
 

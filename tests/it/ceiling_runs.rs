@@ -129,7 +129,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
 #[test]
 fn a_marker_moved_since_the_survey_is_named_as_the_broken_bound() {
     let path = crate::command::root().join("scenes/broken/misplaced_marker.toml");
-    let scene = sim::scene::SceneFile::load_all(&[path]).unwrap().remove(0).scene;
+    let scene = sim::loading::SceneFile::load_all(&[path]).unwrap().remove(0).scene;
     let (_, verdict) = judged(&scene, 2);
     let containment = verdict.containment.as_ref().unwrap();
     assert!(verdict.violations.iter().any(|violation| violation.bound == "markers.placement"));

@@ -4,7 +4,7 @@ use std::{
     process::{Command, Output},
 };
 
-use sim::scene::SceneFile;
+use sim::loading::SceneFile;
 
 /// A folder that a test has to itself, empty at first.
 pub(crate) fn folder(name: &str) -> PathBuf {

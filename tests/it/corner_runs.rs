@@ -15,9 +15,10 @@ use localizer::{
     reading::LandmarkId,
 };
 use sim::{
+    loading::SceneFile,
     render::Renderer,
     run::{RunOptions, RunRecord, Witness, run, run_witnessed},
-    scene::{Distribution, Scene, SceneFile},
+    scene::{Distribution, Scene},
     subject::IntervalLocalizer,
     truth::Truth,
 };

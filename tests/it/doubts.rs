@@ -1,9 +1,10 @@
 use localizer::Status;
 use sim::{
     judge::{Verdict, Violation},
+    loading::SceneFile,
     render::Renderer,
     run::{RunOptions, RunRecord, run},
-    scene::{Event, Scene, SceneFile},
+    scene::{Event, Scene},
     subject::IntervalLocalizer,
 };
 

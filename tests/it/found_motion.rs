@@ -4,9 +4,10 @@ use std::{sync::mpsc, thread, time::Duration};
 
 use sim::{
     judge::Verdict,
+    loading::SceneFile,
     render::Renderer,
     run::{RunOptions, run},
-    scene::{Scene, SceneFile},
+    scene::Scene,
     subject::IntervalLocalizer,
 };
 

@@ -1,8 +1,9 @@
 use sim::{
+    judge::METRICS,
     judge::{Verdict, judge},
     render::Renderer,
     run::{RunRecord, run_otherwise},
-    scene::{METRICS, Scene},
+    scene::Scene,
     subject::{IntervalLocalizer, SubjectOf},
 };
 

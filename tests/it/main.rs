@@ -149,6 +149,8 @@ mod doubts;
 mod slots;
 /// Every bound that an estimate stands on is watched, and the other way round.
 mod bounds_watched;
+/// What the folders of each crate may know of each other.
+mod structure;
 /// Localizers of somebody's own in the loop: what they are told and how they are judged.
 mod subjects;
 /// How much of the boxes is used, what counts as available, and what was not measured.

@@ -3,8 +3,9 @@
 use localizer::Status;
 use sim::{
     judge::Verdict,
+    loading::SceneFile,
     run::{RunOptions, RunRecord, run},
-    scene::{Event, Scene, SceneFile},
+    scene::{Event, Scene},
     subject::IntervalLocalizer,
 };
 

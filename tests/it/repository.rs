@@ -4,7 +4,10 @@ use std::{
 };
 
 use serde_json::Value;
-use sim::scene::{Scene, SceneFile, keys_markdown, schema_text};
+use sim::{
+    loading::SceneFile,
+    scene::{Scene, keys_markdown, schema_text},
+};
 
 use crate::command::root;
 

@@ -2,11 +2,9 @@
 
 use serde_json::{Value, json};
 use sim::{
-    artefacts::{
-        figures::Figures,
-        result_table::{Line, Outcome, lines},
-    },
+    artefacts::result_table::{Line, Outcome, lines},
     campaign::{cases::from_csv, report::MEASURES},
+    judge::figures::Figures,
 };
 
 /// A run in which `tiles` halved x twice and the heading `tiles_heading` times, and `walls` y once and the heading three times.

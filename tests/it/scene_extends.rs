@@ -2,7 +2,8 @@ use std::{fs, path::Path};
 
 use sim::{
     artefacts::run_files::scene_digest,
-    scene::{Scene, SceneFile, schema_text},
+    loading::SceneFile,
+    scene::{Scene, schema_text},
 };
 
 use crate::command::{blind_scene, folder, outcome, root, wherein};

@@ -10,8 +10,8 @@ use rand_chacha::ChaCha8Rng;
 use sim::{
     artefacts::run_files,
     campaign::comparison::{Comparison, Finding, Side, compare, quantile},
+    loading::SceneFile,
     run::{RunOptions, run},
-    scene::SceneFile,
     subject::IntervalLocalizer,
 };
 

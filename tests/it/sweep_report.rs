@@ -7,7 +7,7 @@ use std::{
 
 use sim::{
     campaign::{cases::from_csv, sweep::Sweep},
-    scene::SceneTemplate,
+    loading::SceneTemplate,
 };
 
 use crate::command::{blind_scene, folder, outcome, root, wherein};

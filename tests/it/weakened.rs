@@ -4,8 +4,9 @@ use localizer::PoseUnion;
 use serde_json::Value;
 use sim::{
     campaign::weaken::{Lost, weaken},
+    loading::SceneFile,
     run::{RunOptions, RunRecord, run},
-    scene::{Bounds, Distribution, Scene, SceneFile},
+    scene::{Bounds, Distribution, Scene},
     subject::IntervalLocalizer,
 };
 

@@ -5,9 +5,10 @@ use std::fs;
 use serde_json::Value;
 use sim::{
     judge::Verdict,
+    loading::SceneFile,
     render::Renderer,
     run::{RunOptions, RunRecord, run},
-    scene::{Scene, SceneFile},
+    scene::Scene,
     subject::IntervalLocalizer,
 };
 

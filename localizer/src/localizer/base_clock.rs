@@ -7,7 +7,7 @@
 
 use crate::{
     Localizer, PoseUnion,
-    method::Assumption,
+    bounds::Assumption,
     motion::{moved_union, reach_motion},
 };
 

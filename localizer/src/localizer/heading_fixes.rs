@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use interval::{Interval, contractor::Outcome};
 
 use crate::{
-    method::Assumption,
+    bounds::Assumption,
     motion::{GyroErrors, GyroHistory, sudden_change_rad_per_s2},
     robot::{GyroModel, Reach},
 };

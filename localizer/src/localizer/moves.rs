@@ -2,7 +2,7 @@
 
 use crate::{
     RobotModel,
-    method::Assumption,
+    bounds::Assumption,
     motion::{Motion, WheelHistory},
 };
 

@@ -18,9 +18,10 @@ use interval::Interval;
 
 use crate::{
     Map, PoseUnion, Reading, RobotModel,
+    bounds::Assumption,
     map::{MarkerMap, PlacedMarker},
     markers::{DOT_RADIUS_M, GridPlace, dot_in_marker_m},
-    method::{Assumption, Claim, Constraint, Method, Twist},
+    method::{Claim, Constraint, Method, Twist},
     reading::Camera,
     robot::CeilingCameraModel,
     vision::ceiling::{self, CeilingMarkers as Seen, CeilingView, PictureMotion, SeenMarker},

@@ -20,7 +20,8 @@ use interval::Interval;
 
 use crate::{
     Map, PoseUnion, Reading, RobotModel,
-    method::{Assumption, Claim, Constraint, Method, Twist},
+    bounds::Assumption,
+    method::{Claim, Constraint, Method, Twist},
     reading::Camera,
     vision::{self, FloorLines, FloorView, line_fit, straighten::RowMotion},
 };

@@ -29,7 +29,8 @@ use interval::contractor::{Contractor, Outcome};
 
 use crate::{
     PoseUnion, Reading, RobotModel,
-    method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
+    bounds::Assumption,
+    method::{Claim, Constraint, Method, MotionBetween, Twist},
     reading::LandmarkId,
 };
 

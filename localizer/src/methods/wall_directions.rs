@@ -29,7 +29,8 @@ use interval::Interval;
 
 use crate::{
     Map, PoseBox, PoseUnion, Reading, RobotModel,
-    method::{Assumption, Claim, Constraint, Method, MotionBetween, Twist},
+    bounds::Assumption,
+    method::{Claim, Constraint, Method, MotionBetween, Twist},
     reading::Camera,
     robot::{BodyModel, ForwardCameraModel, Reach},
     vision::forward::{self, EdgeLine, Picture, vanishing::Equalisation},

@@ -6,7 +6,7 @@
 
 use interval::{Interval, contractor::Outcome};
 
-use crate::{method::Assumption, robot::GyroModel};
+use crate::{bounds::Assumption, robot::GyroModel};
 
 use super::polygon::Polygon;
 

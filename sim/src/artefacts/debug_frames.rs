@@ -7,8 +7,9 @@ use localizer::Reading;
 
 use crate::{
     artefacts::run_files::{RecordError, naming},
+    loading::SceneFile,
     run::{ImageRecord, RunRecord},
-    scene::{RangeCamera, SceneFile},
+    scene::RangeCamera,
 };
 
 mod camera_view;

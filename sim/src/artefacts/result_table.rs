@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use crate::artefacts::figures::{Figures, figures};
+use crate::judge::figures::{Figures, figures};
 
 mod columns;
 mod layout;

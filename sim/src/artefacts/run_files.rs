@@ -26,8 +26,8 @@ use thiserror::Error;
 use crate::{
     artefacts::{debug_frames, recording::Recording},
     judge::Verdict,
+    loading::SceneFile,
     run::RunRecord,
-    scene::SceneFile,
 };
 
 mod digest;

@@ -8,12 +8,10 @@ use std::{
 use serde_json::Value;
 
 use crate::{
-    artefacts::{
-        figures::{Figures, figures},
-        run_files::{self, RecordError, naming},
-    },
+    artefacts::run_files::{self, RecordError, naming},
     campaign::sweep::{Plan, Recorded, SweepError, case_folder, read_case, read_plan},
-    scene::{Setting, shown},
+    judge::figures::{Figures, figures},
+    loading::{Setting, shown},
 };
 
 mod csv_file;

@@ -4,8 +4,8 @@ use std::slice;
 
 use crate::{
     artefacts::run_files,
+    loading::SceneFile,
     navigation::{OccupancyGrid, map_server},
-    scene::SceneFile,
 };
 
 use super::{CommandError, MapArguments, print};

@@ -5,8 +5,8 @@ use std::{fs, io, path::Path};
 use super::{CommandError, MarkersArguments, print};
 use crate::{
     coverage::{Coverage, coverage},
+    loading::SceneFile,
     marker_sheet::marker_sheet,
-    scene::SceneFile,
 };
 
 /// Prints the markers of a scene and what they cover, and writes their sheet and their map.

@@ -9,8 +9,9 @@ use crate::{
     artefacts::debug_frames::{Column, contact_sheet, tone_mapped},
     building::UprightBody,
     drawn::Drawn,
+    loading::SceneFile,
     render::{RenderedWorld, Renderer},
-    scene::{BitDepth, Scene, SceneFile},
+    scene::{BitDepth, Scene},
     sensors::still::{Still, take},
 };
 

@@ -17,9 +17,9 @@ use crate::{
         sweep,
     },
     judge::judge,
+    loading::{SceneFile, SceneTemplate},
     render::Renderer,
     run::{RunOptions, run_otherwise, run_witnessed},
-    scene::{SceneFile, SceneTemplate},
     subject::IntervalLocalizer,
 };
 

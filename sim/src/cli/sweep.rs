@@ -15,8 +15,8 @@ use crate::{
         cases::Results,
         sweep::{Case, Finished, Plan, Seeds, Shard, Store, Sweep, SweepError, Work, merge, run_cases},
     },
+    loading::SceneTemplate,
     render::Renderer,
-    scene::SceneTemplate,
 };
 
 use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude};

@@ -11,9 +11,9 @@ use crate::{
         weaken::{Weakened, weaken},
     },
     judge::SETTLED_S,
+    loading::{SceneFile, SceneTemplate},
     render::Renderer,
     run::{RunOptions, run},
-    scene::{SceneFile, SceneTemplate},
     subject::IntervalLocalizer,
 };
 

@@ -2,7 +2,7 @@
 
 use crate::{randomness::stream, scene::Scene};
 
-use super::draw_within;
+use super::{Drawn, draw_within};
 
 /// Where walls turned as drawn would leave the robot no place, they are turned by so many hundredths less, and so on.
 const STEP_PERCENT: i32 = 5;
@@ -13,4 +13,11 @@ pub(super) fn draw_walls(scene: &Scene, seed: u64) -> f64 {
     let lesser = (0..=100 / STEP_PERCENT).map(|step| drawn_deg * f64::from(100 - STEP_PERCENT * step) / 100.0);
     let leaves_places = |turn_deg: &f64| scene.leaves_places(turn_deg.to_radians());
     lesser.into_iter().find(leaves_places).unwrap_or(0.0)
+}
+
+impl Scene {
+    /// Directions of the walls from world x as they truly stand, modulo 90: the room's, then each further room's.
+    pub fn true_wall_directions_deg(&self, drawn: &Drawn) -> Vec<f64> {
+        self.stated_wall_directions_deg().into_iter().map(|stated_deg| stated_deg + drawn.walls_turn_deg).collect()
+    }
 }

@@ -14,7 +14,7 @@ use super::{
 };
 
 /// Everything in which `document`, whose text is `text`, departs from the schema.
-pub(super) fn departures(document: &Spanned<DeTable<'_>>, text: &str) -> Vec<Problem> {
+pub(crate) fn departures(document: &Spanned<DeTable<'_>>, text: &str) -> Vec<Problem> {
     let mut walk = Walk { text, problems: Vec::new() };
     walk.table(document.get_ref(), document.span(), resolve(schema()), "");
     walk.problems.sort_by_key(|problem| problem.span.start);
@@ -22,7 +22,7 @@ pub(super) fn departures(document: &Spanned<DeTable<'_>>, text: &str) -> Vec<Pro
 }
 
 /// The candidate closest to `name`, if one is close enough to be what was meant.
-pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
@@ -32,7 +32,7 @@ pub(super) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
 }
 
 /// A text of the file on one line, short enough for a message.
-pub(super) fn excerpt(text: &str) -> String {
+pub(crate) fn excerpt(text: &str) -> String {
     const LONGEST: usize = 60;
     let line = text.lines().next().unwrap_or_default().trim();
     if line.chars().count() > LONGEST { line.chars().take(LONGEST).chain(['…']).collect() } else { line.to_owned() }
@@ -227,7 +227,7 @@ fn fits(value: &DeValue<'_>, node: &'static Value) -> bool {
 }
 
 /// What a value is, in words.
-pub(super) fn found(value: &DeValue<'_>) -> &'static str {
+pub(crate) fn found(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "a text",
         DeValue::Integer(_) => "a whole number",

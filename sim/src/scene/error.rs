@@ -89,7 +89,7 @@ pub struct Problem {
 
 impl Problem {
     /// A text that is not TOML, which begins at byte `start` of all files of the scene.
-    pub(super) fn of_toml(error: &toml::de::Error, start: usize) -> Problem {
+    pub(crate) fn of_toml(error: &toml::de::Error, start: usize) -> Problem {
         let expected = format!("not a scene in TOML: {}", error.message().trim().replace('\n', ", "));
         let span = error.span().unwrap_or(0..0);
         let span = span.start + start..span.end + start;

@@ -16,7 +16,6 @@ use super::{
     SceneError,
     conform::{excerpt, found},
     error::{Problem, Problems},
-    files,
 };
 
 /// What `extends` says, for the schema.
@@ -43,14 +42,14 @@ struct Source {
 
 impl Sources {
     /// A text that stands alone: it can extend nothing, as nobody knows in which folder that would be.
-    pub(super) fn alone(text: &str, name: &str) -> Sources {
+    pub(crate) fn alone(text: &str, name: &str) -> Sources {
         let whole = Source { name: name.to_owned(), span: 0..text.len(), folder: String::new() };
         Sources { text: text.to_owned(), files: vec![whole] }
     }
 
     /// Reads a file, what that extends, what that extends, and so on.
-    pub(super) fn load(path: &Path) -> Result<Sources, SceneError> {
-        let mut sources = Sources::alone(&files::read(path)?, &path.display().to_string());
+    pub(crate) fn load(path: &Path) -> Result<Sources, SceneError> {
+        let mut sources = Sources::alone(&text_of(path)?, &path.display().to_string());
         let mut path = path.to_owned();
         let mut read = vec![fs::canonicalize(&path).unwrap_or_else(|_| path.clone())];
         loop {
@@ -61,7 +60,7 @@ impl Sources {
                 Err(problem) => return Err(sources.refuse(vec![*problem])),
             };
             path = path.with_file_name("").join(&stated.base);
-            let text = match files::read(&path) {
+            let text = match text_of(&path) {
                 Ok(text) => text,
                 Err(error) => {
                     let why = format!("failed to {error}, expected the path of a file from this file's folder");
@@ -118,7 +117,7 @@ impl Sources {
     }
 
     /// All files laid over each other, their own keys `extends` left away; spans count through `text`.
-    pub(super) fn merged(&self) -> Result<Spanned<DeTable<'_>>, Vec<Problem>> {
+    pub(crate) fn merged(&self) -> Result<Spanned<DeTable<'_>>, Vec<Problem>> {
         let mut merged = DeTable::new();
         for source in &self.files {
             let start = source.span.start;
@@ -149,12 +148,12 @@ impl Sources {
     }
 
     /// All texts, as spans count.
-    pub(super) fn text(&self) -> &str {
+    pub(crate) fn text(&self) -> &str {
         &self.text
     }
 
     /// Whether the scene is one file.
-    pub(super) fn is_one(&self) -> bool {
+    pub(crate) fn is_one(&self) -> bool {
         self.files.len() == 1
     }
 
@@ -164,7 +163,7 @@ impl Sources {
     }
 
     /// The refusal of the scene for `problems`, each of which comes to know its file.
-    pub(super) fn refuse(self, mut problems: Vec<Problem>) -> SceneError {
+    pub(crate) fn refuse(self, mut problems: Vec<Problem>) -> SceneError {
         for problem in &mut problems {
             let place = self.files.iter().position(|source| source.holds(&problem.span));
             problem.file = place.filter(|index| *index > 0).map(|index| self.files[index].name.clone());
@@ -266,4 +265,13 @@ fn shifted_value(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>>
         plain => plain,
     };
     Spanned::new(span, moved)
+}
+
+/// The text of a scene file.
+fn text_of(path: &Path) -> Result<String, SceneError> {
+    let bytes = fs::read(path).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+    String::from_utf8(bytes).map_err(|error| SceneError::NotText {
+        file: path.display().to_string(),
+        offset: error.utf8_error().valid_up_to(),
+    })
 }

@@ -8,8 +8,7 @@ use localizer::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Scene, building::default_retroreflection, parse::Contradiction};
-use crate::coverage::{Ceiling, Field, Goal, reach, smallest};
+use super::{Scene, building::default_retroreflection};
 
 /// Markers of retro-reflective dots on the ceiling, for a camera that looks up.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -41,7 +40,7 @@ pub struct Markers {
     /// Instead: as few as are proven to be enough for the room and the ceiling camera, with the coding's identities in their order.
     pub layout: Option<Layout>,
     #[serde(skip)]
-    laid_out: Vec<Marker>,
+    pub(crate) laid_out: Vec<Marker>,
 }
 
 /// Markers laid out over the room so that some are wholly in the image of the ceiling camera from wherever the robot can be, whatever the errors
@@ -142,21 +141,13 @@ impl Markers {
         if self.layout.is_some() { &self.laid_out } else { &self.markers }
     }
 
-    /// What their coverage is asked for.
-    pub fn goal(&self) -> Goal {
-        self.layout.as_ref().map_or_else(Goal::default, |layout| Goal {
-            seen_at_once: layout.seen_at_once,
-            margin_px: layout.margin_px,
-        })
-    }
-
     /// Nominal height of a marker above the floor.
     pub fn height_m(&self, marker: &Marker, scene: &Scene) -> f64 {
         marker.height_m.unwrap_or(scene.building.ceiling_height_m - UNDER_CEILING_M - self.height_tolerance_m)
     }
 
     /// States every marker's nominal height, so that it stays whatever becomes of the tolerance.
-    pub(super) fn state_heights(&mut self, scene: &Scene) {
+    pub(crate) fn state_heights(&mut self, scene: &Scene) {
         let nominal = self.clone();
         for marker in self.markers.iter_mut().chain(&mut self.laid_out) {
             marker.height_m = Some(nominal.height_m(marker, scene));
@@ -174,7 +165,7 @@ impl Markers {
     }
 
     /// What the localizer is told.
-    pub(super) fn map(&self, scene: &Scene) -> MarkerMap {
+    pub(crate) fn map(&self, scene: &Scene) -> MarkerMap {
         let placed = |marker: &Marker| PlacedMarker {
             id: MarkerId(marker.id),
             centre_m: [marker.x_m, marker.y_m],
@@ -191,53 +182,9 @@ impl Markers {
     }
 }
 
-/// Middles of markers keep this from the walls.
-const FROM_WALL_M: f64 = 0.08;
-
-impl Scene {
-    /// Lays out what `[markers.layout]` asks for.
-    pub(super) fn lay_out_markers(&mut self) -> Result<(), Contradiction> {
-        let Some(markers) = self.markers.as_ref().filter(|markers| markers.layout.is_some()) else { return Ok(()) };
-        let refused = |expected: String| Contradiction { key: "markers.layout".to_owned(), expected };
-        if !markers.markers.is_empty() {
-            return Err(refused("stands beside `[[markers.marker]]`, expected one of the two".to_owned()));
-        }
-        if self.robot.ceiling_camera.is_none() {
-            return Err(refused("stands without `[robot.ceiling_camera]`, for which markers are laid out".to_owned()));
-        }
-        let (words, coding) = (localizer::markers::Coding::from(markers.coding).identities(), markers.coding.as_str());
-        let room_m = [self.room.width_m, self.room.depth_m];
-        let ceiling = Ceiling {
-            reach_m: reach(self),
-            markers_m: room_m.map(|extent_m| [FROM_WALL_M, extent_m - FROM_WALL_M]),
-            height_m: self.building.ceiling_height_m - UNDER_CEILING_M - markers.height_tolerance_m,
-            seen_at_once: markers.goal().seen_at_once,
-        };
-        let field = Field::new(self, markers.goal().margin_px);
-        let Some(places) = field.and_then(|field| smallest(&field, &ceiling)) else {
-            let expected = "no lattice of up to 4096 markers is surely seen, expected a shorter focal length of the ceiling camera, or \
-                            smaller tolerances";
-            return Err(refused(expected.to_owned()));
-        };
-        if places.len() > words.len() {
-            return Err(refused(format!(
-                "{} markers are needed, but the {coding} have {} words; expected a shorter focal length, a lower camera under a higher \
-                 ceiling, smaller tolerances, or `coding = \"plain\"` with 4096",
-                places.len(),
-                words.len()
-            )));
-        }
-        let laid_out = words.iter().zip(places).map(|(word, [x_m, y_m, _])| Marker::new(word.0, x_m, y_m)).collect();
-        if let Some(markers) = &mut self.markers {
-            markers.laid_out = laid_out;
-        }
-        Ok(())
-    }
-}
-
 impl Marker {
     /// A whole one along world x.
-    fn new(id: u16, x_m: f64, y_m: f64) -> Marker {
+    pub(crate) fn new(id: u16, x_m: f64, y_m: f64) -> Marker {
         Marker {
             id,
             x_m,
@@ -277,8 +224,8 @@ impl Default for Markers {
 
 impl Default for Layout {
     fn default() -> Self {
-        let Goal { seen_at_once, margin_px } = Goal::default();
-        Layout { seen_at_once, margin_px }
+        // Vision compares a dot with its surroundings, which need a few pixels.
+        Layout { seen_at_once: 1, margin_px: 3.0 }
     }
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::navigation::OccupancyGrid;
+use super::OccupancyGrid;
 
 /// How errands are planned and driven.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]

@@ -109,7 +109,7 @@ pub struct Spread {
 
 impl Scene {
     /// Adds the stations that `spread` asks for.
-    pub(super) fn spread_stations(&mut self) {
+    pub(crate) fn spread_stations(&mut self) {
         let Some(spread) = self.station_spread.clone() else { return };
         let margin_m = self.robot.body_radius_m + spread.tolerance_m.unwrap_or(self.start.tolerance_m);
         let extent_m = [self.room.width_m - 2.0 * margin_m, self.room.depth_m - 2.0 * margin_m];

@@ -5,7 +5,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{MethodName, Scene};
-use crate::drawn::Drawn;
 
 /// What `wall_directions` knows of the building and how it looks for level edges.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -101,11 +100,6 @@ impl Scene {
     /// Directions of the walls from world x as the scene states them, modulo 90: the room's, then each further room's.
     pub fn stated_wall_directions_deg(&self) -> Vec<f64> {
         std::iter::once(0.0).chain(self.building.rooms.iter().map(|room| room.heading_deg)).collect()
-    }
-
-    /// The same as the walls truly stand.
-    pub fn true_wall_directions_deg(&self, drawn: &Drawn) -> Vec<f64> {
-        self.stated_wall_directions_deg().into_iter().map(|stated_deg| stated_deg + drawn.walls_turn_deg).collect()
     }
 
     /// Directions that the map tells.

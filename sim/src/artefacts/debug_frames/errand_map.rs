@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 
-use crate::{run::RunRecord, scene::SceneFile};
+use crate::{loading::SceneFile, run::RunRecord};
 
 use super::{
     canvas::{Canvas, Panel},

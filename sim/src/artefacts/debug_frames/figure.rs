@@ -3,8 +3,9 @@
 use image::{Rgb, RgbImage};
 
 use crate::{
+    loading::SceneFile,
     run::{ImageRecord, RunRecord},
-    scene::{Event, Scene, SceneFile},
+    scene::{Event, Scene},
 };
 
 use super::{

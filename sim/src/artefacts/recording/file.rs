@@ -13,7 +13,7 @@ use mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records::Me
 use crate::{
     artefacts::run_files::{RecordError, Summary, folder, naming},
     judge::Verdict,
-    scene::SceneFile,
+    loading::SceneFile,
 };
 
 use super::{

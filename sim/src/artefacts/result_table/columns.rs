@@ -1,6 +1,6 @@
 //! The columns of the result table: what each is called and which figure it shows.
 
-use crate::artefacts::figures::Figures;
+use crate::judge::figures::Figures;
 
 use super::Line;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::artefacts::figures::Figures;
+use crate::judge::figures::Figures;
 
 /// Counts of things that happen on errands.
 const ERRAND_COUNTS: [&str; 6] = ["errands", "goals_reached", "goals_missed", "arrivals_off", "replans", "collisions"];

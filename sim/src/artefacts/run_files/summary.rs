@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use crate::{
     artefacts::machine::machine,
     judge::Verdict,
+    loading::{SceneFile, Setting},
     run::{self, RunRecord},
-    scene::{SceneFile, Setting},
 };
 
 use super::digest::{estimates_digest, program_digest, scene_digest, truth_digest};

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::{artefacts::figures::Figures, campaign::sweep::Recorded};
+use crate::{campaign::sweep::Recorded, judge::figures::Figures};
 
 use super::{CaseResult, Results};
 

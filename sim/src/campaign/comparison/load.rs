@@ -9,14 +9,12 @@ use std::{
 use thiserror::Error;
 
 use crate::{
-    artefacts::{
-        figures::Figures,
-        run_files::{RecordError, naming},
-    },
+    artefacts::run_files::{RecordError, naming},
     campaign::{
         cases::{Results, Table, from_csv, to_csv},
         sweep::SweepError,
     },
+    judge::figures::Figures,
 };
 
 /// Cases by scene, settings and seed.

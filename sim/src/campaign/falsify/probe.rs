@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 use crate::{
     artefacts::run_files::Summary,
     judge::judge,
+    loading::SceneFile,
     render::Renderer,
     run::{RunOptions, run, run_otherwise},
-    scene::{Scene, SceneError, SceneFile},
+    scene::{Scene, SceneError},
     subject::IntervalLocalizer,
 };
 

@@ -1,6 +1,6 @@
 //! The few figures that a report shows of every combination.
 
-use crate::artefacts::figures::Figures;
+use crate::judge::figures::Figures;
 
 /// A figure as people read it.
 #[derive(Clone, Copy, Debug)]

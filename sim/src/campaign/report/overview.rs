@@ -2,9 +2,10 @@
 
 use super::{MEASURES, Measure};
 use crate::{
-    artefacts::{figures::Figures, result_table::pool},
+    artefacts::result_table::pool,
     campaign::cases::{CaseResult, Results},
-    scene::Setting,
+    judge::figures::Figures,
+    loading::Setting,
 };
 
 /// What a report says of all cases.
@@ -120,7 +121,7 @@ impl Group {
     /// What `key` is set to, as text.
     pub fn value(&self, key: &str) -> String {
         let setting = self.settings.iter().find(|setting| setting.key == key);
-        setting.map(|setting| crate::scene::shown(&setting.value)).unwrap_or_default()
+        setting.map(|setting| crate::loading::shown(&setting.value)).unwrap_or_default()
     }
 }
 

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::{
-    artefacts::{figures::Figures, result_table},
+    artefacts::result_table,
     campaign::cases::{CaseResult, Replay, Results},
     judge::Judgement,
+    judge::figures::Figures,
 };
 
 use super::{

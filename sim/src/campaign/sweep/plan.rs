@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     artefacts::run_files::{program_digest, scene_digest},
-    scene::{SceneFile, SceneTemplate, Setting},
+    loading::{SceneFile, SceneTemplate, Setting},
 };
 
 use super::{Sweep, SweepError, Variable};

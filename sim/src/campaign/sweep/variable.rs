@@ -5,7 +5,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use crate::scene::{shown, value_of};
+use crate::loading::{shown, value_of};
 
 /// A key of the scene and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,9 @@
 //! The keys by which a scene tells the localizer its bounds: what tells it other bounds than those that hold.
 
-use super::{Bounds, Robot, Scene};
-use crate::drawn::Drawn;
+use crate::{
+    drawn::Drawn,
+    scene::{Bounds, Robot, Scene},
+};
 
 /// One key of the scene that states a bound.
 struct Key<'a> {

@@ -5,8 +5,9 @@ use std::{fmt, path::Path, str::FromStr};
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::{
-    Scene, SceneError, SceneFile,
+use super::SceneFile;
+use crate::scene::{
+    Scene, SceneError,
     schema::{alternatives, resolve, schema},
 };
 

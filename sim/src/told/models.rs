@@ -13,11 +13,10 @@ use localizer::{
 
 use crate::{
     optics::{AutoExposure, mounts::forward_focal_px},
+    scene::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles},
     sensors::range_camera::FIRST_S,
     world::STEP_S,
 };
-
-use super::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles};
 
 /// The contact with a wall gives way by less than a millimetre.
 const GIVES_WAY_M: f64 = 0.001;

@@ -7,7 +7,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Scene, SceneError, Setting, extend::Sources, parse};
+use super::{Setting, parse};
+use crate::scene::{Scene, SceneError, Sources};
 
 /// What a file ends in that scenes extend but that is none itself.
 const BASE_ENDING: &str = ".base.toml";
@@ -69,15 +70,6 @@ impl SceneFile {
         }
         Ok(scenes)
     }
-}
-
-/// The text of a scene file.
-pub(super) fn read(path: &Path) -> Result<String, SceneError> {
-    let bytes = fs::read(path).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
-    String::from_utf8(bytes).map_err(|error| SceneError::NotText {
-        file: path.display().to_string(),
-        offset: error.utf8_error().valid_up_to(),
-    })
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), SceneError> {

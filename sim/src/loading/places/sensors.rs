@@ -1,6 +1,7 @@
 //! Sensors besides cameras that cannot be read when they are, whose bounds bound nothing, or that nobody asks.
 
-use crate::scene::{Flow, Gyro, Scene, parse::Contradiction};
+use crate::loading::parse::Contradiction;
+use crate::scene::{Flow, Gyro, Scene};
 
 use super::short;
 

@@ -1,11 +1,12 @@
 //! Lamps, doors and lenses that cannot be.
 
+use crate::loading::parse::Contradiction;
 use nalgebra::Point3;
 
 use crate::{
     building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
     optics::Lens,
-    scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene, parse::Contradiction},
+    scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene},
 };
 
 /// How far outside of the robot's room a lamp or a door may be when there are further rooms.

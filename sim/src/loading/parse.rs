@@ -8,9 +8,12 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use crate::navigation::map_server;
+use crate::{
+    navigation::map_server,
+    scene::{Scene, SceneError, Sources, conform, error::Problem},
+};
 
-use super::{Scene, SceneError, conform, error::Problem, extend::Sources, places};
+use super::places;
 
 impl Scene {
     /// Reads the text of a scene; `file` names it in errors, and the map that it may state lies beside that file.

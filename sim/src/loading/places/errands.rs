@@ -1,9 +1,7 @@
 //! Errands on which nobody can go.
 
-use crate::{
-    navigation::Planner,
-    scene::{Scene, parse::Contradiction},
-};
+use crate::loading::parse::Contradiction;
+use crate::{navigation::Planner, scene::Scene};
 
 /// Goals to which no way leads, and what the proximity sensor cannot be.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {

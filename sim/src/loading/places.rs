@@ -7,7 +7,8 @@ mod markers;
 mod sensors;
 mod things;
 
-use super::{Event, MethodName, Scene, conform::nearest, parse::Contradiction};
+use super::parse::Contradiction;
+use crate::scene::{Event, MethodName, Scene, conform::nearest};
 
 /// Steepest ramp of a carpet's edge: rubber of friction 0.8 holds on it, and wheels keep their load.
 const GREATEST_SLOPE: f64 = 0.5;

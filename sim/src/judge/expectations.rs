@@ -1,0 +1,185 @@
+//! What a scene expects of its runs, held against their figures.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::scene::{Expect, conform::nearest};
+
+use super::{Baseline, ErrorTable, Verdict, figures::figures};
+
+/// What a figure is held against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sense {
+    Exactly,
+    AtMost,
+    AtLeast,
+}
+
+/// Counts that may stand without the prefix `containment.`.
+const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception", "unsound"];
+
+/// Tables of a summary whose keys depend on the run: any one name stands for `*` in the figures known beforehand.
+const ANY_NAME: &str = "*";
+
+/// What `metrics` may hold, each where the run has what it measures.
+pub const METRICS: [&str; 48] = [
+    "arrival_error_greatest_m",
+    "arrival_error_mean_m",
+    "arrival_estimate_greatest_m",
+    "arrivals_off",
+    "branches_at_end",
+    "branches_max",
+    "clearance_furniture_least_m",
+    "clearance_least_m",
+    "clearance_people_least_m",
+    "collisions",
+    "distance_m",
+    "errands",
+    "feature_matches_median",
+    "goals_missed",
+    "goals_reached",
+    "heading_error_max_deg",
+    "heading_error_p95_deg",
+    "landmark_width_m",
+    "landmarks_grown",
+    "landmarks_known",
+    "landmarks_outside",
+    "longest_outside_s",
+    "marker_images",
+    "marker_images_read_share",
+    "markers_in_view",
+    "markers_misread",
+    "markers_read_share",
+    "nearest_marker_confidence_heading_correlation",
+    "nearest_marker_confidence_position_correlation",
+    "nearest_marker_misread",
+    "nearest_marker_read_share",
+    "path_deviation_greatest_m",
+    "path_deviation_p95_m",
+    "recovering_share",
+    "replans",
+    "vanishing_point_error_median_deg",
+    "vanishing_point_error_p95_deg",
+    "vanishing_point_share",
+    "waited_s",
+    "wall_fix_contained_share",
+    "wall_fix_error_max_deg",
+    "wall_fix_error_p95_deg",
+    "wall_fix_share",
+    "wall_fix_width_mean_deg",
+    "wall_images",
+    "wall_lines_per_image",
+    "wall_spoilt_images_max",
+    "wall_wrong_share_max",
+];
+
+impl Expect {
+    /// One line for each limit that `summary` misses: its name, the value found, the limit.
+    ///
+    /// `summary` is a serialised [`Verdict`] or a whole summary.json. A figure that the run did not measure misses every limit.
+    pub fn evaluate(&self, summary: &Value) -> Vec<String> {
+        let measured = figures(summary);
+        let names: Vec<String> = measured.keys().cloned().collect();
+        let mut missed = Vec::new();
+        for (name, limit) in self.named_limits() {
+            let Some(limit) = limit.as_f64() else { continue };
+            let Some((figure, sense)) = resolve(&name, &names) else {
+                missed.push(format!("{name} = {limit}, but the run did not measure it"));
+                continue;
+            };
+            let value = measured[&figure];
+            let (is_met, wanted) = match sense {
+                Sense::Exactly => (value == limit, "expected"),
+                Sense::AtMost => (value <= limit, "expected at most"),
+                Sense::AtLeast => (value >= limit, "expected at least"),
+            };
+            if !is_met {
+                missed.push(format!("{figure} is {value}, {wanted} {limit}"));
+            }
+        }
+        missed
+    }
+
+    /// Names that no figure has, and limits that are no number, each with what was expected.
+    pub(crate) fn unknown(&self) -> Vec<(String, String)> {
+        let known: Vec<String> = figures(&blank_summary()).into_keys().collect();
+        let mut unknown = Vec::new();
+        for (name, limit) in self.named_limits() {
+            if resolve(&name, &known).is_none() {
+                let expected = match nearest(&name, known.iter().map(String::as_str)) {
+                    Some(meant) => format!("unknown figure, expected `{meant}`, `{meant}_max` or `{meant}_min`?"),
+                    None => "unknown figure, expected one of those in summary.json".to_owned(),
+                };
+                unknown.push((name, expected));
+            } else if !limit.as_f64().is_some_and(f64::is_finite) {
+                unknown.push((name, "expected a finite number".to_owned()));
+            }
+        }
+        unknown
+    }
+
+    fn named_limits(&self) -> Vec<(String, &Value)> {
+        fn collect<'a>(
+            table: impl Iterator<Item = (&'a String, &'a Value)>,
+            prefix: &str,
+            named: &mut Vec<(String, &'a Value)>,
+        ) {
+            for (key, value) in table {
+                let name = format!("{prefix}{key}");
+                match value {
+                    Value::Object(inner) => collect(inner.iter(), &format!("{name}."), named),
+                    _ => named.push((name, value)),
+                }
+            }
+        }
+        let mut named = Vec::new();
+        collect(self.limits.iter(), "", &mut named);
+        named
+    }
+}
+
+/// The figure that a limit's name speaks of. A figure's own name comes first, as some end in `_max` themselves.
+fn resolve(name: &str, known: &[String]) -> Option<(String, Sense)> {
+    let suffixes = [("", Sense::Exactly), ("_max", Sense::AtMost), ("_min", Sense::AtLeast)];
+    suffixes.into_iter().find_map(|(suffix, sense)| {
+        let stem = name.strip_suffix(suffix)?;
+        let full = if SHORTHAND.contains(&stem) { format!("containment.{stem}") } else { stem.to_owned() };
+        known.iter().any(|figure| matches(figure, &full)).then_some((full, sense))
+    })
+}
+
+fn matches(figure: &str, name: &str) -> bool {
+    let (mut wanted, mut given) = (figure.split('.'), name.split('.'));
+    loop {
+        match (wanted.next(), given.next()) {
+            (None, None) => return true,
+            (Some(wanted), Some(given)) if wanted == given || wanted == ANY_NAME => {}
+            _ => return false,
+        }
+    }
+}
+
+/// A summary with every figure that a run may leave.
+fn blank_summary() -> Value {
+    let baseline = Baseline {
+        error: Some(Default::default()),
+        containment: Some(Default::default()),
+        width: Some(Default::default()),
+    };
+    let verdict = Verdict {
+        containment: Some(Default::default()),
+        judgements: Vec::new(),
+        violations: Vec::new(),
+        error: ErrorTable { at_fix: Some(Default::default()), ..Default::default() },
+        width: Some(Default::default()),
+        power: Some(Default::default()),
+        availability: Some(0.0),
+        methods: BTreeMap::from([(ANY_NAME.to_owned(), Default::default())]),
+        baselines: BTreeMap::from([(ANY_NAME.to_owned(), baseline)]),
+        metrics: METRICS.map(|name| (name.to_owned(), 0.0)).into(),
+        verdict: Default::default(),
+    };
+    // Nothing in a verdict can fail to serialise: its keys are texts.
+    serde_json::to_value(&verdict).unwrap_or_default()
+}

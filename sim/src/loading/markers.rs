@@ -1,0 +1,51 @@
+//! Markers that a scene asks to have laid out.
+
+use super::parse::Contradiction;
+use crate::{
+    coverage::{Ceiling, Field, reach, smallest},
+    scene::{Marker, Scene, UNDER_CEILING_M},
+};
+
+/// Middles of markers keep this from the walls.
+const FROM_WALL_M: f64 = 0.08;
+
+impl Scene {
+    /// Lays out what `[markers.layout]` asks for.
+    pub(super) fn lay_out_markers(&mut self) -> Result<(), Contradiction> {
+        let Some(markers) = self.markers.as_ref().filter(|markers| markers.layout.is_some()) else { return Ok(()) };
+        let refused = |expected: String| Contradiction { key: "markers.layout".to_owned(), expected };
+        if !markers.markers.is_empty() {
+            return Err(refused("stands beside `[[markers.marker]]`, expected one of the two".to_owned()));
+        }
+        if self.robot.ceiling_camera.is_none() {
+            return Err(refused("stands without `[robot.ceiling_camera]`, for which markers are laid out".to_owned()));
+        }
+        let (words, coding) = (localizer::markers::Coding::from(markers.coding).identities(), markers.coding.as_str());
+        let room_m = [self.room.width_m, self.room.depth_m];
+        let ceiling = Ceiling {
+            reach_m: reach(self),
+            markers_m: room_m.map(|extent_m| [FROM_WALL_M, extent_m - FROM_WALL_M]),
+            height_m: self.building.ceiling_height_m - UNDER_CEILING_M - markers.height_tolerance_m,
+            seen_at_once: markers.goal().seen_at_once,
+        };
+        let field = Field::new(self, markers.goal().margin_px);
+        let Some(places) = field.and_then(|field| smallest(&field, &ceiling)) else {
+            let expected = "no lattice of up to 4096 markers is surely seen, expected a shorter focal length of the ceiling camera, or \
+                            smaller tolerances";
+            return Err(refused(expected.to_owned()));
+        };
+        if places.len() > words.len() {
+            return Err(refused(format!(
+                "{} markers are needed, but the {coding} have {} words; expected a shorter focal length, a lower camera under a higher \
+                 ceiling, smaller tolerances, or `coding = \"plain\"` with 4096",
+                places.len(),
+                words.len()
+            )));
+        }
+        let laid_out = words.iter().zip(places).map(|(word, [x_m, y_m, _])| Marker::new(word.0, x_m, y_m)).collect();
+        if let Some(markers) = &mut self.markers {
+            markers.laid_out = laid_out;
+        }
+        Ok(())
+    }
+}

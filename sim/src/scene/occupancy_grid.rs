@@ -1,0 +1,76 @@
+//! A map of the floor in square cells, each free, occupied or unknown: what the file holds that a scene names.
+
+/// What is known of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cell {
+    /// Nothing stands there.
+    Free,
+    /// Something stands there, or in a part of it.
+    Occupied,
+    /// Nobody has looked.
+    Unknown,
+}
+
+/// A map of square cells along the world's axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OccupancyGrid {
+    /// Edge of a cell.
+    pub resolution_m: f64,
+    /// World place of the lower left corner of the first cell.
+    pub origin_m: [f64; 2],
+    /// Columns along world x, rows along world y.
+    pub size: [usize; 2],
+    /// Row by row from the least y, each from the least x.
+    pub cells: Vec<Cell>,
+}
+
+impl OccupancyGrid {
+    /// The cell at a column and a row; beyond the map nothing is known.
+    pub fn at(&self, [column, row]: [usize; 2]) -> Cell {
+        if column >= self.size[0] || row >= self.size[1] {
+            return Cell::Unknown;
+        }
+        self.cells[row * self.size[0] + column]
+    }
+
+    /// Column and row of the cell in which a world place lies, or `None` beyond the map.
+    pub fn cell_at(&self, place_m: [f64; 2]) -> Option<[usize; 2]> {
+        let index = [0, 1].map(|axis| ((place_m[axis] - self.origin_m[axis]) / self.resolution_m).floor());
+        let is_inside = (0..2).all(|axis| index[axis] >= 0.0 && index[axis] < self.size[axis] as f64);
+        is_inside.then(|| index.map(|index| index as usize))
+    }
+
+    /// World place of a cell's centre.
+    pub fn centre_m(&self, cell: [usize; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| self.origin_m[axis] + (cell[axis] as f64 + 0.5) * self.resolution_m)
+    }
+
+    /// Marks the cell in which a world place lies; a place beyond the map changes nothing.
+    pub fn occupy(&mut self, place_m: [f64; 2]) {
+        if let Some([column, row]) = self.cell_at(place_m) {
+            self.cells[row * self.size[0] + column] = Cell::Occupied;
+        }
+    }
+
+    /// Whether anything but free floor lies within a distance of a world place, measured to the edges of cells.
+    pub fn is_crowded(&self, place_m: [f64; 2], within_m: f64) -> bool {
+        let reach = (within_m / self.resolution_m).ceil() as i64 + 1;
+        let Some(middle) = self.cell_at(place_m) else { return true };
+        let half_m = 0.5 * self.resolution_m;
+        for row in middle[1] as i64 - reach..=middle[1] as i64 + reach {
+            for column in middle[0] as i64 - reach..=middle[0] as i64 + reach {
+                let (Ok(cell_x), Ok(cell_y)) = (usize::try_from(column), usize::try_from(row)) else { continue };
+                let is_inside = cell_x < self.size[0] && cell_y < self.size[1];
+                if !is_inside || self.at([cell_x, cell_y]) == Cell::Free {
+                    continue;
+                }
+                let centre_m = self.centre_m([cell_x, cell_y]);
+                let beyond = |axis: usize| ((place_m[axis] - centre_m[axis]).abs() - half_m).max(0.0);
+                if beyond(0).hypot(beyond(1)) < within_m {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,141 @@
+//! What the folders of each crate may know of each other, read from their sources.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::Path,
+};
+
+use crate::command::root;
+
+/// By module below the root of a crate, the modules that its files name by `crate::`, and in which file.
+type Uses = BTreeMap<String, BTreeMap<String, String>>;
+
+fn uses(sources: &str) -> Uses {
+    let folder = root().join(sources);
+    let exported = exported(&fs::read_to_string(folder.join("lib.rs")).unwrap());
+    let mut uses = Uses::new();
+    walk(&folder, &mut |path, text| {
+        let below = path.strip_prefix(&folder).unwrap();
+        let module = below.iter().next().unwrap().to_str().unwrap().trim_end_matches(".rs").to_owned();
+        // The library's root and the program name everything, and nothing names them.
+        if ["lib", "main"].contains(&module.as_str()) {
+            return;
+        }
+        for name in named(&code(text)) {
+            let other = exported.get(&name).unwrap_or(&name).clone();
+            if other != module {
+                uses.entry(module.clone()).or_default().entry(other).or_insert(below.display().to_string());
+            }
+        }
+    });
+    uses
+}
+
+fn walk(folder: &Path, see: &mut dyn FnMut(&Path, &str)) {
+    let mut paths: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    for path in paths {
+        if path.is_dir() {
+            walk(&path, see);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            see(&path, &fs::read_to_string(&path).unwrap());
+        }
+    }
+}
+
+/// Of a file what is compiled into the library: no comments, and nothing from its unit tests on, which stand last.
+fn code(text: &str) -> String {
+    let before_tests = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+    before_tests.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
+}
+
+/// The first name of every path from the root of the crate, those of a group included.
+fn named(code: &str) -> BTreeSet<String> {
+    let name = |text: &str| {
+        text.trim_start().chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect()
+    };
+    let mut names = BTreeSet::new();
+    for rest in code.split("crate::").skip(1) {
+        let Some(group) = rest.strip_prefix('{') else {
+            names.insert(name(rest));
+            continue;
+        };
+        let (mut depth, mut begins) = (1, true);
+        for (at, letter) in group.char_indices() {
+            if begins && depth == 1 && !letter.is_whitespace() && letter != '}' {
+                names.insert(name(&group[at..]));
+                begins = false;
+            }
+            match letter {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' => begins = true,
+                _ => {}
+            }
+            if depth == 0 {
+                break;
+            }
+        }
+    }
+    names
+}
+
+/// What a library's root gives out under another path, with the module that it is of.
+fn exported(lib: &str) -> BTreeMap<String, String> {
+    let mut exported = BTreeMap::new();
+    for line in lib.lines().filter_map(|line| line.strip_prefix("pub use ")) {
+        let Some((module, names)) = line.trim_end_matches(';').split_once("::") else { continue };
+        for name in names.trim_matches(['{', '}']).split(',') {
+            exported.insert(name.trim().to_owned(), module.to_owned());
+        }
+    }
+    exported
+}
+
+/// A way from a module back to itself, each step with the file that takes it; `None` where there is none.
+fn circle(uses: &Uses) -> Option<String> {
+    fn from(module: &str, uses: &Uses, way: &mut Vec<String>, done: &mut BTreeSet<String>) -> Option<String> {
+        if let Some(first) = way.iter().position(|before| before == module) {
+            let steps = way[first..].iter().zip(way[first + 1..].iter().map(String::as_str).chain([module]));
+            return Some(steps.map(|(one, next)| format!("{one} names {next} in {}; ", uses[one][next])).collect());
+        }
+        if !done.insert(module.to_owned()) {
+            return None;
+        }
+        way.push(module.to_owned());
+        let found = uses.get(module).into_iter().flatten().find_map(|(next, _)| from(next, uses, way, done));
+        way.pop();
+        found
+    }
+    let mut done = BTreeSet::new();
+    uses.keys().find_map(|module| from(module, uses, &mut Vec::new(), &mut done))
+}
+
+#[test]
+fn no_module_of_a_crate_knows_itself_by_way_of_others() {
+    for sources in ["localizer/interval/src", "localizer/src", "sim/src"] {
+        let uses = uses(sources);
+        assert!(sources.contains("interval") || uses.len() > 5, "{sources}: {uses:?}");
+        assert_eq!(circle(&uses), None, "{sources}");
+    }
+}
+
+#[test]
+fn a_scene_is_keys_and_knows_nothing_that_is_made_of_them() {
+    assert_eq!(uses("sim/src").get("scene"), None);
+}
+
+#[test]
+fn a_circle_through_three_modules_is_found() {
+    let to = |other: &str, file: &str| BTreeMap::from([(other.to_owned(), file.to_owned())]);
+    let uses = Uses::from([
+        ("a".to_owned(), to("b", "a.rs")),
+        ("b".to_owned(), to("c", "b/one.rs")),
+        ("c".to_owned(), to("a", "c.rs")),
+    ]);
+    assert_eq!(circle(&uses).unwrap(), "a names b in a.rs; b names c in b/one.rs; c names a in c.rs; ");
+    assert_eq!(circle(&Uses::from([("a".to_owned(), to("b", "a.rs")), ("c".to_owned(), to("a", "c.rs"))])), None);
+    let code = "use crate::{\n    d::{E, f},\n    g::H,\n};\nfn i() -> crate::j::K {}";
+    assert_eq!(named(code), ["d", "g", "j"].map(str::to_owned).into());
+}
