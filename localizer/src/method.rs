@@ -6,7 +6,7 @@ use crate::{
     PoseUnion, Reading,
     bounds::Assumption,
     markers::{GridPlace, MarkerId},
-    motion::Motion,
+    motion::{Motion, Twist},
     reading::LandmarkId,
 };
 
@@ -63,15 +63,6 @@ pub trait Method: Send {
 
 /// Motion from one stamp to a later one in the frame of the first pose; `None` where the memory does not reach.
 pub type MotionBetween<'a> = &'a dyn Fn(f64, f64) -> Option<Motion>;
-
-/// Body motion at a stamp as the wheels tell it: where the blur in an image comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Twist {
-    /// Forward speed.
-    pub forward_m_per_s: f64,
-    /// Turn rate, counter-clockwise.
-    pub turn_rad_per_s: f64,
-}
 
 /// What one reading says of the pose at its stamp.
 pub struct Constraint {

@@ -18,7 +18,6 @@ use interval::{Interval, IntervalBox};
 
 use crate::{
     PoseBox, PoseUnion,
-    method::Twist,
     robot::{FlowModel, GyroModel, Reach, WheelModel},
 };
 
@@ -36,6 +35,15 @@ pub const AHEAD_S: f64 = 0.25;
 
 /// Motion of the robot relative to its first pose, in that pose's robot frame: forward, left (metres), turn (radians).
 pub type Motion = IntervalBox<3>;
+
+/// Body motion at a stamp as the wheels tell it: where the blur in an image comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Twist {
+    /// Forward speed.
+    pub forward_m_per_s: f64,
+    /// Turn rate, counter-clockwise.
+    pub turn_rad_per_s: f64,
+}
 
 /// Encoder counts at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]

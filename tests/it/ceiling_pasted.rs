@@ -5,8 +5,9 @@ use localizer::{
     Pose, PoseBox, PoseUnion, Reading,
     map::MarkerMap,
     markers::{GridPlace, MarkerId, dot_in_marker_m},
-    method::{Claim, Method, Twist},
+    method::{Claim, Method},
     methods::ceiling_markers::CeilingMarkers,
+    motion::Twist,
     reading::Camera,
     vision::ceiling::{self, CeilingView, PictureMotion, SeenMarker},
 };

@@ -5,13 +5,14 @@ use interval::contractor::{Contractor, Outcome};
 use localizer::{
     Constraint, Estimate, Localizer, Method, Pose, PoseBox, PoseUnion, Reading,
     localizer::Account,
-    method::{MotionBetween, Twist},
+    method::MotionBetween,
     methods::{
         ceiling_markers::CeilingMarkers,
         floor_tiles::{Chain, FloorTiles},
         range_landmarks::{Freedom, RangeLandmarks, Solver},
         wall_directions::{self, WallDirections},
     },
+    motion::Twist,
     reading::LandmarkId,
 };
 use sim::{

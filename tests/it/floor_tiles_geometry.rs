@@ -289,6 +289,6 @@ fn the_method_reads_floor_images_only() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut method = situation(&mut rng, false, SMALL).method();
     let wheels = localizer::Reading::Wheels { measured_s: 0.0, arrived_s: 0.0, ticks: [0, 0] };
-    let twist = localizer::method::Twist::default();
+    let twist = localizer::motion::Twist::default();
     assert!(method.constrain(&wheels, &PoseUnion::default(), &twist).is_none());
 }

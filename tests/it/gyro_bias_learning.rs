@@ -1,7 +1,7 @@
 //! The gyroscope's bias, learnt by the localizer between fixes of the heading, and unlearnt with a doubt.
 
 use interval::Interval;
-use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, method::Twist, robot::GyroModel};
+use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, motion::Twist, robot::GyroModel};
 
 use crate::range_landmarks_setup::{robot, says};
 

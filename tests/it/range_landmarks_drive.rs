@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use interval::{Interval, IntervalBox};
-use localizer::method::Twist;
+use localizer::motion::Twist;
 use localizer::{
     Claim, Method, PoseUnion, Reading,
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},

@@ -3,8 +3,8 @@
 use interval::{Interval, contractor::Contractor};
 use localizer::{
     Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status,
-    method::Twist,
     methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
+    motion::Twist,
     reading::Sighting,
 };
 use nalgebra::Point3;

@@ -1,7 +1,7 @@
 //! Slots farther apart than stamps are remembered: readings are told from the slot before them, however old that is.
 
 use interval::Interval;
-use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, method::Twist};
+use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, motion::Twist};
 
 use crate::range_landmarks_setup::{robot, says};
 

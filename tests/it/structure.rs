@@ -70,7 +70,7 @@ fn named(code: &str) -> BTreeSet<String> {
             match letter {
                 '{' => depth += 1,
                 '}' => depth -= 1,
-                ',' => begins = true,
+                ',' => begins = depth == 1,
                 _ => {}
             }
             if depth == 0 {

@@ -21,7 +21,8 @@ use interval::Interval;
 use crate::{
     Map, PoseUnion, Reading, RobotModel,
     bounds::Assumption,
-    method::{Claim, Constraint, Method, Twist},
+    method::{Claim, Constraint, Method},
+    motion::Twist,
     reading::Camera,
     vision::{self, FloorLines, FloorView, line_fit, straighten::RowMotion},
 };

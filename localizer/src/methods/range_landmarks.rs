@@ -30,7 +30,8 @@ use interval::contractor::{Contractor, Outcome};
 use crate::{
     PoseUnion, Reading, RobotModel,
     bounds::Assumption,
-    method::{Claim, Constraint, Method, MotionBetween, Twist},
+    method::{Claim, Constraint, Method, MotionBetween},
+    motion::Twist,
     reading::LandmarkId,
 };
 

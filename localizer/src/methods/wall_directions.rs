@@ -30,7 +30,8 @@ use interval::Interval;
 use crate::{
     Map, PoseBox, PoseUnion, Reading, RobotModel,
     bounds::Assumption,
-    method::{Claim, Constraint, Method, MotionBetween, Twist},
+    method::{Claim, Constraint, Method, MotionBetween},
+    motion::Twist,
     reading::Camera,
     robot::{BodyModel, ForwardCameraModel, Reach},
     vision::forward::{self, EdgeLine, Picture, vanishing::Equalisation},

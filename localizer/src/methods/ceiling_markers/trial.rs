@@ -11,7 +11,7 @@ use crate::{
     Map, Method, PoseBox, PoseUnion, Reading, RobotModel,
     map::{MarkerMap, PlacedMarker},
     markers::{Coding, MarkerId},
-    method::Twist,
+    motion::Twist,
     reading::Camera,
     robot::{BodyModel, CeilingCameraModel, Reach, WheelModel},
     vision::{

@@ -11,7 +11,7 @@ use interval::Interval;
 use crate::{
     Constraint, Map, PoseBox, RobotModel,
     map::TileGrid,
-    method::Twist,
+    motion::Twist,
     robot::{BodyModel, FloorCameraModel, Reach, WheelModel},
     vision::synthetic::Random,
 };

@@ -10,8 +10,8 @@ use interval::{Interval, contractor::Contractor};
 
 use crate::{
     Claim, Method, PoseBox, PoseUnion, Reading, RobotModel,
-    method::Twist,
     methods::floor_tiles::Chain,
+    motion::Twist,
     reading::Camera,
     vision::{self, FloorLine, synthetic::Random},
 };
