@@ -144,7 +144,7 @@ fn rotated(p: [f64; 3], vector: [f64; 3]) -> [f64; 3] {
 
 /// A run with all its images, and what the check says of it.
 pub(crate) fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
-    let options = RunOptions { keep_images: FramesPolicy::All, ..RunOptions::default() };
+    let options = RunOptions { keep_images: FramesPolicy::All };
     let record =
         run(scene, seed, &mut IntervalLocalizer::of(scene), Some(&mut renderer()), &options, &mut |_| {}).unwrap();
     let verdict = verdict_of(scene, &record);

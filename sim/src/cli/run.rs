@@ -98,7 +98,7 @@ fn run_one(
 ) -> Result<Recorded, CommandError> {
     let start = bar.position();
     let mut renderer = renderer.filter(|_| file.scene.has_camera());
-    let options = RunOptions { keep_images: arguments.frames, ..RunOptions::default() };
+    let options = RunOptions { keep_images: arguments.frames };
     let mut progress = |simulated_s: f64| bar.set_position(start + milliseconds(simulated_s));
     let recording = form(arguments).map(|form| Recording::begin(&arguments.out, file, seed, form));
     let mut witnesses = (recording.transpose()?, live.map(|server| server.begin(&file.scene)));

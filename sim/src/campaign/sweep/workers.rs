@@ -100,7 +100,7 @@ fn run_case(
     store: &Store,
 ) -> Result<Finished, SweepError> {
     let scene = &case.file.scene;
-    let options = RunOptions { keep_images: frames, ..RunOptions::default() };
+    let options = RunOptions { keep_images: frames };
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         let used = renderer.as_mut().filter(|_| scene.has_camera());
         let record = run(scene, case.planned.seed, &mut IntervalLocalizer::of(scene), used, &options, &mut |_| {})?;
