@@ -16,15 +16,17 @@ use crate::{
 /// The bound that a bias learnt at rest stands on.
 const REST: Assumption = "wheels.rest";
 
-/// Fixes and readings are kept for so long: a bias is known to a heading's width over as much, and to what it drifts.
+/// Age up to which fixes and readings are kept. Two fixes this far apart tell the bias to the sum of their widths over 900 s; older ones would tell
+/// little more, as the bias itself drifts meanwhile.
 const KEEP_S: f64 = 900.0;
-/// Of the fixes up to so old, the narrowest in so long a while is kept.
+/// `[max age, window]` of each age class: up to the max age, the narrowest heading fix of every window is kept, and the others are dropped.
 const WHILES_S: [[f64; 2]; 3] = [[10.0, 1.0], [60.0, 5.0], [KEEP_S, 30.0]];
-/// Wheels that brake may roll on for so long without a count.
+/// Time without a tick after which the robot counts as standing: wheels that brake may roll on for less than a tick during it.
 const SETTLED_S: f64 = 0.5;
-/// At rest, the bias is learnt again after so long each time.
+/// Period at which the bias is learnt again while the robot stands.
 const REST_AGAIN_S: f64 = 1.0;
-/// Headings are carried on for so long: scale and bias spoil what is older.
+/// Age up to which a heading fix is carried forward by the gyroscope. Older ones have become wider than newer ones, by the errors of scale and
+/// bias added up.
 const CARRY_S: f64 = 60.0;
 
 /// What is known of the bias, and the fixes that it is learnt from.

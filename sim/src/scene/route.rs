@@ -42,7 +42,7 @@ pub struct Route {
     /// Whether to begin again after the last waypoint, until the time is up. A route of one place alone ends there all the same.
     #[serde(default)]
     pub repeat: bool,
-    /// Whether somebody who sees the robot leads it along the route, whatever it believes: drives of robots that get lost compare.
+    /// Whether the robot is steered along the route by its true pose and not by its estimate, so that every localizer is given the same drive, also one that gets lost.
     #[serde(default)]
     pub led: bool,
 }

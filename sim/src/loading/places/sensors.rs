@@ -1,4 +1,5 @@
-//! Sensors besides cameras that cannot be read when they are, whose bounds bound nothing, or that nobody asks.
+//! Contradictions about sensors other than cameras: periods that the physics cannot sample, bounds that allow anything, and sensors that a method needs
+//! but the robot lacks.
 
 use crate::loading::parse::Contradiction;
 use crate::scene::{Flow, Gyro, Scene};
