@@ -34,7 +34,7 @@
 
 pub mod pose;
 pub mod rigid_motion;
-mod bounds;
+pub mod bounds;
 pub mod robot;
 pub mod markers;
 pub mod map;

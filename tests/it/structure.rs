@@ -6,6 +6,8 @@ use std::{
     path::Path,
 };
 
+use localizer::bounds;
+
 use crate::command::root;
 
 /// By module below the root of a crate, the modules that its files name by `crate::`, and in which file.
@@ -46,7 +48,7 @@ fn walk(folder: &Path, see: &mut dyn FnMut(&Path, &str)) {
 
 /// Of a file what is compiled into the library: no comments, and nothing from its unit tests on, which stand last.
 fn code(text: &str) -> String {
-    let before_tests = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+    let before_tests = text.split("\n#[cfg(test)]\n").next().unwrap();
     before_tests.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
 }
 
@@ -124,6 +126,31 @@ fn no_module_of_a_crate_knows_itself_by_way_of_others() {
 #[test]
 fn a_scene_is_keys_and_knows_nothing_that_is_made_of_them() {
     assert_eq!(uses("sim/src").get("scene"), None);
+}
+
+#[test]
+fn bounds_are_named_by_their_table_and_nowhere_else() {
+    for sources in ["localizer/src", "sim/src"] {
+        walk(&root().join(sources), &mut |path, text| {
+            if path.ends_with("localizer/src/bounds.rs") {
+                return;
+            }
+            // A stream of random numbers may be called like the bound that its draws keep.
+            for line in code(text).lines().filter(|line| !line.contains("stream(")) {
+                let named = bounds::ALL.iter().find(|bound| line.contains(&format!("\"{}\"", bound.name)));
+                assert_eq!(named, None, "{}: {line}", path.display());
+            }
+        });
+    }
+}
+
+#[test]
+fn each_bound_has_one_name_a_unit_and_a_sentence() {
+    let names: BTreeSet<&str> = bounds::ALL.iter().map(|bound| bound.name).collect();
+    assert_eq!(names.len(), bounds::ALL.len());
+    for bound in bounds::ALL {
+        assert!(bound.what.ends_with('.') && !bound.unit.is_empty(), "{bound:?}");
+    }
 }
 
 #[test]

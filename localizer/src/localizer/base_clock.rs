@@ -6,13 +6,13 @@
 //! reach bounds what lies between, once.
 
 use crate::{
-    Localizer, PoseUnion,
+    Localizer, PoseUnion, bounds,
     bounds::Assumption,
     motion::{moved_union, reach_motion},
 };
 
 /// The bound on δ.
-pub(super) const BASE_STAMP: Assumption = "base.stamp";
+pub(super) const BASE_STAMP: Assumption = bounds::BASE_STAMP;
 
 impl Localizer {
     /// The same for a base whose stamps are off by up to this. The start is where the robot was at the base's 0.

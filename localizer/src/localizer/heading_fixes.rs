@@ -8,13 +8,14 @@ use std::collections::VecDeque;
 use interval::{Interval, contractor::Outcome};
 
 use crate::{
+    bounds,
     bounds::Assumption,
     motion::{GyroErrors, GyroHistory, sudden_change_rad_per_s2},
     robot::{GyroModel, Reach},
 };
 
 /// The bound that a bias learnt at rest stands on.
-const REST: Assumption = "wheels.rest";
+const REST: Assumption = bounds::WHEELS_REST;
 
 /// Age up to which fixes and readings are kept. Two fixes this far apart tell the bias to the sum of their widths over 900 s; older ones would tell
 /// little more, as the bias itself drifts meanwhile.

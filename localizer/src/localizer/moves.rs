@@ -1,7 +1,7 @@
 //! How the robot moved between two stamps, and which declared bounds that stands on.
 
 use crate::{
-    RobotModel,
+    RobotModel, bounds,
     bounds::Assumption,
     motion::{Motion, WheelHistory},
 };
@@ -9,21 +9,27 @@ use crate::{
 use super::{REMEMBER_S, slip::CertifiedSlip};
 
 /// The bounds that a prediction by wheels stands on.
-pub(super) const WHEELS: [Assumption; 6] =
-    ["wheels.radius", "wheels.track", "wheels.slip", "wheels.side_slip", "reach.acceleration", "room.walls"];
+pub(super) const WHEELS: [Assumption; 6] = [
+    bounds::WHEELS_RADIUS,
+    bounds::WHEELS_TRACK,
+    bounds::WHEELS_SLIP,
+    bounds::WHEELS_SIDE_SLIP,
+    bounds::REACH_ACCELERATION,
+    bounds::ROOM_WALLS,
+];
 /// The bounds that a prediction by reach stands on.
-pub(super) const REACH: [Assumption; 3] = ["reach.speed", "reach.turn_rate", "room.walls"];
+pub(super) const REACH: [Assumption; 3] = [bounds::REACH_SPEED, bounds::REACH_TURN_RATE, bounds::ROOM_WALLS];
 /// What a gyroscope adds to both.
-const GYRO: [Assumption; 4] = ["gyro.bias", "gyro.scale", "gyro.noise", "gyro.angle"];
+const GYRO: [Assumption; 4] = [bounds::GYRO_BIAS, bounds::GYRO_SCALE, bounds::GYRO_NOISE, bounds::GYRO_ANGLE];
 /// What a flow sensor adds to the wheels.
 const FLOW: [Assumption; 7] = [
-    "flow.position",
-    "flow.yaw",
-    "flow.calibration",
-    "flow.scale",
-    "flow.back_and_forth",
-    "reach.speed",
-    "reach.turn_rate",
+    bounds::FLOW_POSITION,
+    bounds::FLOW_YAW,
+    bounds::FLOW_CALIBRATION,
+    bounds::FLOW_SCALE,
+    bounds::FLOW_BACK_AND_FORTH,
+    bounds::REACH_SPEED,
+    bounds::REACH_TURN_RATE,
 ];
 
 /// How long motion is remembered: as far back as stamps may lie from now, or as slots may lie apart, which are opened anew after two slip

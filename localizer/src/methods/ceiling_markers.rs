@@ -17,7 +17,7 @@ mod trial;
 use interval::Interval;
 
 use crate::{
-    Map, PoseUnion, Reading, RobotModel,
+    Map, PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
     map::{MarkerMap, PlacedMarker},
     markers::{DOT_RADIUS_M, GridPlace, dot_in_marker_m},
@@ -35,22 +35,22 @@ use ray::Optics;
 
 /// The declared bounds a ceiling-marker constraint stands on.
 pub const RELIES_ON: [Assumption; 16] = [
-    "markers.placement",
-    "markers.rotation",
-    "markers.print",
-    "markers.height",
-    "ceiling_camera.focal",
-    "ceiling_camera.centre",
-    "ceiling_camera.distortion",
-    "ceiling_camera.height",
-    "ceiling_camera.position",
-    "ceiling_camera.yaw",
-    "ceiling_camera.tilt",
-    "ceiling_camera.stamp",
-    "body.tilt",
-    "body.heave",
-    "reach.speed",
-    "reach.turn_rate",
+    bounds::MARKERS_PLACEMENT,
+    bounds::MARKERS_ROTATION,
+    bounds::MARKERS_PRINT,
+    bounds::MARKERS_HEIGHT,
+    bounds::CEILING_CAMERA_FOCAL,
+    bounds::CEILING_CAMERA_CENTRE,
+    bounds::CEILING_CAMERA_DISTORTION,
+    bounds::CEILING_CAMERA_HEIGHT,
+    bounds::CEILING_CAMERA_POSITION,
+    bounds::CEILING_CAMERA_YAW,
+    bounds::CEILING_CAMERA_TILT,
+    bounds::CEILING_CAMERA_STAMP,
+    bounds::BODY_TILT,
+    bounds::BODY_HEAVE,
+    bounds::REACH_SPEED,
+    bounds::REACH_TURN_RATE,
 ];
 
 /// Markers beyond this number, farthest from the middle of the picture, are left out: the choices of wrong ones multiply.

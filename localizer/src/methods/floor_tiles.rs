@@ -19,7 +19,7 @@ mod trial;
 use interval::Interval;
 
 use crate::{
-    Map, PoseUnion, Reading, RobotModel,
+    Map, PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
     method::{Claim, Constraint, Method},
     motion::Twist,
@@ -33,20 +33,20 @@ use pose_contractor::TileJoints;
 
 /// The declared bounds a floor-tile constraint stands on.
 pub const RELIES_ON: [Assumption; 14] = [
-    "floor_tiles.laying",
-    "floor_tiles.laying_angle",
-    "floor_tiles.straightness",
-    "floor_camera.scale",
-    "floor_camera.position",
-    "floor_camera.yaw",
-    "floor_camera.tilt",
-    "floor_camera.distortion",
-    "floor_camera.stamp",
-    "body.tilt",
-    "body.heave",
-    "reach.speed",
-    "reach.turn_rate",
-    "room.walls",
+    bounds::FLOOR_TILES_LAYING,
+    bounds::FLOOR_TILES_LAYING_ANGLE,
+    bounds::FLOOR_TILES_STRAIGHTNESS,
+    bounds::FLOOR_CAMERA_SCALE,
+    bounds::FLOOR_CAMERA_POSITION,
+    bounds::FLOOR_CAMERA_YAW,
+    bounds::FLOOR_CAMERA_TILT,
+    bounds::FLOOR_CAMERA_DISTORTION,
+    bounds::FLOOR_CAMERA_STAMP,
+    bounds::BODY_TILT,
+    bounds::BODY_HEAVE,
+    bounds::REACH_SPEED,
+    bounds::REACH_TURN_RATE,
+    bounds::ROOM_WALLS,
 ];
 
 /// How joints are found in an image.

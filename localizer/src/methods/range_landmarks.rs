@@ -28,7 +28,7 @@ use interval::Interval;
 use interval::contractor::{Contractor, Outcome};
 
 use crate::{
-    PoseUnion, Reading, RobotModel,
+    PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
     method::{Claim, Constraint, Method, MotionBetween},
     motion::Twist,
@@ -43,20 +43,20 @@ pub use solver::{Freedom, PoseFromLandmarks, Solver};
 
 /// The declared bounds that a reading of landmarks stands on.
 const RELIES_ON: [Assumption; 14] = [
-    "range_camera.focal",
-    "range_camera.baseline",
-    "range_camera.position",
-    "range_camera.yaw",
-    "range_camera.tilt",
-    "range_camera.height_span",
-    "range_camera.stamp",
-    "range_camera.latency",
-    "range_camera.columns",
-    "body.tilt",
-    "reach.speed",
-    "reach.turn_rate",
-    "range_landmarks.q_items",
-    "range_landmarks.wrong_spacing",
+    bounds::RANGE_CAMERA_FOCAL,
+    bounds::RANGE_CAMERA_BASELINE,
+    bounds::RANGE_CAMERA_POSITION,
+    bounds::RANGE_CAMERA_YAW,
+    bounds::RANGE_CAMERA_TILT,
+    bounds::RANGE_CAMERA_HEIGHT_SPAN,
+    bounds::RANGE_CAMERA_STAMP,
+    bounds::RANGE_CAMERA_LATENCY,
+    bounds::RANGE_CAMERA_COLUMNS,
+    bounds::BODY_TILT,
+    bounds::REACH_SPEED,
+    bounds::REACH_TURN_RATE,
+    bounds::RANGE_LANDMARKS_Q_ITEMS,
+    bounds::RANGE_LANDMARKS_WRONG_SPACING,
 ];
 
 /// Localization by coded landmarks that no map names.

@@ -28,7 +28,7 @@ use std::collections::VecDeque;
 use interval::Interval;
 
 use crate::{
-    Map, PoseBox, PoseUnion, Reading, RobotModel,
+    Map, PoseBox, PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
     method::{Claim, Constraint, Method, MotionBetween},
     motion::Twist,
@@ -39,14 +39,14 @@ use crate::{
 
 /// The declared bounds that a constraint stands on.
 pub const RELIES_ON: [Assumption; 8] = [
-    "forward_camera.focal",
-    "forward_camera.principal_point",
-    "forward_camera.distortion",
-    "forward_camera.yaw",
-    "forward_camera.tilt",
-    "forward_camera.stamp",
-    "body.tilt",
-    "wall_directions.direction",
+    bounds::FORWARD_CAMERA_FOCAL,
+    bounds::FORWARD_CAMERA_PRINCIPAL_POINT,
+    bounds::FORWARD_CAMERA_DISTORTION,
+    bounds::FORWARD_CAMERA_YAW,
+    bounds::FORWARD_CAMERA_TILT,
+    bounds::FORWARD_CAMERA_STAMP,
+    bounds::BODY_TILT,
+    bounds::WALL_DIRECTIONS_DIRECTION,
 ];
 /// Images that are held together, carried by the motion between them.
 pub const IMAGES: usize = 20;

@@ -6,7 +6,7 @@
 
 use interval::{Interval, contractor::Outcome};
 
-use crate::{bounds::Assumption, robot::GyroModel};
+use crate::{bounds, bounds::Assumption, robot::GyroModel};
 
 use super::polygon::Polygon;
 
@@ -51,8 +51,8 @@ impl GyroErrors {
     /// The bound on the bias's change that this stands on.
     pub fn relies_on(&self) -> Assumption {
         match self.drift {
-            Drift::None => "gyro.angle",
-            Drift::Wander(_) => "gyro.wander",
+            Drift::None => bounds::GYRO_ANGLE,
+            Drift::Wander(_) => bounds::GYRO_WANDER,
         }
     }
 

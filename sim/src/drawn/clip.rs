@@ -1,5 +1,6 @@
 //! What a seed drew or a scene placed beyond a declared bound, moved back to the bound: the run as it should have been.
 
+use localizer::bounds;
 use nalgebra::{Rotation2, Vector2};
 
 use crate::scene::{Marker, Markers, Scene};
@@ -11,23 +12,23 @@ impl Drawn {
     pub(crate) fn clip(&mut self, bound: &str, scene: &Scene) {
         let robot = &scene.robot;
         match bound {
-            "wheels.radius" => {
+            bounds::WHEELS_RADIUS => {
                 self.wheel_radius_m =
                     self.wheel_radius_m.map(|m| near(m, robot.wheel_radius_m, robot.wheel_radius_tolerance));
             }
-            "wheels.track" => self.track_m = near(self.track_m, robot.track_m, robot.track_tolerance),
+            bounds::WHEELS_TRACK => self.track_m = near(self.track_m, robot.track_m, robot.track_tolerance),
             // Noise is drawn reading by reading: its sensor takes off what is beyond.
-            "gyro.noise" => self.gyro.iter_mut().for_each(|gyro| gyro.cuts.noise = true),
-            "gyro.angle" => self.gyro.iter_mut().for_each(|gyro| gyro.cuts.angle = true),
-            "floor_tiles.laying" | "floor_tiles.straightness" => {
+            bounds::GYRO_NOISE => self.gyro.iter_mut().for_each(|gyro| gyro.cuts.noise = true),
+            bounds::GYRO_ANGLE => self.gyro.iter_mut().for_each(|gyro| gyro.cuts.angle = true),
+            bounds::FLOOR_TILES_LAYING | bounds::FLOOR_TILES_STRAIGHTNESS => {
                 let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &mut self.tiles) else { return };
-                if bound == "floor_tiles.laying" {
+                if bound == bounds::FLOOR_TILES_LAYING {
                     laid.clip_offsets(tiles.laying_tolerance_m + tiles.corner_tolerance_m);
                 } else {
                     laid.clip_bends(tiles, tiles.corner_tolerance_m);
                 }
             }
-            "markers.placement" | "markers.rotation" | "markers.print" | "markers.height" => {
+            bounds::MARKERS_PLACEMENT | bounds::MARKERS_ROTATION | bounds::MARKERS_PRINT | bounds::MARKERS_HEIGHT => {
                 let Some(markers) = &scene.markers else { return };
                 for drawn in &mut self.markers {
                     if let Some(nominal) = markers.all().get(drawn.index) {
@@ -54,14 +55,14 @@ fn within(vector: Vector2<f64>, longest_m: f64) -> Vector2<f64> {
 impl DrawnMarker {
     fn clip(&mut self, bound: &str, nominal: &Marker, markers: &Markers, nominal_height_m: f64) {
         match bound {
-            "markers.placement" => {
+            bounds::MARKERS_PLACEMENT => {
                 let at = Vector2::new(nominal.x_m, nominal.y_m);
                 let centre = at + within(Vector2::from(self.centre_m) - at, markers.placement_tolerance_m);
                 let moved = centre - Vector2::from(self.centre_m);
                 self.dots.iter_mut().for_each(|dot| dot.centre_in_world += moved.push(0.0));
                 self.centre_m = centre.into();
             }
-            "markers.rotation" => {
+            bounds::MARKERS_ROTATION => {
                 let tolerance_rad = markers.rotation_tolerance_deg.to_radians();
                 let off = Rotation2::new(self.rotation_rad - nominal.rotation_deg.to_radians()).angle();
                 let back = Rotation2::new(off.clamp(-tolerance_rad, tolerance_rad) - off);
@@ -72,7 +73,7 @@ impl DrawnMarker {
                 }
                 self.rotation_rad += back.angle();
             }
-            "markers.print" => {
+            bounds::MARKERS_PRINT => {
                 let world_from_marker = Rotation2::new(self.rotation_rad);
                 for dot in &mut self.dots {
                     let [along_m, across_m] = localizer::markers::dot_in_marker_m(dot.place);

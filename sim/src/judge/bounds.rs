@@ -7,6 +7,7 @@ mod motion;
 mod motion_sensors;
 mod range;
 
+use localizer::bounds;
 use std::collections::BTreeSet;
 
 use crate::{
@@ -54,15 +55,20 @@ fn wheels(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let mut all = vec![
         constant(
             record,
-            "wheels.radius",
+            bounds::WHEELS_RADIUS,
             robot.wheel_radius_m * robot.wheel_radius_tolerance,
             radius_error_m[0].max(radius_error_m[1]),
         ),
-        constant(record, "wheels.track", robot.track_m * robot.track_tolerance, (drawn.track_m - robot.track_m).abs()),
+        constant(
+            record,
+            bounds::WHEELS_TRACK,
+            robot.track_m * robot.track_tolerance,
+            (drawn.track_m - robot.track_m).abs(),
+        ),
     ];
     // Without a tolerance there is one clock.
     if robot.delivery.stamp_tolerance_s > 0.0 {
-        all.push(constant(record, "base.stamp", robot.delivery.stamp_tolerance_s, drawn.base_clock_s.abs()));
+        all.push(constant(record, bounds::BASE_STAMP, robot.delivery.stamp_tolerance_s, drawn.base_clock_s.abs()));
     }
     all
 }
@@ -82,27 +88,27 @@ fn floor_camera(camera: &FloorCamera, record: &RunRecord) -> Vec<Monitor> {
         (mount.position_m[0] - camera.forward_m).abs().max((mount.position_m[1] - camera.left_m).abs());
     let nominal_scale = f64::from(camera.width_px) / camera.footprint_width_m;
     vec![
-        constant(record, "floor_camera.position", camera.position_tolerance_m, position_error_m),
-        constant(record, "floor_camera.yaw", camera.yaw_tolerance_deg.to_radians(), mount.yaw_rad.abs()),
+        constant(record, bounds::FLOOR_CAMERA_POSITION, camera.position_tolerance_m, position_error_m),
+        constant(record, bounds::FLOOR_CAMERA_YAW, camera.yaw_tolerance_deg.to_radians(), mount.yaw_rad.abs()),
         constant(
             record,
-            "floor_camera.tilt",
+            bounds::FLOOR_CAMERA_TILT,
             camera.tilt_tolerance_deg.to_radians(),
             mount.tilt_rad[0].hypot(mount.tilt_rad[1]),
         ),
         constant(
             record,
-            "floor_camera.scale",
+            bounds::FLOOR_CAMERA_SCALE,
             nominal_scale * camera.scale_tolerance,
             (mount.focal_px / mount.height_m - nominal_scale).abs(),
         ),
         constant(
             record,
-            "floor_camera.distortion",
+            bounds::FLOOR_CAMERA_DISTORTION,
             camera.distortion_tolerance_px,
             ceiling::bent_px(&Lens::floor(camera, mount), camera.lens.distortion),
         ),
-        stamps(record, "floor_tiles", "floor_camera.stamp", &camera.timing()),
+        stamps(record, "floor_tiles", bounds::FLOOR_CAMERA_STAMP, &camera.timing()),
     ]
 }
 
@@ -119,7 +125,7 @@ fn stamps(record: &RunRecord, method: &str, bound: &'static str, timing: &Camera
 /// Joints that lie off their place, while they are in view.
 fn tiles(scene: &Scene, camera: &FloorCamera, record: &RunRecord) -> Vec<Monitor> {
     let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &record.drawn.tiles) else { return Vec::new() };
-    let names = ["floor_tiles.laying", "floor_tiles.laying_angle", "floor_tiles.straightness"];
+    let names = [bounds::FLOOR_TILES_LAYING, bounds::FLOOR_TILES_LAYING_ANGLE, bounds::FLOOR_TILES_STRAIGHTNESS];
     let mut monitors = names.map(Monitor::new);
     let shortest_m = scene.room.width_m.min(scene.room.depth_m);
     let declared = [

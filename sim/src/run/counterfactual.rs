@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use localizer::{Reading, motion::SlipExcess};
+use localizer::{Reading, bounds, motion::SlipExcess};
 
 use crate::{drawn::Drawn, scene::Scene, sensors::Observation};
 
@@ -97,7 +97,8 @@ impl Counterfactual {
             .map(|(bound, ([from_s, to_s], excess_m))| {
                 // A share more than the comparison of a bound leaves to rounding.
                 let excess_m = excess_m * (1.0 + 1e-6);
-                let [slip_m, side_slip_m] = if bound == "wheels.slip" { [excess_m, 0.0] } else { [0.0, excess_m] };
+                let [slip_m, side_slip_m] =
+                    if bound == bounds::WHEELS_SLIP { [excess_m, 0.0] } else { [0.0, excess_m] };
                 let span_s = [from_s - offset_s - margin_s, to_s - offset_s + margin_s];
                 SlipExcess { span_s, slip_m, side_slip_m }
             })
@@ -109,7 +110,7 @@ impl Counterfactual {
         let clips =
             |name: &str| self.changes.iter().any(|change| matches!(change, Change::Clipped { bound } if bound == name));
         // Wrong matches too near to each other: without any there are none.
-        let most = match (clips("range_landmarks.wrong_spacing"), clips("range_landmarks.q_items")) {
+        let most = match (clips(bounds::RANGE_LANDMARKS_WRONG_SPACING), clips(bounds::RANGE_LANDMARKS_Q_ITEMS)) {
             (true, _) => 0,
             (false, true) => q_items,
             (false, false) => return,
@@ -143,7 +144,7 @@ impl Counterfactual {
 
 /// Whether a bound is one over windows of the wheels' motion, of which the localizer can be told in which spans it is exceeded.
 fn is_slip(bound: &str) -> bool {
-    ["wheels.slip", "wheels.side_slip"].contains(&bound)
+    [bounds::WHEELS_SLIP, bounds::WHEELS_SIDE_SLIP].contains(&bound)
 }
 
 /// The method that reads images of a kind; none those of wheels and the like.

@@ -4,6 +4,7 @@ use crate::{
     drawn::Drawn,
     scene::{Bounds, Robot, Scene},
 };
+use localizer::bounds;
 
 /// One key of the scene that states a bound.
 struct Key<'a> {
@@ -53,27 +54,28 @@ impl Scene {
     /// All else emerges from the physics, or is drawn within its bound by construction.
     pub(crate) fn places(bound: &str) -> bool {
         const PLACED: [&str; 14] = [
-            "wheels.radius",
-            "wheels.track",
-            "floor_tiles.laying",
-            "floor_tiles.straightness",
-            "markers.placement",
-            "markers.rotation",
-            "markers.print",
-            "markers.height",
-            "gyro.noise",
-            "gyro.angle",
-            "range_camera.height_span",
-            "range_landmarks.q_items",
-            "range_landmarks.wrong_spacing",
-            "wall_directions.direction",
+            bounds::WHEELS_RADIUS,
+            bounds::WHEELS_TRACK,
+            bounds::FLOOR_TILES_LAYING,
+            bounds::FLOOR_TILES_STRAIGHTNESS,
+            bounds::MARKERS_PLACEMENT,
+            bounds::MARKERS_ROTATION,
+            bounds::MARKERS_PRINT,
+            bounds::MARKERS_HEIGHT,
+            bounds::GYRO_NOISE,
+            bounds::GYRO_ANGLE,
+            bounds::RANGE_CAMERA_HEIGHT_SPAN,
+            bounds::RANGE_LANDMARKS_Q_ITEMS,
+            bounds::RANGE_LANDMARKS_WRONG_SPACING,
+            bounds::WALL_DIRECTIONS_DIRECTION,
         ];
         PLACED.contains(&bound)
     }
 
     /// Moves back to its bound what the scene itself places beyond the bound of this name.
     pub(crate) fn clip_placed(&mut self, bound: &str) {
-        let Some(camera) = self.robot.range_camera.as_ref().filter(|_| bound == "range_camera.height_span") else {
+        let Some(camera) = self.robot.range_camera.as_ref().filter(|_| bound == bounds::RANGE_CAMERA_HEIGHT_SPAN)
+        else {
             return;
         };
         let [low_m, high_m] = [-1.0, 1.0].map(|side| camera.height_m + side * camera.height_span_m);
@@ -82,7 +84,7 @@ impl Scene {
 
     /// Moves back to its bound what the map tells beyond the bound of this name of what truly stands there.
     pub(crate) fn clip_mapped(&mut self, bound: &str, drawn: &Drawn) {
-        if bound != "wall_directions.direction" {
+        if bound != bounds::WALL_DIRECTIONS_DIRECTION {
             return;
         }
         let (true_deg, mut setup) = (self.true_wall_directions_deg(drawn), self.localizer.wall_directions());
@@ -118,19 +120,19 @@ impl Scene {
     fn widen_others(&mut self, bound: &str, declared: f64, true_value: f64) {
         match bound {
             // How close the origin may come to a wall.
-            "room.walls" => self.robot.body_radius_m -= (true_value - declared).max(0.0),
+            bounds::ROOM_WALLS => self.robot.body_radius_m -= (true_value - declared).max(0.0),
             // The angle follows from the laying at both ends of the room's shorter side.
-            "floor_tiles.laying_angle" => {
+            bounds::FLOOR_TILES_LAYING_ANGLE => {
                 let shortest_m = self.room.width_m.min(self.room.depth_m);
                 if let Some(tiles) = &mut self.floor.tiles {
                     tiles.laying_tolerance_m = tiles.laying_tolerance_m.max(0.5 * true_value * shortest_m);
                 }
             }
-            "range_landmarks.q_items" | "range_landmarks.wrong_spacing" => {
+            bounds::RANGE_LANDMARKS_Q_ITEMS | bounds::RANGE_LANDMARKS_WRONG_SPACING => {
                 if let Some(camera) = &mut self.robot.range_camera {
                     let beyond = (true_value - declared).max(0.0).ceil() as usize;
                     match bound {
-                        "range_landmarks.q_items" => camera.q_items += beyond,
+                        bounds::RANGE_LANDMARKS_Q_ITEMS => camera.q_items += beyond,
                         _ => camera.wrong_spacing = camera.wrong_spacing.saturating_sub(beyond),
                     }
                 }
@@ -166,95 +168,104 @@ fn keys(scene: &mut Scene) -> Keys<'_> {
     emergent(bounds, &mut keys);
     sensors(robot, &mut keys);
     if let Some(tiles) = &mut floor.tiles {
-        keys.add(&["floor_tiles.laying"], &mut tiles.laying_tolerance_m, 1.0, Widens::By);
-        keys.is(&["floor_tiles.straightness"], &mut tiles.corner_tolerance_m);
+        keys.add(&[bounds::FLOOR_TILES_LAYING], &mut tiles.laying_tolerance_m, 1.0, Widens::By);
+        keys.is(&[bounds::FLOOR_TILES_STRAIGHTNESS], &mut tiles.corner_tolerance_m);
     }
     if let Some(markers) = markers {
-        keys.is(&["markers.placement"], &mut markers.placement_tolerance_m);
-        keys.is_in_deg(&["markers.rotation"], &mut markers.rotation_tolerance_deg);
-        keys.is(&["markers.print"], &mut markers.print_tolerance_m);
-        keys.is(&["markers.height"], &mut markers.height_tolerance_m);
+        keys.is(&[bounds::MARKERS_PLACEMENT], &mut markers.placement_tolerance_m);
+        keys.is_in_deg(&[bounds::MARKERS_ROTATION], &mut markers.rotation_tolerance_deg);
+        keys.is(&[bounds::MARKERS_PRINT], &mut markers.print_tolerance_m);
+        keys.is(&[bounds::MARKERS_HEIGHT], &mut markers.height_tolerance_m);
     }
     if let Some(setup) = &mut localizer.wall_directions {
-        keys.is_in_deg(&["wall_directions.direction"], &mut setup.tolerance_deg);
+        keys.is_in_deg(&[bounds::WALL_DIRECTIONS_DIRECTION], &mut setup.tolerance_deg);
     }
     keys
 }
 
 /// What comes out of the physics.
 fn emergent<'a>(bounds: &'a mut Bounds, keys: &mut Keys<'a>) {
-    keys.add(&["wheels.slip"], &mut bounds.slip_ratio, 1.0, Widens::Not);
-    keys.add(&["wheels.slip"], &mut bounds.slip_floor_m, 1.0, Widens::By);
-    keys.add(&["wheels.side_slip"], &mut bounds.side_slip_ratio, 1.0, Widens::Not);
-    keys.add(&["wheels.side_slip"], &mut bounds.side_slip_floor_m, 1.0, Widens::By);
-    keys.is(&["reach.speed"], &mut bounds.reach_speed_m_per_s);
-    keys.is(&["reach.turn_rate"], &mut bounds.reach_turn_rate_rad_per_s);
-    keys.is(&["reach.acceleration"], &mut bounds.reach_acceleration_m_per_s2);
-    keys.is_in_deg(&["body.tilt"], &mut bounds.body_tilt_deg);
-    keys.is(&["body.heave"], &mut bounds.body_heave_m);
+    keys.add(&[bounds::WHEELS_SLIP], &mut bounds.slip_ratio, 1.0, Widens::Not);
+    keys.add(&[bounds::WHEELS_SLIP], &mut bounds.slip_floor_m, 1.0, Widens::By);
+    keys.add(&[bounds::WHEELS_SIDE_SLIP], &mut bounds.side_slip_ratio, 1.0, Widens::Not);
+    keys.add(&[bounds::WHEELS_SIDE_SLIP], &mut bounds.side_slip_floor_m, 1.0, Widens::By);
+    keys.is(&[bounds::REACH_SPEED], &mut bounds.reach_speed_m_per_s);
+    keys.is(&[bounds::REACH_TURN_RATE], &mut bounds.reach_turn_rate_rad_per_s);
+    keys.is(&[bounds::REACH_ACCELERATION], &mut bounds.reach_acceleration_m_per_s2);
+    keys.is_in_deg(&[bounds::BODY_TILT], &mut bounds.body_tilt_deg);
+    keys.is(&[bounds::BODY_HEAVE], &mut bounds.body_heave_m);
     if let Some(rest_deg) = &mut bounds.rest_turn_deg {
-        keys.is_in_deg(&["wheels.rest"], rest_deg);
+        keys.is_in_deg(&[bounds::WHEELS_REST], rest_deg);
     }
 }
 
 /// What is drawn of the robot.
 fn sensors<'a>(robot: &'a mut Robot, keys: &mut Keys<'a>) {
-    keys.add(&["wheels.radius"], &mut robot.wheel_radius_tolerance, 1.0 / robot.wheel_radius_m, Widens::To);
-    keys.is(&["base.stamp"], &mut robot.delivery.stamp_tolerance_s);
-    keys.add(&["wheels.track"], &mut robot.track_tolerance, 1.0 / robot.track_m, Widens::To);
+    keys.add(&[bounds::WHEELS_RADIUS], &mut robot.wheel_radius_tolerance, 1.0 / robot.wheel_radius_m, Widens::To);
+    keys.is(&[bounds::BASE_STAMP], &mut robot.delivery.stamp_tolerance_s);
+    keys.add(&[bounds::WHEELS_TRACK], &mut robot.track_tolerance, 1.0 / robot.track_m, Widens::To);
     if let Some(camera) = &mut robot.floor_camera {
         let m_per_px = camera.footprint_width_m / f64::from(camera.width_px);
-        keys.is(&["floor_camera.position"], &mut camera.position_tolerance_m);
-        keys.is_in_deg(&["floor_camera.yaw"], &mut camera.yaw_tolerance_deg);
-        keys.is_in_deg(&["floor_camera.tilt"], &mut camera.tilt_tolerance_deg);
-        keys.add(&["floor_camera.scale"], &mut camera.scale_tolerance, m_per_px, Widens::To);
-        keys.is(&["floor_camera.distortion"], &mut camera.distortion_tolerance_px);
-        keys.is(&["floor_camera.stamp"], &mut camera.stamp_tolerance_s);
+        keys.is(&[bounds::FLOOR_CAMERA_POSITION], &mut camera.position_tolerance_m);
+        keys.is_in_deg(&[bounds::FLOOR_CAMERA_YAW], &mut camera.yaw_tolerance_deg);
+        keys.is_in_deg(&[bounds::FLOOR_CAMERA_TILT], &mut camera.tilt_tolerance_deg);
+        keys.add(&[bounds::FLOOR_CAMERA_SCALE], &mut camera.scale_tolerance, m_per_px, Widens::To);
+        keys.is(&[bounds::FLOOR_CAMERA_DISTORTION], &mut camera.distortion_tolerance_px);
+        keys.is(&[bounds::FLOOR_CAMERA_STAMP], &mut camera.stamp_tolerance_s);
     }
     if let Some(camera) = &mut robot.forward_camera {
         let calibration = &mut camera.calibration;
-        keys.is_in_deg(&["forward_camera.yaw", "forward_camera.tilt"], &mut calibration.angle_tolerance_deg);
-        keys.is(&["forward_camera.focal"], &mut calibration.focal_tolerance);
-        keys.is(&["forward_camera.principal_point"], &mut calibration.principal_point_tolerance_px);
-        keys.is(&["forward_camera.distortion"], &mut calibration.distortion_tolerance_px);
-        keys.is(&["forward_camera.stamp"], &mut camera.stamp_tolerance_s);
+        keys.is_in_deg(
+            &[bounds::FORWARD_CAMERA_YAW, bounds::FORWARD_CAMERA_TILT],
+            &mut calibration.angle_tolerance_deg,
+        );
+        keys.is(&[bounds::FORWARD_CAMERA_FOCAL], &mut calibration.focal_tolerance);
+        keys.is(&[bounds::FORWARD_CAMERA_PRINCIPAL_POINT], &mut calibration.principal_point_tolerance_px);
+        keys.is(&[bounds::FORWARD_CAMERA_DISTORTION], &mut calibration.distortion_tolerance_px);
+        keys.is(&[bounds::FORWARD_CAMERA_STAMP], &mut camera.stamp_tolerance_s);
     }
     if let Some(camera) = &mut robot.ceiling_camera {
         let calibration = &mut camera.calibration;
-        keys.is(&["ceiling_camera.position", "ceiling_camera.height"], &mut calibration.position_tolerance_m);
-        keys.is_in_deg(&["ceiling_camera.yaw", "ceiling_camera.tilt"], &mut calibration.angle_tolerance_deg);
-        keys.is(&["ceiling_camera.focal"], &mut calibration.focal_tolerance);
-        keys.is(&["ceiling_camera.centre"], &mut calibration.principal_point_tolerance_px);
-        keys.is(&["ceiling_camera.distortion"], &mut calibration.distortion_tolerance_px);
-        keys.is(&["ceiling_camera.stamp"], &mut camera.stamp_tolerance_s);
+        keys.is(
+            &[bounds::CEILING_CAMERA_POSITION, bounds::CEILING_CAMERA_HEIGHT],
+            &mut calibration.position_tolerance_m,
+        );
+        keys.is_in_deg(
+            &[bounds::CEILING_CAMERA_YAW, bounds::CEILING_CAMERA_TILT],
+            &mut calibration.angle_tolerance_deg,
+        );
+        keys.is(&[bounds::CEILING_CAMERA_FOCAL], &mut calibration.focal_tolerance);
+        keys.is(&[bounds::CEILING_CAMERA_CENTRE], &mut calibration.principal_point_tolerance_px);
+        keys.is(&[bounds::CEILING_CAMERA_DISTORTION], &mut calibration.distortion_tolerance_px);
+        keys.is(&[bounds::CEILING_CAMERA_STAMP], &mut camera.stamp_tolerance_s);
     }
     if let Some(camera) = &mut robot.range_camera {
-        keys.add(&["range_camera.focal"], &mut camera.focal_tolerance, 1.0 / camera.focal_px, Widens::To);
-        keys.add(&["range_camera.baseline"], &mut camera.baseline_tolerance, 1.0 / camera.baseline_m, Widens::To);
-        keys.is(&["range_camera.position"], &mut camera.position_tolerance_m);
-        keys.is_in_deg(&["range_camera.yaw"], &mut camera.yaw_tolerance_deg);
-        keys.is_in_deg(&["range_camera.tilt"], &mut camera.tilt_tolerance_deg);
-        keys.is(&["range_camera.height_span"], &mut camera.height_span_m);
-        keys.is(&["range_camera.stamp"], &mut camera.stamp_tolerance_s);
-        keys.is(&["range_camera.latency"], &mut camera.latency_tolerance_s);
-        keys.is(&["range_camera.columns"], &mut camera.column_noise_px);
+        keys.add(&[bounds::RANGE_CAMERA_FOCAL], &mut camera.focal_tolerance, 1.0 / camera.focal_px, Widens::To);
+        keys.add(&[bounds::RANGE_CAMERA_BASELINE], &mut camera.baseline_tolerance, 1.0 / camera.baseline_m, Widens::To);
+        keys.is(&[bounds::RANGE_CAMERA_POSITION], &mut camera.position_tolerance_m);
+        keys.is_in_deg(&[bounds::RANGE_CAMERA_YAW], &mut camera.yaw_tolerance_deg);
+        keys.is_in_deg(&[bounds::RANGE_CAMERA_TILT], &mut camera.tilt_tolerance_deg);
+        keys.is(&[bounds::RANGE_CAMERA_HEIGHT_SPAN], &mut camera.height_span_m);
+        keys.is(&[bounds::RANGE_CAMERA_STAMP], &mut camera.stamp_tolerance_s);
+        keys.is(&[bounds::RANGE_CAMERA_LATENCY], &mut camera.latency_tolerance_s);
+        keys.is(&[bounds::RANGE_CAMERA_COLUMNS], &mut camera.column_noise_px);
     }
     if let Some(gyro) = &mut robot.gyro {
-        keys.is_in_deg(&["gyro.bias"], &mut gyro.bias_tolerance_deg_per_s);
-        keys.is(&["gyro.scale"], &mut gyro.scale_tolerance);
-        keys.is_in_deg(&["gyro.noise"], &mut gyro.noise_deg_per_s);
-        keys.is_in_deg(&["gyro.wander"], &mut gyro.bias_wander_deg_per_s2);
-        keys.add(&["gyro.angle"], &mut gyro.angle_deg_per_s, 1.0, Widens::Not);
+        keys.is_in_deg(&[bounds::GYRO_BIAS], &mut gyro.bias_tolerance_deg_per_s);
+        keys.is(&[bounds::GYRO_SCALE], &mut gyro.scale_tolerance);
+        keys.is_in_deg(&[bounds::GYRO_NOISE], &mut gyro.noise_deg_per_s);
+        keys.is_in_deg(&[bounds::GYRO_WANDER], &mut gyro.bias_wander_deg_per_s2);
+        keys.add(&[bounds::GYRO_ANGLE], &mut gyro.angle_deg_per_s, 1.0, Widens::Not);
         if let Some(floor_deg) = &mut gyro.angle_floor_deg {
-            keys.is_in_deg(&["gyro.angle"], floor_deg);
+            keys.is_in_deg(&[bounds::GYRO_ANGLE], floor_deg);
         }
     }
     if let Some(flow) = &mut robot.flow {
-        keys.is(&["flow.position"], &mut flow.position_tolerance_m);
-        keys.is_in_deg(&["flow.yaw"], &mut flow.yaw_tolerance_deg);
-        keys.is(&["flow.calibration"], &mut flow.calibration_tolerance);
+        keys.is(&[bounds::FLOW_POSITION], &mut flow.position_tolerance_m);
+        keys.is_in_deg(&[bounds::FLOW_YAW], &mut flow.yaw_tolerance_deg);
+        keys.is(&[bounds::FLOW_CALIBRATION], &mut flow.calibration_tolerance);
         // Of it, what the calibration leaves may vary.
-        keys.add(&["flow.scale", "flow.calibration"], &mut flow.scale_tolerance, 1.0, Widens::By);
-        keys.is(&["flow.back_and_forth"], &mut flow.back_and_forth_m);
+        keys.add(&[bounds::FLOW_SCALE, bounds::FLOW_CALIBRATION], &mut flow.scale_tolerance, 1.0, Widens::By);
+        keys.is(&[bounds::FLOW_BACK_AND_FORTH], &mut flow.back_and_forth_m);
     }
 }

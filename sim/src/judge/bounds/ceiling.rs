@@ -1,6 +1,6 @@
 //! The ceiling camera and the markers above it against what was drawn.
 
-use localizer::{Claim, markers::dot_in_marker_m};
+use localizer::{Claim, bounds, markers::dot_in_marker_m};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::{
@@ -29,24 +29,24 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let focal_share = [0, 1].map(|axis| drawn.focal_px[axis] / nominal.focal_px[axis]);
     let position_m = calibration.position_tolerance_m;
     let mut all = vec![
-        constant(record, "ceiling_camera.position", position_m, shift_m.x.abs().max(shift_m.y.abs())),
-        constant(record, "ceiling_camera.height", position_m, shift_m.z.abs()),
-        constant(record, "ceiling_camera.yaw", angle_rad, yaw_rad.abs()),
-        constant(record, "ceiling_camera.tilt", angle_rad, tilt_rad),
-        constant(record, "ceiling_camera.focal", calibration.focal_tolerance, apart(focal_share, [1.0; 2])),
+        constant(record, bounds::CEILING_CAMERA_POSITION, position_m, shift_m.x.abs().max(shift_m.y.abs())),
+        constant(record, bounds::CEILING_CAMERA_HEIGHT, position_m, shift_m.z.abs()),
+        constant(record, bounds::CEILING_CAMERA_YAW, angle_rad, yaw_rad.abs()),
+        constant(record, bounds::CEILING_CAMERA_TILT, angle_rad, tilt_rad),
+        constant(record, bounds::CEILING_CAMERA_FOCAL, calibration.focal_tolerance, apart(focal_share, [1.0; 2])),
         constant(
             record,
-            "ceiling_camera.centre",
+            bounds::CEILING_CAMERA_CENTRE,
             calibration.principal_point_tolerance_px,
             apart(drawn.principal_point_px, nominal.principal_point_px),
         ),
         constant(
             record,
-            "ceiling_camera.distortion",
+            bounds::CEILING_CAMERA_DISTORTION,
             calibration.distortion_tolerance_px,
             bent_px(&Lens::ceiling(camera, drawn), camera.lens.distortion),
         ),
-        stamps(record, "ceiling_markers", "ceiling_camera.stamp", &camera.timing()),
+        stamps(record, "ceiling_markers", bounds::CEILING_CAMERA_STAMP, &camera.timing()),
     ];
     all.extend(markers(scene, record));
     all
@@ -66,7 +66,7 @@ pub(super) fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
 /// Markers that are claimed in an image: where they were pasted, how they were turned, printed and hung.
 fn markers(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let Some(markers) = &scene.markers else { return Vec::new() };
-    let names = ["markers.placement", "markers.rotation", "markers.print", "markers.height"];
+    let names = [bounds::MARKERS_PLACEMENT, bounds::MARKERS_ROTATION, bounds::MARKERS_PRINT, bounds::MARKERS_HEIGHT];
     let mut monitors = names.map(Monitor::new);
     let declared = [
         markers.placement_tolerance_m,

@@ -6,6 +6,7 @@ use crate::{
     run::RunRecord,
     scene::{MethodName, Scene},
 };
+use localizer::bounds;
 
 use super::{
     Monitor,
@@ -29,18 +30,23 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let focal_share = [0, 1].map(|axis| drawn.focal_px[axis] / nominal.focal_px[axis]);
     let principal_px = farthest(drawn.principal_point_px, nominal.principal_point_px);
     vec![
-        constant(record, "forward_camera.yaw", angle_rad, yaw_rad.abs()),
-        constant(record, "forward_camera.tilt", angle_rad, tilt_rad),
-        constant(record, "forward_camera.focal", calibration.focal_tolerance, farthest(focal_share, [1.0; 2])),
-        constant(record, "forward_camera.principal_point", calibration.principal_point_tolerance_px, principal_px),
+        constant(record, bounds::FORWARD_CAMERA_YAW, angle_rad, yaw_rad.abs()),
+        constant(record, bounds::FORWARD_CAMERA_TILT, angle_rad, tilt_rad),
+        constant(record, bounds::FORWARD_CAMERA_FOCAL, calibration.focal_tolerance, farthest(focal_share, [1.0; 2])),
         constant(
             record,
-            "forward_camera.distortion",
+            bounds::FORWARD_CAMERA_PRINCIPAL_POINT,
+            calibration.principal_point_tolerance_px,
+            principal_px,
+        ),
+        constant(
+            record,
+            bounds::FORWARD_CAMERA_DISTORTION,
             calibration.distortion_tolerance_px,
             bent_px(&Lens::forward(camera, drawn), camera.lens.distortion),
         ),
         mapped_directions(scene, record),
-        stamps(record, "wall_directions", "forward_camera.stamp", &camera.timing()),
+        stamps(record, "wall_directions", bounds::FORWARD_CAMERA_STAMP, &camera.timing()),
     ]
 }
 
@@ -48,5 +54,5 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
 fn mapped_directions(scene: &Scene, record: &RunRecord) -> Monitor {
     let off_deg = scene.wall_directions_off_deg(&scene.true_wall_directions_deg(&record.drawn));
     let tolerance_deg = scene.localizer.wall_directions().tolerance_deg;
-    constant(record, "wall_directions.direction", tolerance_deg.to_radians(), off_deg.to_radians())
+    constant(record, bounds::WALL_DIRECTIONS_DIRECTION, tolerance_deg.to_radians(), off_deg.to_radians())
 }

@@ -1,6 +1,7 @@
 //! Slip, side slip, reach, posture and walls against the true motion.
 
 use crate::{run::RunRecord, scene::Scene, truth::Truth};
+use localizer::bounds;
 
 use super::Monitor;
 
@@ -29,7 +30,7 @@ fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monito
     let window_steps = (bounds.slip_window_s / step_s).round().max(1.0) as usize;
     let slip_bound = [bounds.slip_ratio, bounds.slip_floor_m];
     let side_bound = [bounds.side_slip_ratio, bounds.side_slip_floor_m];
-    let (mut slip, mut side) = (Monitor::new("wheels.slip"), Monitor::new("wheels.side_slip"));
+    let (mut slip, mut side) = (Monitor::new(bounds::WHEELS_SLIP), Monitor::new(bounds::WHEELS_SIDE_SLIP));
     for end in 1..rolled.len() {
         let starts = end.saturating_sub(window_steps)..end;
         for wheel in 0..2 {
@@ -101,9 +102,9 @@ fn rolled(truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Rolled> {
 /// The acceleration is that of the places over the wheels, and of the wheels' rims: counts are taken to bend by no more between two readings.
 fn reach(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monitor> {
     let bounds = &scene.bounds;
-    let mut speed = Monitor::new("reach.speed");
-    let mut turn_rate = Monitor::new("reach.turn_rate");
-    let mut acceleration = Monitor::new("reach.acceleration");
+    let mut speed = Monitor::new(bounds::REACH_SPEED);
+    let mut turn_rate = Monitor::new(bounds::REACH_TURN_RATE);
+    let mut acceleration = Monitor::new(bounds::REACH_ACCELERATION);
     for pair in truths.windows(2) {
         let (before, truth) = (&pair[0], &pair[1]);
         let (span_s, step_s) = ([before.time_s, truth.time_s], truth.time_s - before.time_s);
@@ -134,7 +135,7 @@ fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
     let (bounds, [x, y]) = (&scene.bounds, scene.room_hull_m());
     let keep_m = scene.robot_model().body.clearance_m;
     let (mut tilt, mut heave, mut walls) =
-        (Monitor::new("body.tilt"), Monitor::new("body.heave"), Monitor::new("room.walls"));
+        (Monitor::new(bounds::BODY_TILT), Monitor::new(bounds::BODY_HEAVE), Monitor::new(bounds::ROOM_WALLS));
     for truth in truths {
         let span_s = [truth.time_s, truth.time_s];
         tilt.watch(span_s, bounds.body_tilt_deg.to_radians(), truth.tilt_rad[0].hypot(truth.tilt_rad[1]));

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use localizer::reading::LandmarkId;
+use localizer::{bounds, reading::LandmarkId};
 
 use crate::{
     run::RunRecord,
@@ -31,21 +31,27 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let yaw_error_rad = (mount.yaw_rad - camera.yaw_deg.to_radians()).abs();
     let tilt_rad = mount.tilt_rad[0].hypot(mount.tilt_rad[1]);
     let mut all = vec![
-        constant(record, "range_camera.focal", camera.focal_px * camera.focal_tolerance, focal_error_px),
-        constant(record, "range_camera.baseline", camera.baseline_m * camera.baseline_tolerance, baseline_error_m),
-        constant(record, "range_camera.position", camera.position_tolerance_m, position_error_m),
-        constant(record, "range_camera.yaw", camera.yaw_tolerance_deg.to_radians(), yaw_error_rad),
-        constant(record, "range_camera.tilt", camera.tilt_tolerance_deg.to_radians(), tilt_rad),
-        constant(record, "range_camera.height_span", camera.height_span_m, farthest_m),
+        constant(record, bounds::RANGE_CAMERA_FOCAL, camera.focal_px * camera.focal_tolerance, focal_error_px),
+        constant(
+            record,
+            bounds::RANGE_CAMERA_BASELINE,
+            camera.baseline_m * camera.baseline_tolerance,
+            baseline_error_m,
+        ),
+        constant(record, bounds::RANGE_CAMERA_POSITION, camera.position_tolerance_m, position_error_m),
+        constant(record, bounds::RANGE_CAMERA_YAW, camera.yaw_tolerance_deg.to_radians(), yaw_error_rad),
+        constant(record, bounds::RANGE_CAMERA_TILT, camera.tilt_tolerance_deg.to_radians(), tilt_rad),
+        constant(record, bounds::RANGE_CAMERA_HEIGHT_SPAN, camera.height_span_m, farthest_m),
     ];
-    let (mut stamp, mut latency) = (Monitor::new("range_camera.stamp"), Monitor::new("range_camera.latency"));
+    let (mut stamp, mut latency) =
+        (Monitor::new(bounds::RANGE_CAMERA_STAMP), Monitor::new(bounds::RANGE_CAMERA_LATENCY));
     for reading in record.images.iter().filter(|reading| reading.method == "range_landmarks") {
         let span_s = [reading.truth.time_s, reading.arrived_s];
         stamp.watch(span_s, camera.stamp_tolerance_s, (reading.measured_s - reading.truth.time_s).abs());
         let late_s = reading.arrived_s - reading.truth.time_s - camera.latency_s;
         latency.watch(span_s, camera.latency_tolerance_s + ROUNDING_S, late_s.abs());
     }
-    let mut columns = Monitor::new("range_camera.columns");
+    let mut columns = Monitor::new(bounds::RANGE_CAMERA_COLUMNS);
     for (span_s, noise_px) in &record.motion_sensors.range_noise_px {
         columns.watch(*span_s, camera.column_noise_px, *noise_px);
     }
@@ -58,7 +64,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
 fn wrong_codes(record: &RunRecord, camera: &RangeCamera) -> [Monitor; 2] {
     let (q_items, wrong_spacing) = (camera.q_items, camera.wrong_spacing);
     let (mut items, mut spacing) =
-        (Monitor::new("range_landmarks.q_items"), Monitor::new("range_landmarks.wrong_spacing"));
+        (Monitor::new(bounds::RANGE_LANDMARKS_Q_ITEMS), Monitor::new(bounds::RANGE_LANDMARKS_WRONG_SPACING));
     // Right uses of each code since its last wrong one.
     let mut right_since: BTreeMap<LandmarkId, usize> = BTreeMap::new();
     let (mut drive_began_s, mut before_s) = (0.0, 0.0);
