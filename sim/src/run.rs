@@ -14,7 +14,7 @@ mod witness;
 
 use std::time::Instant;
 
-use localizer::{Reading, motion::SlipExcess};
+use localizer::{PoseBox, Reading, motion::SlipExcess};
 
 use crate::{
     drawn::Drawn,
@@ -115,6 +115,8 @@ struct Drive<'a> {
     scene: &'a Scene,
     seed: u64,
     drawn: &'a Drawn,
+    /// Where the subject is told that the robot starts.
+    start: PoseBox,
 }
 
 impl Simulation<'_> {
@@ -127,7 +129,7 @@ impl Simulation<'_> {
         progress: &mut dyn FnMut(f64),
     ) -> Result<RunRecord, RenderError> {
         let began = Instant::now();
-        let Otherwise { world: scene, drawn, .. } = &self.otherwise;
+        let Otherwise { world: scene, told, drawn } = &self.otherwise;
         let adapter = renderer.as_deref().map(Renderer::adapter);
         let mut record = Recorder::new(scene, self.seed, drawn.clone(), adapter, options, witness);
         record.asks_baselines = self.commands.is_none();
@@ -135,7 +137,7 @@ impl Simulation<'_> {
         let mut stage = renderer.map(|renderer| Stage::new(&built, drawn, renderer)).transpose()?;
         if scene.stations.is_empty() {
             record.witness.start(0.0, None);
-            let all = Drive { scene, seed: self.seed, drawn };
+            let all = Drive { scene, seed: self.seed, drawn, start: told.start_box() };
             self.drive(&all, stage.as_mut(), subject, &mut record, progress)?;
         }
         for (index, station) in scene.stations.iter().enumerate() {
@@ -147,7 +149,7 @@ impl Simulation<'_> {
             if self.has_ended(&record, 0.0) {
                 break;
             }
-            let one = Drive { scene: &here, seed: noise_seed, drawn: &drawn_here };
+            let one = Drive { scene: &here, seed: noise_seed, drawn: &drawn_here, start: here.start_box() };
             self.drive(&one, stage.as_mut(), subject, &mut record, progress)?;
         }
         Ok(record.finish(began))
@@ -156,7 +158,7 @@ impl Simulation<'_> {
     /// One uninterrupted drive.
     fn drive(
         &self,
-        &Drive { scene, seed, drawn }: &Drive<'_>,
+        &Drive { scene, seed, drawn, start }: &Drive<'_>,
         mut stage: Option<&mut Stage<'_>>,
         subject: &mut dyn Subject,
         record: &mut Recorder<'_>,
@@ -166,7 +168,7 @@ impl Simulation<'_> {
         let mut world = World::new(&built, drawn);
         let mut sensors = Sensors::new(&built, seed, drawn, stage.as_deref());
         let mut pilot = Pilot::new(scene, drawn);
-        subject.start(&scene.start_box());
+        subject.start(&start);
         subject.expect_slip(self.slips(record.offset_s));
         self.look(&world, &mut sensors, stage.as_deref_mut(), subject, record)?;
         record.step(&world.truth(), subject);

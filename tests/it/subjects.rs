@@ -1,12 +1,14 @@
 //! Localizers of somebody's own in the loop: what they are told and how they are judged.
 
+use std::cell::Cell;
+
 use interval::Interval;
-use localizer::{Pose, PoseBox, PoseUnion, Reading, Status, robot::WheelModel};
+use localizer::{Pose, PoseBox, PoseUnion, Reading, Status, bounds, robot::WheelModel};
 use serde_json::Value;
 use sim::{
     judge::Verdict,
-    run::{RunOptions, RunRecord, run},
-    scene::Scene,
+    run::{Change, Counterfactual, RunOptions, RunRecord, run, run_otherwise},
+    scene::{Bounds, Scene},
     subject::{Answer, IntervalLocalizer, Subject, SubjectOf},
 };
 
@@ -97,6 +99,40 @@ fn a_subject_is_started_once_a_station() {
     let mut subject = dead_reckoning(&scene);
     let record = run(&scene, 1, &mut subject, None, &RunOptions::default(), &mut |_| {}).unwrap();
     assert_eq!((subject.starts, record.restarts.len()), (2, 2));
+}
+
+#[test]
+fn a_run_again_with_a_bound_told_wider_starts_in_the_box_that_follows_from_it() {
+    /// Keeps where it was told to start.
+    struct Starts<'a>(DeadReckoning, &'a Cell<f64>);
+    impl Subject for Starts<'_> {
+        fn start(&mut self, start: &PoseBox) {
+            self.1.set(start[0].width());
+        }
+        fn observe(&mut self, _reading: &Reading) {}
+        fn estimate_at(&self, _time_s: f64) -> Answer {
+            Answer::Point(self.0.pose)
+        }
+    }
+    // The base's clock may lag by 20 ms, in which the robot gathers speed: the start is known to the tolerance and a·ε²/2.
+    let scene = Scene {
+        bounds: Bounds { reach_acceleration_m_per_s2: 1.0, ..Bounds::default() },
+        ..scene("[robot.delivery]\nstamp_tolerance_s = 0.02\n")
+    };
+    let widths_m: &'static Cell<f64> = Box::leak(Box::new(Cell::new(0.0)));
+    let subject_of = |told: &Scene| Box::new(Starts(dead_reckoning(told), widths_m)) as Box<dyn Subject>;
+    let record = run(&scene, 5, &mut *subject_of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let declared_m = widths_m.get();
+    let told = Change::Told {
+        bound: bounds::REACH_ACCELERATION.to_owned(),
+        declared: 1.0,
+        true_value: 3.0,
+        exceeded: Vec::new(),
+    };
+    let asked = Counterfactual { changes: vec![told], until_s: Some(0.1), ..Counterfactual::default() };
+    run_otherwise(&scene, &record, &asked, &subject_of, None, &mut |_| {}).unwrap();
+    // Twice ½·(3 − 1) m/s²·(0.02 s)².
+    assert!((widths_m.get() - declared_m - 0.0008).abs() < 1e-6, "{} after {declared_m}", widths_m.get());
 }
 
 /// Says that the robot is in one small box, somewhere else.

@@ -7,11 +7,13 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use crate::artefacts::run_files::naming;
-use crate::campaign::{
-    cases::{CaseResult, Results},
-    junit::{failure_account, failure_message},
-    report::{Overview, as_markdown},
+use crate::{
+    artefacts::run_files::naming,
+    campaign::{
+        cases::{CaseResult, Results},
+        junit::{failure_account, failure_message},
+        report::{Overview, as_markdown},
+    },
 };
 
 use super::CommandError;

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3, vector};
 
-use crate::optics::Photons;
 use crate::{
     building::Building,
+    optics::Photons,
     scene::{Lamp, LampKind, Scene, Spectrum},
 };
 

@@ -1,13 +1,12 @@
 //! Lamps, doors and lenses that cannot be.
 
-use crate::loading::parse::Contradiction;
-use nalgebra::Point3;
-
 use crate::{
     building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
+    loading::parse::Contradiction,
     optics::Lens,
     scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene},
 };
+use nalgebra::Point3;
 
 /// How far outside of the robot's room a lamp or a door may be when there are further rooms.
 const SITE_M: f64 = 200.0;

@@ -1,9 +1,10 @@
 //! Cameras whose exposures do not fit between two images, or whose grey levels leave none for light.
 
-use crate::loading::parse::Contradiction;
+use crate::{
+    loading::parse::Contradiction,
+    scene::{CeilingCamera, FloorCamera, ForwardCamera, LensKeys, Scene, Sensor, SensorModel},
+};
 use localizer::reading::Camera;
-
-use crate::scene::{CeilingCamera, FloorCamera, ForwardCamera, LensKeys, Scene, Sensor, SensorModel};
 
 /// Sums like 0.0335 + 479 · 10⁻⁵ are not exact, and nobody means a period that finely.
 const ROUNDING_S: f64 = 1e-9;

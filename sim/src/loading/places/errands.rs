@@ -1,7 +1,6 @@
 //! Errands on which nobody can go.
 
-use crate::loading::parse::Contradiction;
-use crate::{navigation::Planner, scene::Scene};
+use crate::{loading::parse::Contradiction, navigation::Planner, scene::Scene};
 
 /// Goals to which no way leads, and what the proximity sensor cannot be.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {

@@ -1,9 +1,10 @@
 //! Markers that cannot be, or cannot be told apart.
 
-use crate::loading::parse::Contradiction;
+use crate::{
+    loading::parse::Contradiction,
+    scene::{Marker, Markers, Scene, UNDER_CEILING_M},
+};
 use localizer::markers::{self, MarkerId};
-
-use crate::scene::{Marker, Markers, Scene, UNDER_CEILING_M};
 
 /// From the middle of a marker to the sides of the square that is its own: half a pitch more than its dots' centres.
 const HALF_WIDTH_M: f64 = 0.08;

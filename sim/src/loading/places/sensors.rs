@@ -1,8 +1,10 @@
 //! Contradictions about sensors other than cameras: periods that the physics cannot sample, bounds that allow anything, and sensors that a method needs
 //! but the robot lacks.
 
-use crate::loading::parse::Contradiction;
-use crate::scene::{Flow, Gyro, Scene};
+use crate::{
+    loading::parse::Contradiction,
+    scene::{Flow, Gyro, Scene},
+};
 
 use super::short;
 

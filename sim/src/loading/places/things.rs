@@ -1,13 +1,13 @@
 //! Furniture, landmarks and people that stand nowhere or walk through walls.
 
-use crate::loading::parse::Contradiction;
+use crate::{
+    building::{Enclosure, Panel, enclosures, wall_panels},
+    loading::parse::Contradiction,
+    scene::{Person, Scene},
+};
 use nalgebra::Vector2;
 
 use super::short;
-use crate::{
-    building::{Enclosure, Panel, enclosures, wall_panels},
-    scene::{Person, Scene},
-};
 
 use super::building::is_in_a_room;
 
