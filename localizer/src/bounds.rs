@@ -104,6 +104,8 @@ bounds! {
     FORWARD_CAMERA_STAMP = "forward_camera.stamp" in "s";
     #[doc = "The direction of a wall against the one that the map tells."]
     WALL_DIRECTIONS_DIRECTION = "wall_directions.direction" in "rad";
+    #[doc = "How far furniture that stands along walls is turned against the nearest wall's direction."]
+    WALL_DIRECTIONS_ASKEW = "wall_directions.askew" in "rad";
     #[doc = "The ceiling camera's place on the body against its nominal one."]
     CEILING_CAMERA_POSITION = "ceiling_camera.position" in "m";
     #[doc = "The ceiling camera's height above the floor against its nominal one."]

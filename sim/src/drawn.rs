@@ -19,6 +19,7 @@ pub use markers::{DrawnDot, DrawnMarker};
 pub use repeated::Repeated;
 pub(crate) use repeated::draw_phase;
 pub use tiles::LaidTiles;
+pub(crate) use walls::turn_from_nearest_deg;
 
 /// Everything about a run that is drawn once, before it starts.
 #[derive(Clone, Debug)]

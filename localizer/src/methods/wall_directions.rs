@@ -38,7 +38,7 @@ use crate::{
 };
 
 /// The declared bounds that a constraint stands on.
-pub const RELIES_ON: [Assumption; 8] = [
+pub const RELIES_ON: [Assumption; 9] = [
     bounds::FORWARD_CAMERA_FOCAL,
     bounds::FORWARD_CAMERA_PRINCIPAL_POINT,
     bounds::FORWARD_CAMERA_DISTORTION,
@@ -47,6 +47,7 @@ pub const RELIES_ON: [Assumption; 8] = [
     bounds::FORWARD_CAMERA_STAMP,
     bounds::BODY_TILT,
     bounds::WALL_DIRECTIONS_DIRECTION,
+    bounds::WALL_DIRECTIONS_ASKEW,
 ];
 /// Images that are held together, carried by the motion between them.
 pub const IMAGES: usize = 20;

@@ -28,6 +28,13 @@ impl Drawn {
                     laid.clip_bends(tiles, tiles.corner_tolerance_m);
                 }
             }
+            bounds::WALL_DIRECTIONS_ASKEW => {
+                let declared_deg = scene.localizer.wall_directions().askew_deg;
+                let askew_deg = scene.furniture_askew_deg(self);
+                for (turn_deg, askew_deg) in self.furniture_turn_deg.iter_mut().zip(askew_deg) {
+                    *turn_deg += askew_deg.clamp(-declared_deg, declared_deg) - askew_deg;
+                }
+            }
             bounds::MARKERS_PLACEMENT | bounds::MARKERS_ROTATION | bounds::MARKERS_PRINT | bounds::MARKERS_HEIGHT => {
                 let Some(markers) = &scene.markers else { return };
                 for drawn in &mut self.markers {

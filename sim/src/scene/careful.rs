@@ -82,7 +82,7 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
         });
     }
     if reads_walls(stated) {
-        keys["localizer"] = json!({ "wall_directions": { "tolerance_deg": 0.3 } });
+        keys["localizer"] = json!({ "wall_directions": { "tolerance_deg": 0.3, "askew_deg": 2.0 } });
     }
     let mut robot = json!({
         "wheel_radius_tolerance": 0.005,

@@ -19,8 +19,8 @@ pub struct WallDirectionsSetup {
     /// within this of one that the map tells. A seed draws by how much all walls together stand turned within it.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
-    /// How far furniture may stand askew of the walls: level edges run along a direction of the map, or within this of it. Every box of headings
-    /// by walls grows by as much on either side.
+    /// `wall_directions.askew`: furniture that stands along walls, turned by less than 5 degrees against one in the scene, is within this of a
+    /// wall's direction. Every box of headings by walls grows by as much on either side.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub askew_deg: f64,
     /// Whether the edges of an image tell the body's lean together; otherwise each of them may have been seen at any lean within `body.tilt`.

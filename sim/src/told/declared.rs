@@ -1,7 +1,7 @@
 //! The keys by which a scene tells the localizer its bounds: what tells it other bounds than those that hold.
 
 use crate::{
-    drawn::Drawn,
+    drawn::{Drawn, turn_from_nearest_deg},
     scene::{Bounds, Robot, Scene},
 };
 use localizer::bounds;
@@ -53,7 +53,7 @@ impl Scene {
     /// Whether the true value behind a bound is drawn by the simulator or placed by the scene, so that a run can have it within its bound.
     /// All else emerges from the physics, or is drawn within its bound by construction.
     pub(crate) fn places(bound: &str) -> bool {
-        const PLACED: [&str; 14] = [
+        const PLACED: [&str; 15] = [
             bounds::WHEELS_RADIUS,
             bounds::WHEELS_TRACK,
             bounds::FLOOR_TILES_LAYING,
@@ -68,6 +68,7 @@ impl Scene {
             bounds::RANGE_LANDMARKS_Q_ITEMS,
             bounds::RANGE_LANDMARKS_WRONG_SPACING,
             bounds::WALL_DIRECTIONS_DIRECTION,
+            bounds::WALL_DIRECTIONS_ASKEW,
         ];
         PLACED.contains(&bound)
     }
@@ -88,17 +89,14 @@ impl Scene {
             return;
         }
         let (true_deg, mut setup) = (self.true_wall_directions_deg(drawn), self.localizer.wall_directions());
-        let off_deg = |from_deg: f64, to_deg: f64| (from_deg - to_deg + 45.0).rem_euclid(90.0) - 45.0;
-        let nearest = |deg: f64, others_deg: &[f64]| {
-            others_deg.iter().map(|other_deg| off_deg(deg, *other_deg)).min_by(|a, b| a.abs().total_cmp(&b.abs()))
-        };
         let mut mapped_deg = self.mapped_wall_directions_deg();
         for deg in &mut mapped_deg {
-            let off_deg = nearest(*deg, &true_deg).unwrap_or(0.0);
+            let off_deg = turn_from_nearest_deg(*deg, &true_deg).unwrap_or(0.0);
             *deg += off_deg.clamp(-setup.tolerance_deg, setup.tolerance_deg) - off_deg;
         }
-        let is_untold =
-            |deg: &f64| nearest(*deg, &mapped_deg).is_none_or(|off_deg| off_deg.abs() > setup.tolerance_deg);
+        let is_untold = |deg: &f64| {
+            turn_from_nearest_deg(*deg, &mapped_deg).is_none_or(|off_deg| off_deg.abs() > setup.tolerance_deg)
+        };
         let untold_deg: Vec<f64> = true_deg.iter().copied().filter(is_untold).collect();
         if !setup.learns {
             mapped_deg.extend(untold_deg);
@@ -179,6 +177,7 @@ fn keys(scene: &mut Scene) -> Keys<'_> {
     }
     if let Some(setup) = &mut localizer.wall_directions {
         keys.is_in_deg(&[bounds::WALL_DIRECTIONS_DIRECTION], &mut setup.tolerance_deg);
+        keys.is_in_deg(&[bounds::WALL_DIRECTIONS_ASKEW], &mut setup.askew_deg);
     }
     keys
 }

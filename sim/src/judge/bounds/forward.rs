@@ -46,6 +46,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
             bent_px(&Lens::forward(camera, drawn), camera.lens.distortion),
         ),
         mapped_directions(scene, record),
+        furniture(scene, record),
         stamps(record, "wall_directions", bounds::FORWARD_CAMERA_STAMP, &camera.timing()),
     ]
 }
@@ -55,4 +56,11 @@ fn mapped_directions(scene: &Scene, record: &RunRecord) -> Monitor {
     let off_deg = scene.wall_directions_off_deg(&scene.true_wall_directions_deg(&record.drawn));
     let tolerance_deg = scene.localizer.wall_directions().tolerance_deg;
     constant(record, bounds::WALL_DIRECTIONS_DIRECTION, tolerance_deg.to_radians(), off_deg.to_radians())
+}
+
+/// The piece of furniture that stands most askew.
+fn furniture(scene: &Scene, record: &RunRecord) -> Monitor {
+    let most_deg = scene.furniture_askew_deg(&record.drawn).into_iter().map(f64::abs).fold(0.0, f64::max);
+    let declared_deg = scene.localizer.wall_directions().askew_deg;
+    constant(record, bounds::WALL_DIRECTIONS_ASKEW, declared_deg.to_radians(), most_deg.to_radians())
 }

@@ -40,6 +40,19 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     if let Some(Value::Table(building)) = scene.get_mut("building") {
         settle_walls(building, draws, room_m);
     }
+    settle_askew(scene);
+}
+
+/// Furniture is told to stand as far askew as it is drawn.
+fn settle_askew(scene: &mut Table) {
+    let building = scene.get("building").and_then(Value::as_table);
+    let drawn_deg = building.and_then(|building| number(building, "furniture_tolerance_deg"));
+    let Some(Value::Table(localizer)) = scene.get_mut("localizer") else { return };
+    let Some(Value::Table(setup)) = localizer.get_mut("wall_directions") else { return };
+    let told_deg = number(setup, "askew_deg").unwrap_or(0.0);
+    if let Some(drawn_deg) = drawn_deg.filter(|drawn_deg| *drawn_deg > told_deg) {
+        setup.insert("askew_deg".to_owned(), Value::Float(drawn_deg));
+    }
 }
 
 /// Doors and pictures on the walls of the robot's room.

@@ -77,7 +77,7 @@ const CHANCES: [(&str, f64); 41] = [
 ];
 
 /// Narrower than the schema: beyond, a robot tips over, stands still, or sees nothing, and every run is the same.
-const RANGES: [(&str, [f64; 2]); 127] = [
+const RANGES: [(&str, [f64; 2]); 129] = [
     ("start.tolerance_m", [0.0, 0.5]),
     ("start.tolerance_deg", [0.0, 20.0]),
     ("station.tolerance_m", [0.0, 0.3]),
@@ -204,7 +204,9 @@ const RANGES: [(&str, [f64; 2]); 127] = [
     ("markers.rotation_tolerance_deg", [0.0, 5.0]),
     ("markers.height_tolerance_m", [0.0, 0.05]),
     ("landmark.height_m", [0.1, 1.5]),
+    ("building.furniture_tolerance_deg", [0.0, 3.0]),
     ("localizer.wall_directions.tolerance_deg", [0.01, 5.0]),
+    ("localizer.wall_directions.askew_deg", [0.0, 5.0]),
     ("light.unevenness_ratio", [1.0, 10.0]),
     ("illuminance_at_floor_lux", [0.1, 3_000.0]),
     ("illuminance_at_camera_lux", [0.05, 1_000.0]),
