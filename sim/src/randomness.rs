@@ -1,7 +1,17 @@
-//! One named random stream per sensor and subsystem, so that a change to one never moves the draws of another.
+//! One named random stream per sensor and subsystem, so that a change to one never moves the draws of another, and how errors are drawn within
+//! their tolerances.
 
+mod repeated;
+
+use rand::{Rng, RngExt};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+use rand_distr::{Distribution as _, StandardNormal};
 use sha2::{Digest, Sha256};
+
+use crate::scene::Distribution;
+
+pub use repeated::Repeated;
+pub(crate) use repeated::draw_phase;
 
 /// The stream of `name` in the run of `seed`.
 pub fn stream(seed: u64, name: &str) -> ChaCha8Rng {
@@ -11,4 +21,34 @@ pub fn stream(seed: u64, name: &str) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(u64::from_le_bytes(number));
     rng
+}
+
+/// Draws an error within ±tolerance that stays the same all the run.
+pub fn draw_within(tolerance: f64, distribution: Distribution, rng: &mut impl Rng) -> f64 {
+    match distribution {
+        Distribution::Uniform => tolerance * rng.random_range(-1.0..=1.0),
+        Distribution::TruncatedGaussian => loop {
+            // Half the tolerance is one standard deviation; one draw in 22 is outside and drawn again.
+            let deviations: f64 = StandardNormal.sample(rng);
+            if deviations.abs() <= 2.0 {
+                return tolerance * deviations / 2.0;
+            }
+        },
+        Distribution::Corner | Distribution::Drift => {
+            if rng.random() {
+                tolerance
+            } else {
+                -tolerance
+            }
+        }
+    }
+}
+
+/// Rotation vector, about x and y, of an axis that leans by an angle within the tolerance, in any direction: the tolerance bounds the angle, so
+/// an angle and a direction are drawn.
+pub fn draw_tilt(tolerance_deg: f64, errors: Distribution, rng: &mut ChaCha8Rng) -> [f64; 2] {
+    let tilt_rad = draw_within(tolerance_deg.to_radians(), errors, rng);
+    let direction_rad = draw_within(std::f64::consts::FRAC_PI_2, Distribution::Uniform, rng);
+    let (sin, cos) = direction_rad.sin_cos();
+    [tilt_rad * cos, tilt_rad * sin]
 }

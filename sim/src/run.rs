@@ -7,7 +7,6 @@ mod frames_policy;
 mod history;
 mod marker_baselines;
 mod motion_baselines;
-mod motion_sensors;
 mod range_baselines;
 mod recorder;
 mod witness;
@@ -30,10 +29,9 @@ pub use clearance::Clearance;
 pub use counterfactual::{Change, Counterfactual};
 pub use forward_baselines::ForwardBaselines;
 pub use frames_policy::FramesPolicy;
-pub use history::{ImageRecord, RunRecord, Timing};
+pub use history::{CheckedBounds, ImageRecord, RunRecord, Timing};
 pub use marker_baselines::{MarkerBaselines, PaperAnswer};
 pub use motion_baselines::MotionBaselines;
-pub use motion_sensors::{FlowSight, GyroSight, MotionSensors};
 pub use range_baselines::{Answers, RangeBaselines};
 pub use witness::Witness;
 
@@ -242,10 +240,7 @@ impl Simulation<'_> {
     ) -> Result<(), RenderError> {
         let arrived =
             record.timed(|timing| &mut timing.render_s, || sensors.observe(&world.truth(), &world.people(), stage))?;
-        for mut observation in arrived {
-            if let Some(camera) = &self.otherwise.world.robot.range_camera {
-                self.asked.clip_matches(&mut observation, camera.q_items);
-            }
+        for observation in arrived {
             record.sense(&observation);
             if self.asked.withholds(&observation.reading, observation.reading.measured_s() + record.offset_s) {
                 continue;

@@ -1,96 +1,44 @@
 //! Truth to readings: each sensor with its own clock, errors and delay.
 
 mod camera_sensor;
-pub mod delivery;
-pub mod encoder;
 mod fitted_camera;
-pub mod flow;
-pub mod gyro;
-pub mod gyro_bias;
-pub mod proximity;
-pub mod range_camera;
-pub(crate) mod sight;
 pub mod still;
 
-use localizer::{
-    Reading,
-    reading::{Camera, LandmarkId},
-};
+use localizer::{Reading, reading::Camera};
 
 use crate::{
     building::UprightBody,
+    devices::{
+        FittedSensor, Observation, Sensor,
+        delivery::Delivery,
+        encoders::WheelSensor,
+        proximity::{Fan, ProximitySensor},
+    },
     drawn::Drawn,
+    place::Bystander,
     render::{RenderError, RenderedWorld, Renderer, View},
     scene::Scene,
     truth::Truth,
-    world::Bystander,
 };
 
 pub use camera_sensor::CameraSensor;
-use delivery::Delivery;
-use encoder::Encoder;
 pub use fitted_camera::FittedCamera;
-use flow::{FlowSensor, FlowTruth};
-use gyro::GyroSensor;
-use proximity::{Fan, ProximitySensor};
-pub use range_camera::RangeCameraSensor;
 
 /// A camera that is told to exposes for a shorter time when the gyroscope tells of a faster turn: 100 ms of it then blur by 4 pixels.
 const TURNING_RAD_PER_S: f64 = 0.1;
 
 /// All sensors of the robot.
 pub struct Sensors {
-    encoder: Encoder,
-    encoder_period_s: f64,
-    n_encoder_readings: u64,
+    /// Those on the base first; the wheels are the last of them.
+    fitted: Vec<FittedSensor>,
+    wheels: WheelSensor,
     cameras: Vec<CameraSensor>,
-    gyro: Option<GyroSensor>,
-    flow: Option<FlowSensor>,
     delivery: Delivery,
     /// Whether the gyroscope's latest reading tells of a turn that blurs.
     turns: bool,
-    range_camera: Option<RangeCameraSensor>,
     proximity: Option<ProximitySensor>,
     /// Taken but not yet delivered.
     on_the_way: Vec<Observation>,
-}
-
-/// A reading, with the truth behind it for those who may know.
-#[derive(Clone, Debug)]
-pub struct Observation {
-    /// What the localizer gets.
-    pub reading: Reading,
-    /// Truth at the true time of the measurement.
-    pub truth: Truth,
-    /// Noise in a reading of the gyroscope; 0 in others.
-    pub gyro_noise_rad_per_s: f64,
-    /// Bias in a reading of the gyroscope; 0 in others.
-    pub gyro_bias_rad_per_s: f64,
-    /// By how much the noise of the gyroscope's readings up to this one has added up over any span, beyond its rate times the span; 0 in
-    /// others.
-    pub gyro_angle_rad: f64,
-    /// What was wrong with a reading of the flow sensor; nothing in others.
-    pub flow: FlowTruth,
-    /// Greatest noise in the columns of a reading of the range camera; 0 in others.
-    pub range_noise_px: f64,
-    /// Codes given in a reading of the range camera, in its order, and whether each is its landmark's own; none in others.
-    pub codes: Vec<(LandmarkId, bool)>,
-}
-
-impl Observation {
-    /// A reading without anything else behind it than the truth.
-    pub fn new(reading: Reading, truth: Truth) -> Self {
-        Observation {
-            reading,
-            truth,
-            gyro_noise_rad_per_s: 0.0,
-            gyro_bias_rad_per_s: 0.0,
-            gyro_angle_rad: 0.0,
-            flow: FlowTruth::default(),
-            range_noise_px: 0.0,
-            codes: Vec::new(),
-        }
-    }
 }
 
 /// The world as cameras look at it, on the device that draws it.
@@ -125,15 +73,11 @@ impl Sensors {
         let at_first_lux = stage.map(|stage| stage.illuminance_at_floor_lux(scene));
         let camera = |name| CameraSensor::new(name, scene, seed, drawn, at_first_lux?);
         Sensors {
-            encoder: Encoder::new(&scene.robot.encoders, scene.robot.errors, seed),
-            encoder_period_s: scene.robot.encoders.period_s,
-            n_encoder_readings: 0,
+            fitted: drawn.devices.sensors(scene, seed),
+            wheels: WheelSensor::new(scene, seed),
             cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
-            gyro: GyroSensor::new(scene, seed, drawn),
-            flow: FlowSensor::new(scene, seed, drawn),
             delivery: Delivery::new(&scene.robot.delivery, drawn.base_clock_s, scene.robot.errors, seed),
             turns: false,
-            range_camera: RangeCameraSensor::new(scene, seed, drawn),
             proximity: ProximitySensor::new(scene, seed),
             on_the_way: Vec::new(),
         }
@@ -146,25 +90,23 @@ impl Sensors {
         people: &[Bystander],
         stage: Option<&mut Stage<'_>>,
     ) -> Result<Vec<Observation>, RenderError> {
+        let (mut sent, mut measured) = (Vec::new(), Vec::new());
+        for sensor in &mut self.fitted {
+            let to = if sensor.is_on_base { &mut sent } else { &mut measured };
+            to.extend(sensor.observe(truth, people));
+        }
         // Before the wheels, so that a turn up to the same instant is known when they tell how far they rolled.
-        let turn = self.gyro.as_mut().and_then(|gyro| gyro.observe(truth));
-        if let Some(Reading::Gyro { rate_rad_per_s, .. }) = turn.as_ref().map(|observation| &observation.reading) {
-            self.turns = rate_rad_per_s.abs() > TURNING_RAD_PER_S;
+        for observation in &sent {
+            if let Reading::Gyro { rate_rad_per_s, .. } = &observation.reading {
+                self.turns = rate_rad_per_s.abs() > TURNING_RAD_PER_S;
+            }
         }
-        let mut sent = Vec::from_iter(turn);
-        sent.extend(self.flow.as_mut().and_then(|flow| flow.observe(truth)));
-        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
-        if truth.time_s + 0.0005 >= self.n_encoder_readings as f64 * self.encoder_period_s {
-            self.n_encoder_readings += 1;
-            let ticks = self.encoder.latch(truth);
-            let reading = Reading::Wheels { measured_s: truth.time_s, arrived_s: truth.time_s, ticks };
-            sent.push(Observation::new(reading, *truth));
-        }
+        sent.extend(self.wheels.observe(truth, people));
         self.on_the_way.extend(sent.into_iter().flat_map(|observation| self.delivery.send(observation)));
         if let Some(stage) = stage {
             self.on_the_way.extend(take_pictures(&mut self.cameras, truth, self.turns, people, stage)?);
         }
-        self.on_the_way.extend(self.range_camera.as_mut().and_then(|camera| camera.observe(truth, people)));
+        self.on_the_way.extend(measured);
         let (mut arrived, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.on_the_way)
             .into_iter()
             .partition(|observation| observation.reading.arrived_s() <= truth.time_s);

@@ -3,6 +3,9 @@
 use localizer::Pose;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
+/// Length of a step of the physics. Longer steps make the supports of a light robot unstable from 2.5 ms on.
+pub const STEP_S: f64 = 0.001;
+
 /// True state of the robot.
 ///
 /// `pose` is that of the body's origin, which lies under the middle of the axle at floor level when the body is at rest;

@@ -6,11 +6,18 @@
 
 use rapier3d_f64::prelude::Vector;
 
-use crate::{drawn::Drawn, scene::Scene, truth::Truth};
+use crate::{
+    drawn::Drawn,
+    place::{
+        Bystander,
+        floor::{Floor, Ground},
+    },
+    scene::Scene,
+    truth::{STEP_S, Truth},
+};
 
 mod chassis;
 mod drive;
-pub(crate) mod floor;
 mod lift;
 mod odometer;
 mod people;
@@ -21,18 +28,13 @@ pub mod tyre;
 
 use chassis::{BodyState, Chassis};
 use drive::Wheel;
-use floor::{Floor, Ground};
 use lift::Lift;
 use odometer::Odometer;
-pub use people::Bystander;
 use people::Walker;
 use push::{Push, Rolled};
 use stuck::StuckWheels;
 use support::Support;
 use tyre::{Contact, Tyre};
-
-/// Length of a step. Longer steps make the supports of a light robot unstable from 2.5 ms on.
-pub const STEP_S: f64 = 0.001;
 
 /// Steps in a second, so that times are quotients of whole numbers and never drift.
 pub const STEPS_PER_S: f64 = 1000.0;

@@ -6,7 +6,7 @@
 use std::{env, fs, path::Path};
 
 use localizer::Reading;
-use sim::{drawn::Drawn, scene::Scene, sensors::gyro::GyroSensor, truth::Truth};
+use sim::{devices::Device, scene::Scene, truth::Truth};
 
 const ANGLE_RANDOM_WALK_DEG_PER_SQRT_H: f64 = 0.3;
 const BIAS_INSTABILITY_DEG_PER_H: f64 = 8.0;
@@ -21,10 +21,11 @@ fn main() {
     fs::create_dir_all(folder).unwrap();
     let scene = Scene::parse(&scene_text(), "allan.toml").unwrap();
     for seed in 0..N_RECORDS {
-        let mut sensor = GyroSensor::new(&scene, seed, &Drawn::draw(&scene, seed)).unwrap();
+        let gyro = scene.robot.gyro.as_ref().unwrap();
+        let mut sensor = gyro.sensor(&gyro.draw(scene.robot.errors, seed), &scene, seed).unwrap();
         let rates = (0..=(RECORD_S / PERIOD_S) as u64).filter_map(|step| {
             let truth = Truth { time_s: step as f64 * PERIOD_S, ..Truth::default() };
-            match sensor.observe(&truth)?.reading {
+            match sensor.observe(&truth, &[])?.reading {
                 Reading::Gyro { rate_rad_per_s, .. } => Some(rate_rad_per_s),
                 _ => None,
             }

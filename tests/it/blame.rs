@@ -466,7 +466,7 @@ fn a_fault_of_the_gyroscope_is_unsound_beside_noise_that_leaves_its_band() {
         assert_eq!(sound.containment.as_ref().unwrap().unsound, 0, "seed {seed}: {:?}", sound.containment);
         let record = of(&bias_too_small);
         // A bias of which most is taken for nothing.
-        if record.drawn.gyro.unwrap().bias_rad_per_s.to_degrees().abs() < 0.04 {
+        if record.drawn.devices.gyro.unwrap().bias_rad_per_s.to_degrees().abs() < 0.04 {
             continue;
         }
         let faulty = verdict_of_subject(&scene, &record, &bias_too_small);

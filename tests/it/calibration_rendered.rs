@@ -178,7 +178,7 @@ fn five_rendered_spins_give_the_mount_to_half_a_millimetre_and_a_fifth_of_a_degr
         let stops: Vec<mount_offset::Stop> = pictures.iter().map(|picture| stop_read(&scene, picture)).collect();
         let spins: Vec<Vec<mount_offset::Stop>> = stops.chunks(N_STOPS).map(<[_]>::to_vec).collect();
         let found = mount_offset::solve(&spins).unwrap();
-        let truth = drawn.ceiling_camera.as_ref().unwrap().body_from_camera.translation;
+        let truth = drawn.devices.ceiling_camera.as_ref().unwrap().body_from_camera.translation;
         let (radius_m, direction_rad) = (truth.x.hypot(truth.y), truth.y.atan2(truth.x));
         let off_m = found.radius_m() - radius_m;
         let off_deg = ((found.direction_rad() - direction_rad + PI).rem_euclid(TAU) - PI).to_degrees();

@@ -1,16 +1,19 @@
 //! Gaussian noise of a gyroscope that nobody draws again, and the band over spans that it keeps to but for bad luck.
 
-use localizer::Pose;
+use localizer::{Pose, bounds};
 use sim::{
-    drawn::{Drawn, GyroCuts},
+    devices::{Sensor, gyro::GyroCuts},
+    drawn::Drawn,
     run::{RunOptions, run},
     scene::Scene,
-    sensors::gyro::GyroSensor,
     subject::IntervalLocalizer,
     truth::Truth,
 };
 
-use crate::{judging::verdict_of, world_setup::scene};
+use crate::{
+    judging::verdict_of,
+    world_setup::{gyro_sensor, noise_and_bias_rad_per_s, scene},
+};
 
 /// White noise of 0.005 °/s/√Hz that is not drawn again, at 200 Hz, with a band of this floor and 0.005 °/s.
 fn noisy(floor_deg: f64) -> Scene {
@@ -26,14 +29,14 @@ fn noisy(floor_deg: f64) -> Scene {
 /// Time until the noise of a gyroscope at rest leaves its band, up to a longest time; greatest noise until then.
 fn lasts_s(scene: &Scene, seed: u64, longest_s: f64) -> (f64, f64) {
     let floor_rad = scene.robot.gyro.as_ref().unwrap().angle_floor_deg.unwrap().to_radians();
-    let mut sensor = GyroSensor::new(scene, seed, &Drawn::draw(scene, seed)).unwrap();
+    let mut sensor = gyro_sensor(scene, seed, &Drawn::draw(scene, seed));
     let mut greatest_rad_per_s = 0.0_f64;
     for step in 0.. {
         let time_s = f64::from(step) * 0.005;
         let truth = Truth { time_s, pose: Pose { x_m: 1.5, y_m: 3.0, heading_rad: 0.0 }, ..Truth::default() };
-        if let Some(observed) = sensor.observe(&truth) {
-            greatest_rad_per_s = greatest_rad_per_s.max(observed.gyro_noise_rad_per_s.abs());
-            if observed.gyro_angle_rad > floor_rad || time_s > longest_s {
+        if let Some(observed) = sensor.observe(&truth, &[]) {
+            greatest_rad_per_s = greatest_rad_per_s.max(observed.true_value(bounds::GYRO_NOISE).unwrap());
+            if observed.true_value(bounds::GYRO_ANGLE).unwrap() > floor_rad || time_s > longest_s {
                 return (time_s, greatest_rad_per_s);
             }
         }
@@ -67,12 +70,12 @@ fn a_floor_that_fails_once_in_a_million_hours_holds_for_hours() {
 /// Errors of the readings of a gyroscope at rest, in order, as drawn or cut to `gyro.angle` and `gyro.noise`.
 fn errors_rad_per_s(scene: &Scene, n_readings: usize, is_cut: bool) -> Vec<f64> {
     let mut drawn = Drawn::draw(scene, 1);
-    drawn.gyro.as_mut().unwrap().cuts = GyroCuts { noise: is_cut, angle: is_cut };
-    let bias_rad_per_s = drawn.gyro.unwrap().bias_rad_per_s;
-    let mut sensor = GyroSensor::new(scene, 1, &drawn).unwrap();
+    drawn.devices.gyro.as_mut().unwrap().cuts = GyroCuts { noise: is_cut, angle: is_cut };
+    let bias_rad_per_s = drawn.devices.gyro.unwrap().bias_rad_per_s;
+    let mut sensor = gyro_sensor(scene, 1, &drawn);
     let at = |step: usize| Truth { time_s: step as f64 * 0.005, ..Truth::default() };
-    let read = (0..=n_readings).filter_map(|step| sensor.observe(&at(step)));
-    read.map(|read| read.gyro_noise_rad_per_s + read.gyro_bias_rad_per_s - bias_rad_per_s).collect()
+    let read = (0..=n_readings).filter_map(|step| sensor.observe(&at(step), &[]));
+    read.map(|read| noise_and_bias_rad_per_s(&read).iter().sum::<f64>() - bias_rad_per_s).collect()
 }
 
 #[test]

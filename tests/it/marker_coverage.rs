@@ -6,7 +6,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
     coverage::{Coverage, Field, coverage},
-    drawn::{Drawn, cameras::world_from_camera},
+    devices::camera::world_from_camera,
+    drawn::Drawn,
     optics::Lens,
     scene::Scene,
     truth::Truth,
@@ -29,7 +30,8 @@ const SHORT: &str = "focal_px = [480.0, 480.0]";
 
 /// Markers whose every printed dot lies wholly in the image, as the simulator's lens projects it: dots whose rims are 1 cm about.
 fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth) -> usize {
-    let (camera, mount) = (scene.robot.ceiling_camera.as_ref().unwrap(), drawn.ceiling_camera.as_ref().unwrap());
+    let (camera, mount) =
+        (scene.robot.ceiling_camera.as_ref().unwrap(), drawn.devices.ceiling_camera.as_ref().unwrap());
     let (lens, pose) = (Lens::ceiling(camera, mount), world_from_camera(truth, mount));
     let is_inside = |point: Point3<f64>| {
         let seen = pose.inverse_transform_point(&point);
@@ -142,7 +144,8 @@ fn a_missing_marker_is_found_out_and_the_place_named_sees_none() {
         assert_eq!(seen, 0);
         // By the simulator's lens, without errors; and the marker that is missing would have been near.
         let mut exact = Drawn::draw(&holed, 0);
-        exact.ceiling_camera = Some(sim::drawn::DrawnCamera::ceiling(holed.robot.ceiling_camera.as_ref().unwrap()));
+        exact.devices.ceiling_camera =
+            Some(sim::devices::camera::DrawnCamera::ceiling(holed.robot.ceiling_camera.as_ref().unwrap()));
         assert_eq!(whole_in_image(&holed, &exact, &Truth { pose, ..Truth::default() }), 0, "{pose:?}");
         assert!((missing.x_m - pose.x_m).hypot(missing.y_m - pose.y_m) < 1.4, "{pose:?}");
     }
@@ -204,7 +207,7 @@ fn at_the_edge_of_what_is_surely_seen_the_worst_tilt_still_shows_the_marker() {
         let is_shown = |distance_m: f64| {
             (0..32).all(|course| {
                 let (sin, cos) = (f64::from(course) * std::f64::consts::PI / 16.0).sin_cos();
-                let mut mount = sim::drawn::DrawnCamera::ceiling(camera);
+                let mut mount = sim::devices::camera::DrawnCamera::ceiling(camera);
                 let tilt =
                     nalgebra::UnitQuaternion::from_scaled_axis(nalgebra::vector![cos, sin, 0.0] * 2f64.to_radians());
                 mount.body_from_camera.rotation = tilt * mount.body_from_camera.rotation;

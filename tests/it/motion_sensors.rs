@@ -2,28 +2,33 @@
 
 use localizer::{Pose, Reading};
 use sim::{
-    drawn::{Drawn, DrawnFlow},
+    devices::{Sensor, flow::DrawnFlow},
+    drawn::Drawn,
     run::{RunOptions, run},
     scene::Scene,
-    sensors::{Sensors, flow::FlowSensor, gyro::GyroSensor},
+    sensors::Sensors,
     subject::IntervalLocalizer,
     truth::Truth,
 };
 
 use crate::judging::verdict_of;
-use crate::{command::scene_text, world_setup::scene};
+use crate::{
+    command::scene_text,
+    world_setup::{flow_sensor, gyro_sensor, scene},
+};
 
 /// Rates that a gyroscope at rest reads, one per period, with its drawn bias taken off.
 fn rates_at_rest(gyro: serde_json::Value, seed: u64, n: usize) -> Vec<f64> {
     let period_s = gyro["period_s"].as_f64().unwrap();
     let scene = scene(serde_json::json!({ "robot": { "gyro": gyro } }));
     let drawn = Drawn::draw(&scene, seed);
-    let mut sensor = GyroSensor::new(&scene, seed, &drawn).unwrap();
-    let bias_rad_per_s = drawn.gyro.unwrap().bias_rad_per_s;
+    let mut sensor = gyro_sensor(&scene, seed, &drawn);
+    let bias_rad_per_s = drawn.devices.gyro.unwrap().bias_rad_per_s;
     let mut rates = Vec::with_capacity(n);
     for step in 0..=n {
         let truth = Truth { time_s: step as f64 * period_s, ..Truth::default() };
-        if let Some(Reading::Gyro { rate_rad_per_s, .. }) = sensor.observe(&truth).map(|observed| observed.reading) {
+        if let Some(Reading::Gyro { rate_rad_per_s, .. }) = sensor.observe(&truth, &[]).map(|observed| observed.reading)
+        {
             rates.push(rate_rad_per_s - bias_rad_per_s);
         }
     }
@@ -88,7 +93,7 @@ fn a_wandering_bias_keeps_both_of_its_bounds() {
     let (mut steepest, mut farthest) = (0.0_f64, 0.0_f64);
     for seed in 0..5 {
         let drawn = Drawn::draw(&scene(serde_json::json!({ "robot": { "gyro": gyro.clone() } })), seed);
-        let bias = drawn.gyro.unwrap().bias_rad_per_s;
+        let bias = drawn.devices.gyro.unwrap().bias_rad_per_s;
         let rates: Vec<f64> = rates_at_rest(gyro.clone(), seed, 14_400).into_iter().map(|rate| rate + bias).collect();
         let farther = rates.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
         let steeper = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.5).fold(0.0, f64::max);
@@ -197,12 +202,12 @@ fn flow_scene(more: serde_json::Value) -> Scene {
 /// Counts and blind periods of an exactly mounted sensor that is led along poses, a millisecond apart.
 fn counted(scene: &Scene, led: impl Fn(f64) -> Truth, lasts_s: f64) -> ([i64; 2], u64) {
     let mut drawn = Drawn::draw(scene, 0);
-    drawn.flow = Some(DrawnFlow { position_m: [-0.06, 0.02], yaw_rad: 0.0, scale: 1.0 });
-    let mut sensor = FlowSensor::new(scene, 0, &drawn).unwrap();
+    drawn.devices.flow = Some(DrawnFlow { position_m: [-0.06, 0.02], yaw_rad: 0.0, scale: 1.0 });
+    let mut sensor = flow_sensor(scene, 0, &drawn);
     let mut latest = ([0; 2], 0);
     for step in 0..=(lasts_s * 1000.0).round() as usize {
         let time_s = step as f64 * 0.001;
-        let observed = sensor.observe(&Truth { time_s, ..led(time_s) });
+        let observed = sensor.observe(&Truth { time_s, ..led(time_s) }, &[]);
         if let Some(Reading::Flow { counts, blind_periods, .. }) = observed.map(|observed| observed.reading) {
             latest = (counts, blind_periods);
         }

@@ -8,12 +8,13 @@ use sim::{
     drawn::Drawn,
     driver::{ErrandDriver, ErrandLog, Outcome, bearing},
     judge::{Verdict, distance_to_way_m},
+    place::Bystander,
     run::{Clearance, RunOptions, RunRecord, run},
     scene::Scene,
     sensors::Sensors,
     subject::IntervalLocalizer,
     truth::Truth,
-    world::{Bystander, WheelCommand, World},
+    world::{WheelCommand, World},
 };
 
 use crate::judging::verdict_of;

@@ -7,14 +7,15 @@ use localizer::{
     reading::{LandmarkId, Sighting},
 };
 use sim::{
+    devices::{Sensor, range_camera::RangeCameraSensor},
     drawn::Drawn,
+    place::Bystander,
     scene::Scene,
-    sensors::{gyro::GyroSensor, range_camera::RangeCameraSensor},
     truth::Truth,
-    world::{Bystander, World},
+    world::World,
 };
 
-use crate::world_setup::{command, nominal, scene};
+use crate::world_setup::{command, gyro_sensor, nominal, range_sensor, scene};
 
 /// A robot at (1, 3) that looks along world x by a camera without errors: 500 px, views 0.1 m apart, the first above the axle.
 fn watching(more: serde_json::Value) -> Scene {
@@ -42,7 +43,7 @@ fn seen(scene: &Scene, people: &[Bystander]) -> Vec<Sighting> {
 }
 
 fn camera(scene: &Scene, seed: u64) -> RangeCameraSensor {
-    RangeCameraSensor::new(scene, seed, &Drawn::draw(scene, seed)).unwrap()
+    range_sensor(scene, seed)
 }
 
 fn sightings(camera: &mut RangeCameraSensor, truth: &Truth, people: &[Bystander]) -> Vec<Sighting> {
@@ -174,12 +175,12 @@ fn a_gyroscope_reads_scale_times_turn_plus_bias_plus_bounded_noise() {
     } } });
     let scene = scene(keys);
     let drawn = Drawn::draw(&scene, 5);
-    let truly = drawn.gyro.unwrap();
-    let mut gyro = GyroSensor::new(&scene, 5, &drawn).unwrap();
+    let truly = drawn.devices.gyro.unwrap();
+    let mut gyro = gyro_sensor(&scene, 5, &drawn);
     let (mut rates, mut odd) = (Vec::new(), 0);
     for step in 0..=40_000 {
         let time_s = f64::from(step) * 0.001;
-        let observed = gyro.observe(&at(1.0, 3.0, 0.8 * time_s, time_s));
+        let observed = gyro.observe(&at(1.0, 3.0, 0.8 * time_s, time_s), &[]);
         if let Some(Reading::Gyro { rate_rad_per_s, measured_s, .. }) = observed.map(|observed| observed.reading) {
             rates.push(rate_rad_per_s);
             odd += usize::from((measured_s * 100.0 - (measured_s * 100.0).round()).abs() > 1e-6);

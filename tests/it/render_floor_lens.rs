@@ -3,7 +3,7 @@
 use image::GrayImage;
 use localizer::Claim;
 use nalgebra::{Isometry3, Translation3};
-use sim::{drawn::cameras::world_from_floor_camera, judge::is_true, render::View, truth::Truth};
+use sim::{devices::camera::world_from_floor_camera, judge::is_true, render::View, truth::Truth};
 
 use crate::{
     render_projection::{dark_centroid, marks},
@@ -76,7 +76,7 @@ fn what_a_bent_lens_bends_is_what_the_scene_declares() {
     );
     let lens = sim::optics::Lens::floor(
         studio.scene.robot.floor_camera.as_ref().unwrap(),
-        &studio.drawn.floor_camera.unwrap(),
+        &studio.drawn.devices.floor_camera.unwrap(),
     );
     assert_eq!((lens.distortion, lens.vignetting), (BENT, true));
     assert_eq!((lens.defocus_px, lens.row_time_s), (3.0, 20e-6));
@@ -299,7 +299,7 @@ fn a_claimed_joint_is_judged_through_the_lens_and_at_the_time_of_each_points_row
         SHORT.row_time_s
     );
     let mut studio = Studio::new(4.0, &keys);
-    studio.drawn.floor_camera = Some(studio.mount);
+    studio.drawn.devices.floor_camera = Some(studio.mount);
     let truth = Truth { velocity: [DRIVE.speed_m_per_s, 0.0, DRIVE.turn_rad_per_s], ..DRIVE.at(0.0) };
     // Where each row shows a place: the time decides the row, and the row the time.
     let shown = |place: [f64; 2]| {

@@ -6,7 +6,8 @@ use image::GrayImage;
 use localizer::Pose;
 use nalgebra::Isometry3;
 use sim::{
-    drawn::{Drawn, DrawnFloorCamera, cameras::world_from_floor_camera},
+    devices::camera::{DrawnFloorCamera, world_from_floor_camera},
+    drawn::Drawn,
     judge::Verdict,
     optics::{Exposure, Lens},
     render::{NoiseKey, Renderer, Shows, View},

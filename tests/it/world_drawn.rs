@@ -5,7 +5,8 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use sim::{
     building::Building,
-    drawn::{Drawn, DrawnCamera},
+    devices::camera::DrawnCamera,
+    drawn::Drawn,
     optics::Lens,
     scene::{Calibration, Scene},
 };
@@ -51,7 +52,7 @@ fn norm(error: &str, value: f64) -> Share {
 
 /// Every drawn error over its tolerance; all of them in [−1, 1] when the draws keep their bounds.
 fn shares(scene: &Scene, drawn: &Drawn) -> Vec<Share> {
-    let floor = drawn.floor_camera.unwrap();
+    let floor = drawn.devices.floor_camera.unwrap();
     let px_per_m = floor.focal_px / floor.height_m;
     let mut shares = vec![
         share("left wheel", (drawn.wheel_radius_m[0] / 0.0975 - 1.0) / 0.002),
@@ -70,7 +71,7 @@ fn shares(scene: &Scene, drawn: &Drawn) -> Vec<Share> {
     shares.push(bend("floor camera", &Lens::floor(camera, &floor)));
     let (forward, ceiling) =
         (scene.robot.forward_camera.as_ref().unwrap(), scene.robot.ceiling_camera.as_ref().unwrap());
-    let (drawn_forward, drawn_ceiling) = (drawn.forward_camera.unwrap(), drawn.ceiling_camera.unwrap());
+    let (drawn_forward, drawn_ceiling) = (drawn.devices.forward_camera.unwrap(), drawn.devices.ceiling_camera.unwrap());
     shares.extend(calibrated("forward camera", &DrawnCamera::forward(forward), &drawn_forward, &forward.calibration));
     shares.extend(calibrated("ceiling camera", &DrawnCamera::ceiling(ceiling), &drawn_ceiling, &ceiling.calibration));
     shares.push(bend("forward camera", &Lens::forward(forward, &drawn_forward)));
@@ -113,7 +114,8 @@ fn calibrated(camera: &str, nominal: &DrawnCamera, drawn: &DrawnCamera, toleranc
 }
 
 fn other_devices(drawn: &Drawn) -> Vec<Share> {
-    let (range, gyro, flow) = (drawn.range_camera.unwrap(), drawn.gyro.unwrap(), drawn.flow.unwrap());
+    let (range, gyro, flow) =
+        (drawn.devices.range_camera.unwrap(), drawn.devices.gyro.unwrap(), drawn.devices.flow.unwrap());
     vec![
         share("range camera forward", (range.position_m[0] - 0.10) / 0.002),
         share("range camera left", (range.position_m[1] - 0.0375) / 0.002),
@@ -287,6 +289,6 @@ fn a_cameras_tolerance_moves_no_wheel() {
             [10.0, 0.0].map(|yaw_tolerance_deg| Drawn::draw(&scene_with("uniform", yaw_tolerance_deg), seed));
         assert_eq!(loose.wheel_radius_m, tight.wheel_radius_m);
         assert_eq!(loose.start, tight.start);
-        assert_ne!(loose.floor_camera.unwrap().yaw_rad, tight.floor_camera.unwrap().yaw_rad);
+        assert_ne!(loose.devices.floor_camera.unwrap().yaw_rad, tight.devices.floor_camera.unwrap().yaw_rad);
     }
 }

@@ -2,14 +2,15 @@
 
 use localizer::{Pose, Reading};
 use sim::{
-    drawn::{Drawn, DrawnFlow, Repeated},
-    randomness::stream,
+    devices::{Sensor, encoders::Encoder, flow::DrawnFlow},
+    drawn::Drawn,
+    randomness::{Repeated, stream},
     scene::{Distribution, Encoders, Scene},
-    sensors::{RangeCameraSensor, Sensors, encoder::Encoder, flow::FlowSensor, gyro::GyroSensor},
+    sensors::Sensors,
     truth::Truth,
 };
 
-use crate::world_setup::scene;
+use crate::world_setup::{flow_sensor, gyro_sensor, noise_and_bias_rad_per_s, range_sensor, scene};
 
 fn at(time_s: f64, x_m: f64, heading_rad: f64) -> Truth {
     Truth { time_s, pose: Pose { x_m, y_m: 3.0, heading_rad }, ..Truth::default() }
@@ -40,7 +41,7 @@ fn range_readings(errors: &str, column_noise_px: f64, seed: u64) -> Vec<[f64; 4]
     let scene = scene(serde_json::json!({
         "robot": { "errors": errors, "range_camera": camera }, "landmark": [{ "x_m": 3.5, "y_m": 3.0 }],
     }));
-    let mut sensor = RangeCameraSensor::new(&scene, seed, &Drawn::draw(&scene, seed)).unwrap();
+    let mut sensor = range_sensor(&scene, seed);
     let mut readings = Vec::new();
     for step in 0..10_000 {
         let truth = at(f64::from(step) * 0.001, 1.5, 0.0);
@@ -85,11 +86,9 @@ fn stamps_latencies_and_columns_of_a_range_camera_go_as_the_errors_say() {
 /// Noise and bias of a gyroscope at rest, reading by reading.
 fn gyro_errors(errors: &str, gyro: serde_json::Value, seed: u64, n: u32) -> Vec<[f64; 2]> {
     let scene = scene(serde_json::json!({ "robot": { "errors": errors, "gyro": gyro } }));
-    let mut sensor = GyroSensor::new(&scene, seed, &Drawn::draw(&scene, seed)).unwrap();
-    let observed = (0..=n).filter_map(|step| sensor.observe(&at(f64::from(step) * 0.005, 1.5, 0.0)));
-    observed
-        .map(|observed| [observed.gyro_noise_rad_per_s, observed.gyro_bias_rad_per_s].map(f64::to_degrees))
-        .collect()
+    let mut sensor = gyro_sensor(&scene, seed, &Drawn::draw(&scene, seed));
+    let observed = (0..=n).filter_map(|step| sensor.observe(&at(f64::from(step) * 0.005, 1.5, 0.0), &[]));
+    observed.map(|observed| noise_and_bias_rad_per_s(&observed).map(f64::to_degrees)).collect()
 }
 
 #[test]
@@ -146,13 +145,13 @@ fn a_bias_that_drifts_goes_to_the_end_of_its_tolerance_and_back_as_fast_as_decla
 fn there_and_back(errors: &str, seed: u64) -> [i64; 2] {
     let scene = scene(serde_json::json!({ "robot": { "errors": errors, "flow": {} } }));
     let mut drawn = Drawn::draw(&scene, seed);
-    drawn.flow = Some(DrawnFlow { position_m: [-0.06, 0.0], yaw_rad: 0.0, scale: 1.0 });
-    let mut sensor = FlowSensor::new(&scene, seed, &drawn).unwrap();
+    drawn.devices.flow = Some(DrawnFlow { position_m: [-0.06, 0.0], yaw_rad: 0.0, scale: 1.0 });
+    let mut sensor = flow_sensor(&scene, seed, &drawn);
     let mut counts = [0; 2];
     for step in 0..=4000 {
         let time_s = f64::from(step) * 0.001;
         let along_m = if time_s <= 2.0 { 0.5 * time_s } else { 2.0 - 0.5 * time_s };
-        let Some(observed) = sensor.observe(&at(time_s, 1.5 + along_m, 0.0)) else { continue };
+        let Some(observed) = sensor.observe(&at(time_s, 1.5 + along_m, 0.0), &[]) else { continue };
         let Reading::Flow { counts: so_far, .. } = observed.reading else { continue };
         counts = [if step == 2000 { so_far[0] } else { counts[0] }, so_far[0]];
     }

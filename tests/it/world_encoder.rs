@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use sim::{
+    devices::encoders::Encoder,
     scene::{Distribution, Encoders},
-    sensors::encoder::Encoder,
     truth::Truth,
 };
 

@@ -1,8 +1,9 @@
 //! Scenes and drives that the tests of the world share.
 
 use interval::Interval;
-use localizer::{Estimate, PoseBox, PoseUnion, Status};
+use localizer::{Estimate, PoseBox, PoseUnion, Reading, Status, bounds};
 use sim::{
+    devices::{Observation, flow::FlowSensor, gyro::GyroSensor, range_camera::RangeCameraSensor},
     drawn::Drawn,
     driver::Driver,
     scene::Scene,
@@ -84,4 +85,31 @@ pub(crate) fn drive(scene: &Scene, drawn: &Drawn, lasts_s: f64) -> Vec<Truth> {
         truths.push(hold(&mut world, command, 0.01));
     }
     truths
+}
+
+/// The scene's gyroscope, calibrated as drawn.
+pub(crate) fn gyro_sensor(scene: &Scene, seed: u64, drawn: &Drawn) -> GyroSensor {
+    GyroSensor::new(scene.robot.gyro.as_ref().unwrap(), &drawn.devices.gyro.unwrap(), scene, seed)
+}
+
+/// The scene's flow sensor, mounted as drawn.
+pub(crate) fn flow_sensor(scene: &Scene, seed: u64, drawn: &Drawn) -> FlowSensor {
+    FlowSensor::new(scene.robot.flow.as_ref().unwrap(), &drawn.devices.flow.unwrap(), scene, seed)
+}
+
+/// The scene's range camera, mounted as drawn.
+pub(crate) fn range_sensor(scene: &Scene, seed: u64) -> RangeCameraSensor {
+    let mount = Drawn::draw(scene, seed).devices.range_camera.unwrap();
+    RangeCameraSensor::new(scene.robot.range_camera.as_ref().unwrap(), &mount, scene, seed)
+}
+
+/// Noise and bias, with their signs, of a reading of a gyroscope at rest: its rate is their sum, and their sizes are what its bounds are about.
+pub(crate) fn noise_and_bias_rad_per_s(observed: &Observation) -> [f64; 2] {
+    let Reading::Gyro { rate_rad_per_s, .. } = observed.reading else { panic!("{observed:?}") };
+    let size = |bound| observed.true_value(bound).unwrap();
+    let sizes = [size(bounds::GYRO_NOISE), size(bounds::GYRO_BIAS)];
+    let signs = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+    let off = |[noise, bias]: &[f64; 2]| (noise + bias - rate_rad_per_s).abs();
+    let pairs = signs.map(|signs: [f64; 2]| [signs[0] * sizes[0], signs[1] * sizes[1]]);
+    pairs.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
 }

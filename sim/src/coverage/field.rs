@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 
 use super::{Place, Poses};
 use crate::{
-    drawn::{DrawnCamera, markers::DOT_RADIUS_M},
+    devices::camera::DrawnCamera,
+    drawn::markers::DOT_RADIUS_M,
     scene::{CeilingCamera, Scene},
 };
 

@@ -17,9 +17,6 @@ impl Drawn {
                     self.wheel_radius_m.map(|m| near(m, robot.wheel_radius_m, robot.wheel_radius_tolerance));
             }
             bounds::WHEELS_TRACK => self.track_m = near(self.track_m, robot.track_m, robot.track_tolerance),
-            // Noise is drawn reading by reading: its sensor takes off what is beyond.
-            bounds::GYRO_NOISE => self.gyro.iter_mut().for_each(|gyro| gyro.cuts.noise = true),
-            bounds::GYRO_ANGLE => self.gyro.iter_mut().for_each(|gyro| gyro.cuts.angle = true),
             bounds::FLOOR_TILES_LAYING | bounds::FLOOR_TILES_STRAIGHTNESS => {
                 let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &mut self.tiles) else { return };
                 if bound == bounds::FLOOR_TILES_LAYING {
@@ -43,7 +40,7 @@ impl Drawn {
                     }
                 }
             }
-            _ => {}
+            _ => self.devices.clip(bound, robot),
         }
     }
 }

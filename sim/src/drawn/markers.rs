@@ -6,11 +6,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    randomness::stream,
+    randomness::{draw_within, stream},
     scene::{Distribution, Marker, Markers, Scene},
 };
-
-use super::draw_within;
 
 /// Matrix Q of paper 5's Eq. (9) as it is printed, first row at the top: Y is top left, O bottom left, X bottom right. It stands here apart from the
 /// localizer's, which reads what this prints.

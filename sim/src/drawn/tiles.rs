@@ -3,9 +3,8 @@
 use nalgebra::{Rotation2, Vector2, vector};
 use rand::{Rng, RngExt};
 
-use super::draw_within;
 use crate::{
-    randomness,
+    randomness::{self, draw_within},
     scene::{Distribution, Room, Tiles},
 };
 

@@ -1,11 +1,11 @@
 //! Walls as they truly stand: all turned alike against the map.
 
 use crate::{
-    randomness::stream,
+    randomness::{draw_within, stream},
     scene::{Furniture, Scene},
 };
 
-use super::{Drawn, draw_within};
+use super::Drawn;
 
 /// Where walls turned as drawn would leave the robot no place, they are turned by so many hundredths less, and so on.
 const STEP_PERCENT: i32 = 5;

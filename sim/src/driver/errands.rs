@@ -3,9 +3,9 @@
 use localizer::{Estimate, Pose, PoseBox, Status};
 
 use crate::{
+    devices::proximity::Fan,
     navigation::{OccupancyGrid, Planner},
     scene::{Navigation, Scene},
-    sensors::proximity::Fan,
     world::WheelCommand,
 };
 

@@ -2,7 +2,7 @@
 
 use localizer::Estimate;
 
-use crate::{drawn::Drawn, scene::Scene, sensors::proximity::Fan, world::WheelCommand};
+use crate::{devices::proximity::Fan, drawn::Drawn, scene::Scene, world::WheelCommand};
 
 use super::{Driver, ErrandDriver, ErrandLog};
 

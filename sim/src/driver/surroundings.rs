@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use localizer::Pose;
 
-use crate::{navigation::OccupancyGrid, sensors::proximity::Fan};
+use crate::{devices::proximity::Fan, navigation::OccupancyGrid};
 
 /// What lies nearer than this to something on the map is taken for it: the estimate's error, the sensor's and a cell.
 const KNOWN_M: f64 = 0.15;

@@ -8,7 +8,8 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::markers;
 use crate::{
-    drawn::{Drawn, DrawnFloorCamera, cameras::world_from_camera, cameras::world_from_floor_camera},
+    devices::camera::{DrawnFloorCamera, world_from_camera, world_from_floor_camera},
+    drawn::Drawn,
     optics::Lens,
     run::{ImageRecord, RunRecord},
     scene::Scene,
@@ -56,7 +57,7 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
 /// Some joint has all but the share of the points within their bounds of its centre line.
 fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     let (Some(camera), Some(tiles), Some(laid), Some(mount)) =
-        (&scene.robot.floor_camera, &scene.floor.tiles, &drawn.tiles, &drawn.floor_camera)
+        (&scene.robot.floor_camera, &scene.floor.tiles, &drawn.tiles, &drawn.devices.floor_camera)
     else {
         return false;
     };
@@ -109,7 +110,7 @@ fn sight_planes(
     drawn: &Drawn,
     truth: &Truth,
 ) -> Option<[Vector3<f64>; 4]> {
-    let (camera, mount) = (scene.robot.forward_camera.as_ref()?, drawn.forward_camera.as_ref()?);
+    let (camera, mount) = (scene.robot.forward_camera.as_ref()?, drawn.devices.forward_camera.as_ref()?);
     let lens = Lens::forward(camera, mount);
     let camera_in_world = world_from_camera(truth, mount).rotation;
     let [[u0, v0], [u1, v1]] = ends_px;

@@ -9,11 +9,12 @@ use localizer::{
 use nalgebra::Point3;
 
 use crate::{
-    drawn::{Drawn, DrawnMarker, cameras::world_from_camera, markers::DOT_RADIUS_M},
+    devices::camera::world_from_camera,
+    drawn::{Drawn, DrawnMarker, markers::DOT_RADIUS_M},
     optics::Lens,
+    place::sight::Obstacles,
     run::{ImageRecord, PaperAnswer, RunRecord},
     scene::Scene,
-    sensors::sight::Obstacles,
     truth::Truth,
 };
 
@@ -34,7 +35,7 @@ pub(super) struct Sight {
 impl Sight {
     /// `None` without a ceiling camera.
     pub(super) fn new(scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<Sight> {
-        let (camera, mount) = (scene.robot.ceiling_camera.as_ref()?, drawn.ceiling_camera.as_ref()?);
+        let (camera, mount) = (scene.robot.ceiling_camera.as_ref()?, drawn.devices.ceiling_camera.as_ref()?);
         let camera_from_world = world_from_camera(truth, mount).inverse();
         Some(Sight { lens: Lens::ceiling(camera, mount), camera_from_world })
     }

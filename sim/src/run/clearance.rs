@@ -1,6 +1,6 @@
 //! How much room the true robot has.
 
-use crate::{scene::Scene, truth::Truth, world::Bystander};
+use crate::{place::Bystander, scene::Scene, truth::Truth};
 
 /// Distance of the robot's round body from what it may run into; infinite where there is no such thing.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use localizer::{Reading, bounds, motion::SlipExcess};
 
-use crate::{drawn::Drawn, scene::Scene, sensors::Observation};
+use crate::{drawn::Drawn, scene::Scene};
 
 use super::STEP_S;
 
@@ -103,31 +103,6 @@ impl Counterfactual {
                 SlipExcess { span_s, slip_m, side_slip_m }
             })
             .collect()
-    }
-
-    /// Takes wrong matches beyond their bound out of a reading of the range camera; `q_items` of one may be wrong.
-    pub(super) fn clip_matches(&self, observation: &mut Observation, q_items: usize) {
-        let clips =
-            |name: &str| self.changes.iter().any(|change| matches!(change, Change::Clipped { bound } if bound == name));
-        // Wrong matches too near to each other: without any there are none.
-        let most = match (clips(bounds::RANGE_LANDMARKS_WRONG_SPACING), clips(bounds::RANGE_LANDMARKS_Q_ITEMS)) {
-            (true, _) => 0,
-            (false, true) => q_items,
-            (false, false) => return,
-        };
-        let Observation { reading: Reading::Range { sightings, .. }, codes, .. } = observation else { return };
-        let mut n_wrong = 0;
-        let stays: Vec<bool> = codes
-            .iter()
-            .map(|(_, is_own)| {
-                n_wrong += usize::from(!is_own);
-                *is_own || n_wrong <= most
-            })
-            .collect();
-        let mut keep = stays.iter();
-        sightings.retain(|_| keep.next().copied().unwrap_or(true));
-        let mut keep = stays.iter();
-        codes.retain(|_| keep.next().copied().unwrap_or(true));
     }
 
     /// Whether a reading stamped at `measured_s` of the run's own time never reaches the localizer.

@@ -1,11 +1,13 @@
 //! What a run leaves for the check and the record.
 
+use std::collections::BTreeSet;
+
 use interval::Interval;
-use localizer::{Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status, reading::LandmarkId};
+use localizer::{Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status, bounds::Assumption, reading::LandmarkId};
 
-use crate::{drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
+use crate::{devices::BoundCheck, drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
 
-use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, MotionSensors, RangeBaselines};
+use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
 
 /// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
 pub struct RunRecord {
@@ -42,8 +44,8 @@ pub struct RunRecord {
     pub marker_baselines: MarkerBaselines,
     /// Where dead reckoning by paper 2 has it.
     pub motion_baselines: MotionBaselines,
-    /// What was truly behind the readings of gyroscope and flow sensor.
-    pub motion_sensors: MotionSensors,
+    /// The declared bounds that readings had a part in, and where they were exceeded.
+    pub bounds: CheckedBounds,
     /// What paper 2's chain and features made of the pictures ahead.
     pub forward_baselines: ForwardBaselines,
     /// Wall-clock time spent, by stage.
@@ -105,6 +107,28 @@ pub struct Timing {
     pub vision_s: f64,
 }
 
+/// Bounds that readings had a part in.
+#[derive(Clone, Debug, Default)]
+pub struct CheckedBounds {
+    /// Names of all of them.
+    pub names: BTreeSet<Assumption>,
+    /// Where one was exceeded, in the order in which its readings arrived.
+    pub exceeded: Vec<BoundCheck>,
+}
+
+impl CheckedBounds {
+    /// Notes what was behind a reading of a drive that began at `offset_s`.
+    pub(super) fn note(&mut self, checks: &[BoundCheck], offset_s: f64) {
+        for check in checks {
+            self.names.insert(check.bound);
+            if check.is_exceeded() {
+                let span_s = check.span_s.map(|time_s| time_s + offset_s);
+                self.exceeded.push(BoundCheck { span_s, ..*check });
+            }
+        }
+    }
+}
+
 impl RunRecord {
     /// The steps of each uninterrupted drive.
     pub fn drives(&self) -> impl Iterator<Item = &[Truth]> {
@@ -150,7 +174,7 @@ impl RunRecord {
             range_baselines: RangeBaselines::default(),
             marker_baselines: MarkerBaselines::default(),
             motion_baselines: MotionBaselines::default(),
-            motion_sensors: MotionSensors::default(),
+            bounds: CheckedBounds::default(),
             forward_baselines: ForwardBaselines::default(),
             timing: Timing::default(),
             readings_digest: String::new(),

@@ -6,9 +6,9 @@ use localizer::{Map, Pose, PoseBox, Reading, RobotModel, motion::PointOdometry, 
 use sha2::{Digest, Sha256};
 
 use crate::{
+    devices::Observation,
     drawn::Drawn,
     scene::Scene,
-    sensors::Observation,
     subject::{Answer, Subject},
     truth::Truth,
     world::World,
@@ -71,7 +71,6 @@ impl<'a> Recorder<'a> {
         self.start_box = here.start_box();
         self.odometry = PointOdometry::new(self.start);
         self.history.range_baselines.restart();
-        self.history.motion_sensors.restart();
         self.history.restarts.push(self.history.truths.len());
         self.witness.start(self.offset_s, Some(index));
     }
@@ -91,7 +90,7 @@ impl<'a> Recorder<'a> {
         if self.asks_baselines {
             self.history.motion_baselines.sense(reading);
         }
-        self.history.motion_sensors.note(observation, self.offset_s);
+        self.history.bounds.note(&observation.checks, self.offset_s);
         self.readings.update(reading.measured_s().to_le_bytes());
         self.readings.update(reading.arrived_s().to_le_bytes());
         match reading {

@@ -3,18 +3,23 @@
 use std::collections::VecDeque;
 
 use image::GrayImage;
-use localizer::{Reading, reading::Camera};
+use localizer::{
+    Reading,
+    bounds::{self, Assumption},
+    reading::Camera,
+};
 
 use crate::{
-    drawn::{Drawn, Repeated},
+    devices::{BoundCheck, Device, Observation},
+    drawn::Drawn,
     optics::{AutoExposure, Exposure},
-    randomness,
+    randomness::{self, Repeated},
     render::View,
     scene::{CameraTiming, Event, Scene},
     truth::Truth,
 };
 
-use super::{Observation, fitted_camera::FittedCamera};
+use super::fitted_camera::FittedCamera;
 
 /// A camera that takes an image every period.
 pub struct CameraSensor {
@@ -27,6 +32,8 @@ pub struct CameraSensor {
     turns: bool,
     lights: Vec<Switch>,
     clock: Repeated,
+    /// The bound on its stamps, where anybody relies on it.
+    stamp_bound: Option<Assumption>,
     n_images: u32,
     /// Truth at every physics step that the exposure in progress may need.
     recent: VecDeque<Truth>,
@@ -66,6 +73,7 @@ impl CameraSensor {
                 scene.robot.errors,
                 randomness::stream(seed, &format!("{}_camera.clock", name.as_str())),
             ),
+            stamp_bound: stamp_bound(name, scene),
             n_images: 0,
             recent: VecDeque::new(),
             camera,
@@ -108,7 +116,14 @@ impl CameraSensor {
         // A delivery cannot come before the exposure has ended.
         let arrived_s = (middle_s + late_s).max(exposed.ended_s);
         let reading = Reading::Camera { measured_s, arrived_s, camera: self.camera.name, exposure_s, image };
-        Observation::new(reading, exposed.middle)
+        let check = |bound| BoundCheck {
+            bound,
+            span_s: [middle_s, arrived_s],
+            declared: timing.stamp_tolerance_s,
+            true_value: (measured_s - middle_s).abs(),
+        };
+        let checks = self.stamp_bound.map(check).into_iter().collect();
+        Observation { checks, ..Observation::new(reading, exposed.middle) }
     }
 
     /// Truth between physics steps, on the chord of the step.
@@ -127,6 +142,17 @@ impl CameraSensor {
             .find(|switch| switch.at_s <= time_s)
             .map_or(0.0, |switch| switch.illuminance_at_floor_lux)
     }
+}
+
+/// The bound on a camera's stamps, where the scene's localizer relies on it.
+fn stamp_bound(name: Camera, scene: &Scene) -> Option<Assumption> {
+    let robot = &scene.robot;
+    let (bound, is_relied_on) = match name {
+        Camera::Floor => (bounds::FLOOR_CAMERA_STAMP, robot.floor_camera.as_ref()?.is_relied_on(scene)),
+        Camera::Forward => (bounds::FORWARD_CAMERA_STAMP, robot.forward_camera.as_ref()?.is_relied_on(scene)),
+        Camera::Ceiling => (bounds::CEILING_CAMERA_STAMP, robot.ceiling_camera.as_ref()?.is_relied_on(scene)),
+    };
+    is_relied_on.then_some(bound)
 }
 
 /// Instants at equal steps through an exposure; the renderer chooses how many sub-frames to make of them.

@@ -5,10 +5,8 @@ use nalgebra::Isometry3;
 use rand::Rng;
 
 use crate::{
-    drawn::{
-        Drawn, DrawnCamera, DrawnFloorCamera,
-        cameras::{world_from_camera, world_from_floor_camera},
-    },
+    devices::camera::{DrawnCamera, DrawnFloorCamera, world_from_camera, world_from_floor_camera},
+    drawn::Drawn,
     optics::{Exposure, Lens},
     randomness,
     render::{NoiseKey, Shows, View},
@@ -40,15 +38,15 @@ impl FittedCamera {
         let robot = &scene.robot;
         let (sensor, mount, lens) = match name {
             Camera::Floor => {
-                let (camera, mount) = (robot.floor_camera.as_ref()?, drawn.floor_camera?);
+                let (camera, mount) = (robot.floor_camera.as_ref()?, drawn.devices.floor_camera?);
                 (camera.sensor_model(), Mount::Floor(mount), Lens::floor(camera, &mount))
             }
             Camera::Forward => {
-                let (camera, mount) = (robot.forward_camera.as_ref()?, drawn.forward_camera?);
+                let (camera, mount) = (robot.forward_camera.as_ref()?, drawn.devices.forward_camera?);
                 (camera.sensor_model(), Mount::Other(mount), Lens::forward(camera, &mount))
             }
             Camera::Ceiling => {
-                let (camera, mount) = (robot.ceiling_camera.as_ref()?, drawn.ceiling_camera?);
+                let (camera, mount) = (robot.ceiling_camera.as_ref()?, drawn.devices.ceiling_camera?);
                 (camera.sensor_model(), Mount::Other(mount), Lens::ceiling(camera, &mount))
             }
         };

@@ -1,39 +1,18 @@
 //! The keys by which a scene tells the localizer its bounds: what tells it other bounds than those that hold.
 
 use crate::{
+    devices::{ToldKey, Widens, told_keys},
     drawn::{Drawn, turn_from_nearest_deg},
-    scene::{Bounds, Robot, Scene},
+    scene::{Bounds, Scene},
 };
 use localizer::bounds;
-
-/// One key of the scene that states a bound.
-struct Key<'a> {
-    /// Bounds that it states, by their names in `relies_on`.
-    bounds: &'static [&'static str],
-    /// Its value, in the key's own unit.
-    value: &'a mut f64,
-    /// How much of the key's unit is one unit of the true value that is held against the bound.
-    per_true: f64,
-    widens: Widens,
-}
-
-/// What a true value beyond the bound makes of the key.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Widens {
-    /// The key becomes the true value.
-    To,
-    /// What is missing is added: the bound is a sum, or one over every window.
-    By,
-    /// Another key of the same bound does it.
-    Not,
-}
 
 impl Scene {
     /// Widens the bound of this name so that `true_value` keeps it, where the scene declares `declared`. A bound that holds stays.
     pub fn widen(&mut self, bound: &str, declared: f64, true_value: f64) {
         self.state_defaults();
         self.widen_others(bound, declared, true_value);
-        for key in keys(self).0.into_iter().filter(|key| key.bounds.contains(&bound)) {
+        for key in keys(self).into_iter().filter(|key| key.bounds.contains(&bound)) {
             match key.widens {
                 // A share more than the comparison of a bound leaves to rounding.
                 Widens::To => *key.value = key.value.max(true_value * key.per_true * (1.0 + 1e-9)),
@@ -47,7 +26,7 @@ impl Scene {
     /// and stays: told smaller, it would be false before anything was measured.
     pub(crate) fn weaken(&mut self, factor: f64) {
         self.state_defaults();
-        keys(self).0.into_iter().for_each(|key| *key.value *= factor);
+        keys(self).into_iter().for_each(|key| *key.value *= factor);
     }
 
     /// Whether the true value behind a bound is drawn by the simulator or placed by the scene, so that a run can have it within its bound.
@@ -140,131 +119,41 @@ impl Scene {
     }
 }
 
-/// Keys of bounds, each once.
-struct Keys<'a>(Vec<Key<'a>>);
-
-impl<'a> Keys<'a> {
-    fn add(&mut self, bounds: &'static [&'static str], value: &'a mut f64, per_true: f64, widens: Widens) {
-        self.0.push(Key { bounds, value, per_true, widens });
-    }
-
-    /// A key that is the bound, in the unit of the true value.
-    fn is(&mut self, bounds: &'static [&'static str], value: &'a mut f64) {
-        self.add(bounds, value, 1.0, Widens::To);
-    }
-
-    /// A key in degrees of a bound in radians.
-    fn is_in_deg(&mut self, bounds: &'static [&'static str], value: &'a mut f64) {
-        self.add(bounds, value, f64::to_degrees(1.0), Widens::To);
-    }
-}
-
 /// Every key that states a bound in a physical unit and has a value.
-fn keys(scene: &mut Scene) -> Keys<'_> {
-    let mut keys = Keys(Vec::new());
+fn keys(scene: &mut Scene) -> Vec<ToldKey<'_>> {
     let Scene { bounds, robot, floor, markers, localizer, .. } = scene;
-    emergent(bounds, &mut keys);
-    sensors(robot, &mut keys);
+    let mut keys = emergent(bounds);
     if let Some(tiles) = &mut floor.tiles {
-        keys.add(&[bounds::FLOOR_TILES_LAYING], &mut tiles.laying_tolerance_m, 1.0, Widens::By);
-        keys.is(&[bounds::FLOOR_TILES_STRAIGHTNESS], &mut tiles.corner_tolerance_m);
+        keys.push(ToldKey::is_part(&[bounds::FLOOR_TILES_LAYING], &mut tiles.laying_tolerance_m, Widens::By));
+        keys.push(ToldKey::is(&[bounds::FLOOR_TILES_STRAIGHTNESS], &mut tiles.corner_tolerance_m));
     }
     if let Some(markers) = markers {
-        keys.is(&[bounds::MARKERS_PLACEMENT], &mut markers.placement_tolerance_m);
-        keys.is_in_deg(&[bounds::MARKERS_ROTATION], &mut markers.rotation_tolerance_deg);
-        keys.is(&[bounds::MARKERS_PRINT], &mut markers.print_tolerance_m);
-        keys.is(&[bounds::MARKERS_HEIGHT], &mut markers.height_tolerance_m);
+        keys.push(ToldKey::is(&[bounds::MARKERS_PLACEMENT], &mut markers.placement_tolerance_m));
+        keys.push(ToldKey::is_in_deg(&[bounds::MARKERS_ROTATION], &mut markers.rotation_tolerance_deg));
+        keys.push(ToldKey::is(&[bounds::MARKERS_PRINT], &mut markers.print_tolerance_m));
+        keys.push(ToldKey::is(&[bounds::MARKERS_HEIGHT], &mut markers.height_tolerance_m));
     }
     if let Some(setup) = &mut localizer.wall_directions {
-        keys.is_in_deg(&[bounds::WALL_DIRECTIONS_DIRECTION], &mut setup.tolerance_deg);
-        keys.is_in_deg(&[bounds::WALL_DIRECTIONS_ASKEW], &mut setup.askew_deg);
+        keys.push(ToldKey::is_in_deg(&[bounds::WALL_DIRECTIONS_DIRECTION], &mut setup.tolerance_deg));
+        keys.push(ToldKey::is_in_deg(&[bounds::WALL_DIRECTIONS_ASKEW], &mut setup.askew_deg));
     }
+    keys.extend(told_keys(robot));
     keys
 }
 
 /// What comes out of the physics.
-fn emergent<'a>(bounds: &'a mut Bounds, keys: &mut Keys<'a>) {
-    keys.add(&[bounds::WHEELS_SLIP], &mut bounds.slip_ratio, 1.0, Widens::Not);
-    keys.add(&[bounds::WHEELS_SLIP], &mut bounds.slip_floor_m, 1.0, Widens::By);
-    keys.add(&[bounds::WHEELS_SIDE_SLIP], &mut bounds.side_slip_ratio, 1.0, Widens::Not);
-    keys.add(&[bounds::WHEELS_SIDE_SLIP], &mut bounds.side_slip_floor_m, 1.0, Widens::By);
-    keys.is(&[bounds::REACH_SPEED], &mut bounds.reach_speed_m_per_s);
-    keys.is(&[bounds::REACH_TURN_RATE], &mut bounds.reach_turn_rate_rad_per_s);
-    keys.is(&[bounds::REACH_ACCELERATION], &mut bounds.reach_acceleration_m_per_s2);
-    keys.is_in_deg(&[bounds::BODY_TILT], &mut bounds.body_tilt_deg);
-    keys.is(&[bounds::BODY_HEAVE], &mut bounds.body_heave_m);
-    if let Some(rest_deg) = &mut bounds.rest_turn_deg {
-        keys.is_in_deg(&[bounds::WHEELS_REST], rest_deg);
-    }
-}
-
-/// What is drawn of the robot.
-fn sensors<'a>(robot: &'a mut Robot, keys: &mut Keys<'a>) {
-    keys.add(&[bounds::WHEELS_RADIUS], &mut robot.wheel_radius_tolerance, 1.0 / robot.wheel_radius_m, Widens::To);
-    keys.is(&[bounds::BASE_STAMP], &mut robot.delivery.stamp_tolerance_s);
-    keys.add(&[bounds::WHEELS_TRACK], &mut robot.track_tolerance, 1.0 / robot.track_m, Widens::To);
-    if let Some(camera) = &mut robot.floor_camera {
-        let m_per_px = camera.footprint_width_m / f64::from(camera.width_px);
-        keys.is(&[bounds::FLOOR_CAMERA_POSITION], &mut camera.position_tolerance_m);
-        keys.is_in_deg(&[bounds::FLOOR_CAMERA_YAW], &mut camera.yaw_tolerance_deg);
-        keys.is_in_deg(&[bounds::FLOOR_CAMERA_TILT], &mut camera.tilt_tolerance_deg);
-        keys.add(&[bounds::FLOOR_CAMERA_SCALE], &mut camera.scale_tolerance, m_per_px, Widens::To);
-        keys.is(&[bounds::FLOOR_CAMERA_DISTORTION], &mut camera.distortion_tolerance_px);
-        keys.is(&[bounds::FLOOR_CAMERA_STAMP], &mut camera.stamp_tolerance_s);
-    }
-    if let Some(camera) = &mut robot.forward_camera {
-        let calibration = &mut camera.calibration;
-        keys.is_in_deg(
-            &[bounds::FORWARD_CAMERA_YAW, bounds::FORWARD_CAMERA_TILT],
-            &mut calibration.angle_tolerance_deg,
-        );
-        keys.is(&[bounds::FORWARD_CAMERA_FOCAL], &mut calibration.focal_tolerance);
-        keys.is(&[bounds::FORWARD_CAMERA_PRINCIPAL_POINT], &mut calibration.principal_point_tolerance_px);
-        keys.is(&[bounds::FORWARD_CAMERA_DISTORTION], &mut calibration.distortion_tolerance_px);
-        keys.is(&[bounds::FORWARD_CAMERA_STAMP], &mut camera.stamp_tolerance_s);
-    }
-    if let Some(camera) = &mut robot.ceiling_camera {
-        let calibration = &mut camera.calibration;
-        keys.is(
-            &[bounds::CEILING_CAMERA_POSITION, bounds::CEILING_CAMERA_HEIGHT],
-            &mut calibration.position_tolerance_m,
-        );
-        keys.is_in_deg(
-            &[bounds::CEILING_CAMERA_YAW, bounds::CEILING_CAMERA_TILT],
-            &mut calibration.angle_tolerance_deg,
-        );
-        keys.is(&[bounds::CEILING_CAMERA_FOCAL], &mut calibration.focal_tolerance);
-        keys.is(&[bounds::CEILING_CAMERA_CENTRE], &mut calibration.principal_point_tolerance_px);
-        keys.is(&[bounds::CEILING_CAMERA_DISTORTION], &mut calibration.distortion_tolerance_px);
-        keys.is(&[bounds::CEILING_CAMERA_STAMP], &mut camera.stamp_tolerance_s);
-    }
-    if let Some(camera) = &mut robot.range_camera {
-        keys.add(&[bounds::RANGE_CAMERA_FOCAL], &mut camera.focal_tolerance, 1.0 / camera.focal_px, Widens::To);
-        keys.add(&[bounds::RANGE_CAMERA_BASELINE], &mut camera.baseline_tolerance, 1.0 / camera.baseline_m, Widens::To);
-        keys.is(&[bounds::RANGE_CAMERA_POSITION], &mut camera.position_tolerance_m);
-        keys.is_in_deg(&[bounds::RANGE_CAMERA_YAW], &mut camera.yaw_tolerance_deg);
-        keys.is_in_deg(&[bounds::RANGE_CAMERA_TILT], &mut camera.tilt_tolerance_deg);
-        keys.is(&[bounds::RANGE_CAMERA_HEIGHT_SPAN], &mut camera.height_span_m);
-        keys.is(&[bounds::RANGE_CAMERA_STAMP], &mut camera.stamp_tolerance_s);
-        keys.is(&[bounds::RANGE_CAMERA_LATENCY], &mut camera.latency_tolerance_s);
-        keys.is(&[bounds::RANGE_CAMERA_COLUMNS], &mut camera.column_noise_px);
-    }
-    if let Some(gyro) = &mut robot.gyro {
-        keys.is_in_deg(&[bounds::GYRO_BIAS], &mut gyro.bias_tolerance_deg_per_s);
-        keys.is(&[bounds::GYRO_SCALE], &mut gyro.scale_tolerance);
-        keys.is_in_deg(&[bounds::GYRO_NOISE], &mut gyro.noise_deg_per_s);
-        keys.is_in_deg(&[bounds::GYRO_WANDER], &mut gyro.bias_wander_deg_per_s2);
-        keys.add(&[bounds::GYRO_ANGLE], &mut gyro.angle_deg_per_s, 1.0, Widens::Not);
-        if let Some(floor_deg) = &mut gyro.angle_floor_deg {
-            keys.is_in_deg(&[bounds::GYRO_ANGLE], floor_deg);
-        }
-    }
-    if let Some(flow) = &mut robot.flow {
-        keys.is(&[bounds::FLOW_POSITION], &mut flow.position_tolerance_m);
-        keys.is_in_deg(&[bounds::FLOW_YAW], &mut flow.yaw_tolerance_deg);
-        keys.is(&[bounds::FLOW_CALIBRATION], &mut flow.calibration_tolerance);
-        // Of it, what the calibration leaves may vary.
-        keys.add(&[bounds::FLOW_SCALE, bounds::FLOW_CALIBRATION], &mut flow.scale_tolerance, 1.0, Widens::By);
-        keys.is(&[bounds::FLOW_BACK_AND_FORTH], &mut flow.back_and_forth_m);
-    }
+fn emergent(bounds: &mut Bounds) -> Vec<ToldKey<'_>> {
+    let mut keys = vec![
+        ToldKey::is_part(&[bounds::WHEELS_SLIP], &mut bounds.slip_ratio, Widens::Not),
+        ToldKey::is_part(&[bounds::WHEELS_SLIP], &mut bounds.slip_floor_m, Widens::By),
+        ToldKey::is_part(&[bounds::WHEELS_SIDE_SLIP], &mut bounds.side_slip_ratio, Widens::Not),
+        ToldKey::is_part(&[bounds::WHEELS_SIDE_SLIP], &mut bounds.side_slip_floor_m, Widens::By),
+        ToldKey::is(&[bounds::REACH_SPEED], &mut bounds.reach_speed_m_per_s),
+        ToldKey::is(&[bounds::REACH_TURN_RATE], &mut bounds.reach_turn_rate_rad_per_s),
+        ToldKey::is(&[bounds::REACH_ACCELERATION], &mut bounds.reach_acceleration_m_per_s2),
+        ToldKey::is_in_deg(&[bounds::BODY_TILT], &mut bounds.body_tilt_deg),
+        ToldKey::is(&[bounds::BODY_HEAVE], &mut bounds.body_heave_m),
+    ];
+    keys.extend(bounds.rest_turn_deg.as_mut().map(|rest_deg| ToldKey::is_in_deg(&[bounds::WHEELS_REST], rest_deg)));
+    keys
 }

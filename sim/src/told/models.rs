@@ -5,17 +5,12 @@ use localizer::{
     Map, Pose, PoseBox, RobotModel,
     map::TileGrid,
     reading::Camera,
-    robot::{
-        BodyModel, CeilingCameraModel, FloorCameraModel, FlowModel, ForwardCameraModel, GyroModel, RangeCameraModel,
-        Reach, WheelModel,
-    },
+    robot::{BodyModel, Reach, WheelModel},
 };
 
 use crate::{
-    optics::{AutoExposure, mounts::forward_focal_px},
+    devices::relative,
     scene::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles},
-    sensors::range_camera::FIRST_S,
-    world::STEP_S,
 };
 
 /// The contact with a wall gives way by less than a millimetre.
@@ -58,12 +53,12 @@ impl Scene {
                 heave_m: bounds.body_heave_m,
                 clearance_m: robot.body_radius_m - GIVES_WAY_M,
             },
-            floor_camera: robot.floor_camera.as_ref().map(floor_camera_model),
-            forward_camera: robot.forward_camera.as_ref().map(forward_camera_model),
-            gyro: robot.gyro.as_ref().map(gyro_model),
-            flow: robot.flow.as_ref().map(flow_model),
-            ceiling_camera: robot.ceiling_camera.as_ref().map(ceiling_camera_model),
-            range_camera: robot.range_camera.as_ref().map(range_camera_model),
+            floor_camera: robot.floor_camera.as_ref().map(FloorCamera::model),
+            forward_camera: robot.forward_camera.as_ref().map(ForwardCamera::model),
+            gyro: robot.gyro.as_ref().map(Gyro::model),
+            flow: robot.flow.as_ref().map(Flow::model),
+            ceiling_camera: robot.ceiling_camera.as_ref().map(CeilingCamera::model),
+            range_camera: robot.range_camera.as_ref().map(RangeCamera::model),
         };
         // The localizer reckons in the base's clock, against which the stamps of cameras are off by so much more.
         let base_s = robot.delivery.stamp_tolerance_s;
@@ -104,8 +99,7 @@ impl Scene {
         let robot = &self.robot;
         let timings = Camera::ALL.into_iter().filter_map(|camera| robot.camera_timing(camera));
         let image_s = timings.map(|timing| timing.first_arrival_s()).fold(0.0, f64::max);
-        let range_s =
-            robot.range_camera.as_ref().map_or(0.0, |camera| FIRST_S + camera.latency_s + camera.latency_tolerance_s);
+        let range_s = robot.range_camera.as_ref().map_or(0.0, RangeCamera::first_arrival_s);
         let arrival_s = image_s.max(range_s);
         let start = Start {
             x_m: station.x_m,
@@ -154,123 +148,4 @@ fn tile_grid(tiles: &Tiles, scene: &Scene) -> TileGrid {
         laying_angle_rad: 2.0 * tiles.laying_tolerance_m / shortest_m,
         straightness_m: tiles.corner_tolerance_m,
     }
-}
-
-fn floor_camera_model(camera: &FloorCamera) -> FloorCameraModel {
-    FloorCameraModel {
-        width_px: camera.width_px,
-        height_px: camera.height_px,
-        pixels_per_m: relative(f64::from(camera.width_px) / camera.footprint_width_m, camera.scale_tolerance),
-        height_m: camera.height_m,
-        distortion: camera.lens.distortion,
-        distortion_px: camera.distortion_tolerance_px,
-        row_time_s: camera.lens.row_time_s,
-        position_m: [
-            Interval::centred(camera.forward_m, camera.position_tolerance_m),
-            Interval::centred(camera.left_m, camera.position_tolerance_m),
-        ],
-        yaw_rad: Interval::centred(0.0, camera.yaw_tolerance_deg.to_radians()),
-        tilt_rad: camera.tilt_tolerance_deg.to_radians(),
-        stamp_error_s: camera.stamp_tolerance_s,
-        q_items: camera.q_items,
-    }
-}
-
-fn forward_camera_model(camera: &ForwardCamera) -> ForwardCameraModel {
-    let calibration = &camera.calibration;
-    let angle_rad = calibration.angle_tolerance_deg.to_radians();
-    let middle_px = [camera.width_px, camera.height_px].map(|size| (f64::from(size) - 1.0) / 2.0);
-    ForwardCameraModel {
-        focal_px: relative(forward_focal_px(camera), calibration.focal_tolerance),
-        principal_point_px: middle_px.map(|at_px| Interval::centred(at_px, calibration.principal_point_tolerance_px)),
-        distortion: camera.lens.distortion,
-        distortion_px: calibration.distortion_tolerance_px,
-        tilt_up_rad: camera.tilt_up_deg.to_radians(),
-        yaw_rad: Interval::centred(camera.yaw_deg.to_radians(), angle_rad),
-        tilt_error_rad: angle_rad,
-        stamp_error_s: camera.stamp_tolerance_s,
-    }
-}
-
-fn ceiling_camera_model(camera: &CeilingCamera) -> CeilingCameraModel {
-    let (calibration, sensor) = (&camera.calibration, camera.sensor_model());
-    let angle_rad = calibration.angle_tolerance_deg.to_radians();
-    let place = |nominal_m: f64| Interval::centred(nominal_m, calibration.position_tolerance_m);
-    // Fixed or not, no image has more gain than the greatest; a fixed one has the least.
-    let gain = AutoExposure::new(&sensor).greatest_gain_levels_per_electron();
-    CeilingCameraModel {
-        width_px: camera.width_px,
-        height_px: camera.height_px,
-        focal_px: camera.focal_px.map(|focal_px| relative(focal_px, calibration.focal_tolerance)),
-        centre_px: camera
-            .principal_point_px
-            .map(|at_px| Interval::centred(at_px, calibration.principal_point_tolerance_px)),
-        distortion: camera.lens.distortion,
-        distortion_px: calibration.distortion_tolerance_px,
-        height_m: place(camera.height_m),
-        position_m: [place(camera.forward_m), place(camera.left_m)],
-        // The model's image shows the robot's left at its right; half a turn makes that what this camera shows.
-        yaw_rad: Interval::centred(std::f64::consts::PI, angle_rad),
-        lean_rad: [-camera.lean_forward_deg.to_radians(), -camera.lean_left_deg.to_radians()],
-        tilt_rad: angle_rad,
-        stamp_error_s: camera.stamp_tolerance_s,
-        electrons_per_grey: sensor.bits.levels_per_byte_level() / gain,
-        q_items: camera.q_items,
-    }
-}
-
-fn gyro_model(gyro: &Gyro) -> GyroModel {
-    GyroModel {
-        bias_rad_per_s: Interval::centred(0.0, gyro.bias_tolerance_deg_per_s.to_radians()),
-        scale: relative(1.0, gyro.scale_tolerance),
-        noise_rad_per_s: gyro.noise_deg_per_s.to_radians(),
-        angle_floor_rad: gyro.angle_floor_deg.map_or(f64::INFINITY, f64::to_radians),
-        angle_rad_per_s: gyro.angle_deg_per_s.to_radians(),
-        bias_wander_rad_per_s2: gyro.bias_wander_deg_per_s2.to_radians(),
-        period_s: gyro.period_s,
-    }
-}
-
-fn flow_model(flow: &Flow) -> FlowModel {
-    let place = |nominal_m: f64| Interval::centred(nominal_m, flow.position_tolerance_m);
-    FlowModel {
-        position_m: [place(flow.forward_m), place(flow.left_m)],
-        metres_per_count: Interval::point(1.0) / relative(flow.counts_per_m, flow.calibration_share()),
-        // |s − s₀| ≤ v makes |s/s₀ − 1| ≤ v/s₀, at most where s₀ is least.
-        scale_change: flow.varying_share() / (1.0 - flow.calibration_share()),
-        yaw_rad: Interval::centred(0.0, flow.yaw_tolerance_deg.to_radians()),
-        quantisation_counts: 1.0,
-        back_and_forth_m: flow.back_and_forth_m,
-        period_s: flow.period_s,
-    }
-}
-
-fn range_camera_model(camera: &RangeCamera) -> RangeCameraModel {
-    RangeCameraModel {
-        focal_px: relative(camera.focal_px, camera.focal_tolerance),
-        baseline_m: relative(camera.baseline_m, camera.baseline_tolerance),
-        centre_px: camera.centre_px(),
-        // A step is twice the greatest error that rounding makes; noise before it adds to that on both sides.
-        step_px: [camera.column_step_px, camera.match_step_px].map(|step_px| step_px + 2.0 * camera.column_noise_px),
-        position_m: [
-            Interval::centred(camera.forward_m, camera.position_tolerance_m),
-            Interval::centred(camera.left_m, camera.position_tolerance_m),
-        ],
-        height_m: camera.height_m,
-        yaw_rad: Interval::centred(camera.yaw_deg.to_radians(), camera.yaw_tolerance_deg.to_radians()),
-        tilt_rad: camera.tilt_tolerance_deg.to_radians(),
-        height_span_m: camera.height_span_m,
-        stamp_error_s: camera.stamp_tolerance_s,
-        latency_s: Interval::centred(camera.latency_s, camera.latency_tolerance_s)
-            .intersect(Interval::new(0.0, f64::INFINITY)),
-        // It measures at the first physics step after each period.
-        period_s: camera.period_s - STEP_S,
-        q_items: camera.q_items,
-        wrong_spacing: camera.wrong_spacing,
-    }
-}
-
-/// `nominal·(1 ± share)`.
-fn relative(nominal: f64, share: f64) -> Interval {
-    Interval::centred(nominal, nominal.abs() * share)
 }

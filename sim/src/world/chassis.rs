@@ -4,9 +4,9 @@
 
 use rapier3d_f64::prelude::*;
 
-use crate::{drawn::Drawn, scene::Scene};
+use crate::{drawn::Drawn, scene::Scene, truth::STEP_S};
 
-use super::{GRAVITY_M_PER_S2, STEP_S};
+use super::GRAVITY_M_PER_S2;
 
 /// Height of the centre of mass over the body's radius: batteries low, a deck above.
 const CENTRE_OF_MASS_OVER_RADIUS: f64 = 0.5;

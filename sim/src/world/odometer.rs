@@ -3,9 +3,12 @@
 use localizer::Pose;
 use rapier3d_f64::prelude::Vector;
 
-use crate::{drawn::Drawn, truth::Truth};
+use crate::{
+    drawn::Drawn,
+    truth::{STEP_S, Truth},
+};
 
-use super::{STEP_S, chassis::BodyState, drive::Wheel};
+use super::{chassis::BodyState, drive::Wheel};
 
 /// The truth so far.
 #[derive(Clone, Debug)]

@@ -2,28 +2,12 @@
 
 use crate::{
     building::{STRIDE_M, UprightBody},
+    place::Bystander,
     scene::{Person, Scene},
 };
 
 /// A person stands while the robot's edge is nearer than this to where the next second of walking leads.
 const KEEPS_AWAY_M: f64 = 0.4;
-
-/// A person at an instant, as an upright cylinder on the floor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bystander {
-    /// Where the person stands, world.
-    pub place_m: [f64; 2],
-    /// Radius of the cylinder.
-    pub radius_m: f64,
-    /// Its height.
-    pub height_m: f64,
-    /// Direction of the face from world x.
-    pub heading_rad: f64,
-    /// Way walked since the start.
-    pub walked_m: f64,
-    /// Of the last step, along world x and y.
-    pub velocity_m_per_s: [f64; 2],
-}
 
 impl From<Bystander> for UprightBody {
     fn from(person: Bystander) -> UprightBody {

@@ -2,9 +2,9 @@
 
 use rapier3d_f64::prelude::Vector;
 
-use crate::{drawn::Drawn, scene::Scene};
+use crate::{drawn::Drawn, place::floor::Ground, scene::Scene};
 
-use super::{GRAVITY_M_PER_S2, chassis::BodyState, floor::Ground};
+use super::{GRAVITY_M_PER_S2, chassis::BodyState};
 
 /// Stiffness of a support per robot mass: 30 kN/m under 9 kg, so that a wheel's tyre yields by 1.2 mm.
 const STIFFNESS_PER_KG: f64 = 30_000.0 / 9.0;

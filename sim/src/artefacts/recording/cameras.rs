@@ -4,7 +4,7 @@ use localizer::reading::Camera;
 use nalgebra::{Isometry3, Translation3};
 
 use crate::{
-    drawn::DrawnCamera,
+    devices::camera::DrawnCamera,
     optics::{Intrinsics, mounts::mount_from_looking_down},
     scene::Scene,
 };

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::{
-    drawn::cameras::world_from_camera,
+    devices::camera::world_from_camera,
     judge::{confidence_correlations, marker_counts, midpoint},
     run::{ImageRecord, PaperAnswer, RunRecord},
     scene::Scene,
@@ -78,7 +78,7 @@ fn positions(record: &RunRecord, rows: &[(&ImageRecord, &PaperAnswer)]) -> Strin
                     | number | X | Y | Z | output X | Y | Z | deviation X | Y | Z | P(S) | our deviation X | Y | our width X | Y |\n\
                     |---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n"
         .to_owned();
-    let Some(mount) = &record.drawn.ceiling_camera else { return text };
+    let Some(mount) = &record.drawn.devices.ceiling_camera else { return text };
     for (index, (image, answer)) in rows.iter().enumerate() {
         let real_m: [f64; 3] = world_from_camera(&image.truth, mount).translation.vector.into();
         let paper = answer.fix.map_or("| ".repeat(6), |fix| {

@@ -1,6 +1,6 @@
 //! One declared bound, watched over time.
 
-use crate::judge::verdict::Violation;
+use crate::{devices::BoundCheck, judge::verdict::Violation};
 
 /// Excesses closer together than this are one violation: several windows and images see the same cause.
 const JOIN_S: f64 = 0.25;
@@ -23,8 +23,7 @@ impl Monitor {
 
     /// Looks at a value over a span of time; spans come in the order of their ends.
     pub(super) fn watch(&mut self, span_s: [f64; 2], declared: f64, true_value: f64) {
-        // A drawn value at the very corner of its bound is inside, whatever the rounding of the comparison.
-        if true_value <= declared * (1.0 + 1e-9) + 1e-15 {
+        if !(BoundCheck { bound: self.bound, span_s, declared, true_value }).is_exceeded() {
             return;
         }
         match self.found.last_mut() {

@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::{
-    drawn::draw_within,
+    randomness::draw_within,
     scene::{Distribution, Gyro},
 };
 

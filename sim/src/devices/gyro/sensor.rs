@@ -1,17 +1,21 @@
 //! The gyroscope: turn of the body since the last reading, read through scale, bias and noise.
 
-use localizer::Reading;
+use localizer::{Reading, bounds};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::{
-    drawn::{Drawn, DrawnGyro, draw_within},
-    randomness,
+    devices::{BoundCheck, Observation, Sensor},
+    place::Bystander,
+    randomness::{self, draw_within},
     scene::{Distribution, Gyro, Scene},
     truth::Truth,
 };
 
-use super::{Observation, gyro_bias::WanderingBias};
+use super::{DrawnGyro, bias::WanderingBias};
+
+/// Times 5 ms apart have lost some digits of their difference.
+const ROUNDING: f64 = 1.0 - 1e-6;
 
 /// A gyroscope that averages over each period.
 pub struct GyroSensor {
@@ -24,38 +28,40 @@ pub struct GyroSensor {
     noise_deviation_rad_per_s: f64,
     bias: WanderingBias,
     angle: BoundedAngle,
+    /// Whether its bias has to hold from one fix to the next: where it is learnt, and `gyro.angle` does not tell how far it gets.
+    watches_wander: bool,
     n_readings: u64,
     before: Option<Truth>,
+    /// Time and bias of the reading before.
+    bias_before: Option<(f64, f64)>,
 }
 
 impl GyroSensor {
-    /// The scene's gyroscope, or `None` if the robot has none.
-    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
-        let (gyro, calibration) = (scene.robot.gyro.clone()?, drawn.gyro?);
+    /// The gyroscope, calibrated as drawn.
+    pub fn new(gyro: &Gyro, calibration: &DrawnGyro, scene: &Scene, seed: u64) -> Self {
         let of_random_walk = |walk_deg: f64| gyro.deviation_deg_per_s(walk_deg).to_radians();
         let errors = scene.robot.errors;
         let third_rad_per_s = gyro.noise_deg_per_s.to_radians() / 3.0;
-        Some(GyroSensor {
+        GyroSensor {
             noise_deviation_rad_per_s: gyro.angle_random_walk_deg_per_sqrt_h.map_or(third_rad_per_s, of_random_walk),
-            angle: BoundedAngle::new(&gyro),
-            bias: WanderingBias::new(
-                &gyro,
-                calibration.bias_rad_per_s,
-                errors,
-                randomness::stream(seed, "gyro.wander"),
-            ),
+            angle: BoundedAngle::new(gyro),
+            bias: WanderingBias::new(gyro, calibration.bias_rad_per_s, errors, randomness::stream(seed, "gyro.wander")),
             side: draw_within(1.0, Distribution::Drift, &mut randomness::stream(seed, "gyro.drift")),
             errors,
-            gyro,
-            calibration,
+            watches_wander: scene.localizer.learns_gyro && gyro.angle_floor_deg.is_none(),
+            gyro: gyro.clone(),
+            calibration: *calibration,
             noise: randomness::stream(seed, "gyro.noise"),
             n_readings: 0,
             before: None,
-        })
+            bias_before: None,
+        }
     }
+}
 
-    /// Looks at one physics step; answers with a reading at the end of each period.
-    pub fn observe(&mut self, truth: &Truth) -> Option<Observation> {
+impl Sensor for GyroSensor {
+    /// Answers with a reading at the end of each period.
+    fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.gyro.period_s {
             return None;
         }
@@ -63,17 +69,36 @@ impl GyroSensor {
         let before = self.before.replace(*truth)?;
         let turned_rad = truth.pose.heading_rad - before.pose.heading_rad;
         let true_rad_per_s = turned_rad / (truth.time_s - before.time_s);
-        let gyro_bias_rad_per_s = self.bias.at(0.5 * (before.time_s + truth.time_s));
-        let gyro_noise_rad_per_s = self.draw_bounded_rad_per_s(gyro_bias_rad_per_s - self.calibration.bias_rad_per_s);
-        let rate_rad_per_s = self.calibration.scale * true_rad_per_s + gyro_bias_rad_per_s + gyro_noise_rad_per_s;
+        let bias_rad_per_s = self.bias.at(0.5 * (before.time_s + truth.time_s));
+        let noise_rad_per_s = self.draw_bounded_rad_per_s(bias_rad_per_s - self.calibration.bias_rad_per_s);
+        let rate_rad_per_s = self.calibration.scale * true_rad_per_s + bias_rad_per_s + noise_rad_per_s;
         let reading = Reading::Gyro { measured_s: truth.time_s, arrived_s: truth.time_s, rate_rad_per_s };
-        let gyro_angle_rad = self.angle.beyond_rad;
-        Some(Observation {
-            gyro_noise_rad_per_s,
-            gyro_bias_rad_per_s,
-            gyro_angle_rad,
-            ..Observation::new(reading, *truth)
-        })
+        let checks = self.checks(truth.time_s, bias_rad_per_s, noise_rad_per_s);
+        Some(Observation { checks, ..Observation::new(reading, *truth) })
+    }
+}
+
+impl GyroSensor {
+    /// The declared bounds beside what was true of one reading's errors.
+    fn checks(&mut self, time_s: f64, bias_rad_per_s: f64, noise_rad_per_s: f64) -> Vec<BoundCheck> {
+        let gyro = &self.gyro;
+        let span_s = [time_s - gyro.period_s, time_s];
+        let check = |bound, declared, true_value| BoundCheck { bound, span_s, declared, true_value };
+        let floor_rad = gyro.angle_floor_deg.map_or(f64::INFINITY, f64::to_radians);
+        let mut checks = vec![
+            check(bounds::GYRO_BIAS, gyro.bias_tolerance_deg_per_s.to_radians(), bias_rad_per_s.abs()),
+            check(bounds::GYRO_NOISE, gyro.noise_deg_per_s.to_radians(), noise_rad_per_s.abs()),
+            check(bounds::GYRO_ANGLE, floor_rad, self.angle.beyond_rad * ROUNDING),
+        ];
+        if self.watches_wander {
+            let before = self.bias_before.replace((time_s, bias_rad_per_s));
+            let wander_rad_per_s2 = before.map_or(0.0, |(before_s, before_rad_per_s)| {
+                (bias_rad_per_s - before_rad_per_s).abs() / (time_s - before_s)
+            });
+            let declared = gyro.bias_wander_deg_per_s2.to_radians();
+            checks.push(check(bounds::GYRO_WANDER, declared, wander_rad_per_s2 * ROUNDING));
+        }
+        checks
     }
 
     /// Noise that with the bias's departure from its first value adds up, over any span, to what is declared; drawn again otherwise.

@@ -69,7 +69,7 @@ impl Floor {
     }
 
     /// Makes every change that is due at `time_s`.
-    pub(super) fn advance_to(&mut self, time_s: f64) {
+    pub(crate) fn advance_to(&mut self, time_s: f64) {
         while let Some(change) = self.changes.get(self.next_change).filter(|change| change.at_s <= time_s) {
             match change.region_idx {
                 Some(region_idx) => self.regions[region_idx].ground.friction = change.friction,

@@ -9,10 +9,9 @@ use rapier3d_f64::{
     prelude::{Pose, Vector},
 };
 
-use crate::{
-    scene::{Plan, Scene},
-    world::Bystander,
-};
+use crate::scene::{Plan, Scene};
+
+use super::Bystander;
 
 /// A landmark is fixed to a surface: what is this near to it hides nothing of it.
 const ON_SURFACE_M: f64 = 0.005;
@@ -59,7 +58,7 @@ impl Obstacles {
     }
 
     /// Distance of the nearest surface from an eye along a level direction, up to `range_m`.
-    pub(super) fn nearest_m(
+    pub(crate) fn nearest_m(
         &self,
         eye: Point3<f64>,
         direction_rad: f64,

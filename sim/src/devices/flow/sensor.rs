@@ -1,18 +1,18 @@
 //! The optical flow sensor: its own travel over the floor's surface, counted along two axes.
 
-use localizer::Reading;
+use localizer::{Reading, bounds};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    drawn::{Drawn, DrawnFlow, Repeated, draw_phase, draw_within},
-    randomness::stream,
+    devices::{BoundCheck, Observation, Sensor},
+    place::{Bystander, floor::Floor},
+    randomness::{Repeated, draw_phase, draw_within, stream},
     scene::{Distribution, Event, Flow, Region, Scene},
     truth::Truth,
-    world::floor::Floor,
 };
 
-use super::Observation;
+use super::DrawnFlow;
 
 /// A flow sensor over the scene's floor.
 pub struct FlowSensor {
@@ -37,16 +37,10 @@ pub struct FlowSensor {
     /// Travel followed so far, in counts.
     followed_counts: [f64; 2],
     blind_periods: u64,
-    latest: FlowTruth,
-}
-
-/// What a flow sensor's bounds are about, at one reading.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FlowTruth {
-    /// |counts per metre − those at the mounted height| over nominal, at its greatest in the period; 0 when nothing was followed.
-    pub scale_change: f64,
-    /// How much longer the way was than what was counted of it, at the greatest of both axes; 0 when nothing was followed.
-    pub back_and_forth_m: f64,
+    /// In the period before: |counts per metre − those at the mounted height| over nominal, at its greatest, and how much longer the way was
+    /// than what was counted of it, along the axis where it was most. 0 when nothing was followed.
+    scale_change: f64,
+    back_and_forth_m: f64,
 }
 
 /// One period so far.
@@ -60,9 +54,8 @@ struct Period {
 }
 
 impl FlowSensor {
-    /// The scene's flow sensor, or `None` if the robot has none.
-    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
-        let (flow, mount) = (scene.robot.flow.clone()?, drawn.flow?);
+    /// The flow sensor, mounted as drawn.
+    pub fn new(flow: &Flow, mount: &DrawnFlow, scene: &Scene, seed: u64) -> Self {
         let (mut rng, errors) = (stream(seed, "flow.phase"), scene.robot.errors);
         let drifts_to = (errors == Distribution::Drift).then(|| {
             let (sin, cos) = stream(seed, "flow.drift").random_range(0.0..std::f64::consts::TAU).sin_cos();
@@ -72,8 +65,8 @@ impl FlowSensor {
         let regions = scene.floor.regions.clone();
         let mut noise = Repeated::new(errors, stream(seed, "flow.noise"));
         let is_blind = |event: &&Event| matches!(event, Event::FlowBlind { .. });
-        Some(FlowSensor {
-            mount,
+        FlowSensor {
+            mount: *mount,
             floor: Floor::new(scene),
             blind: scene.events.iter().filter(is_blind).cloned().collect(),
             surfaces: (0..=regions.len()).map(|_| draw_within(flow.surface_tolerance, errors, &mut surfaces)).collect(),
@@ -88,13 +81,16 @@ impl FlowSensor {
             period: Period::default(),
             followed_counts: [0.0; 2],
             blind_periods: 0,
-            latest: FlowTruth::default(),
-            flow,
-        })
+            scale_change: 0.0,
+            back_and_forth_m: 0.0,
+            flow: flow.clone(),
+        }
     }
+}
 
-    /// Looks at one physics step; answers with a reading at the end of each period.
-    pub fn observe(&mut self, truth: &Truth) -> Option<Observation> {
+impl Sensor for FlowSensor {
+    /// Answers with a reading at the end of each period.
+    fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
         if let Some(before) = self.before.replace(*truth) {
             self.follow(&before, truth);
         }
@@ -111,9 +107,17 @@ impl FlowSensor {
             counts,
             blind_periods: self.blind_periods,
         };
-        Some(Observation { flow: self.latest, ..Observation::new(reading, *truth) })
+        let span_s = [truth.time_s - self.flow.period_s, truth.time_s];
+        let check = |bound, declared, true_value| BoundCheck { bound, span_s, declared, true_value };
+        let checks = vec![
+            check(bounds::FLOW_SCALE, self.flow.varying_share(), self.scale_change),
+            check(bounds::FLOW_BACK_AND_FORTH, self.flow.back_and_forth_m, self.back_and_forth_m),
+        ];
+        Some(Observation { checks, ..Observation::new(reading, *truth) })
     }
+}
 
+impl FlowSensor {
     /// Adds the travel of one step, as the sensor's own axes and optics see it.
     fn follow(&mut self, before: &Truth, truth: &Truth) {
         let (from_m, to_m) = (self.place(before), self.place(truth));
@@ -168,13 +172,12 @@ impl FlowSensor {
         let luck: f64 = self.dropouts.random_range(0.0..1.0);
         if period.lost || luck < self.floor.at(at_m[0], at_m[1]).flow_dropout {
             self.blind_periods += 1;
-            self.latest = FlowTruth::default();
+            (self.scale_change, self.back_and_forth_m) = (0.0, 0.0);
             return;
         }
         (0..2).for_each(|axis| self.followed_counts[axis] += period.counts[axis]);
         let excess_m = [0, 1].map(|axis| period.path_m[axis] - period.travel_m[axis].abs());
-        self.latest =
-            FlowTruth { scale_change: period.greatest_scale_change, back_and_forth_m: excess_m[0].max(excess_m[1]) };
+        (self.scale_change, self.back_and_forth_m) = (period.greatest_scale_change, excess_m[0].max(excess_m[1]));
     }
 
     /// Where the sensor is in the world, and how high above its mounted height.

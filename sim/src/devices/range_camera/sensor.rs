@@ -1,27 +1,23 @@
 //! The range camera: which landmarks both of its views see, at which columns, and for which landmarks they are taken.
 
-use std::collections::{BTreeMap, VecDeque};
-
-use localizer::{
-    Reading,
-    reading::{LandmarkId, Sighting},
-};
+use localizer::{Reading, bounds, reading::LandmarkId};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    drawn::{Drawn, DrawnRangeCamera, Repeated},
-    randomness,
+    devices::{BoundCheck, Observation, Sensor},
+    place::{Bystander, sight::Obstacles},
+    randomness::{self, Repeated},
     scene::{RangeCamera, Scene},
     truth::Truth,
-    world::Bystander,
 };
 
-use super::{Observation, sight::Obstacles};
+use super::{
+    DrawnRangeCamera, FIRST_S,
+    codes::{CodeBounds, Confusion},
+};
 
-/// Time of the first reading: no stamp is to lie before the start of the clock, whatever its error.
-pub(crate) const FIRST_S: f64 = 0.1;
+/// The difference of two times of minutes has lost some digits.
+const ROUNDING_S: f64 = 1e-9;
 
 /// A range camera that measures every period.
 pub struct RangeCameraSensor {
@@ -30,6 +26,7 @@ pub struct RangeCameraSensor {
     landmarks: Vec<Point3<f64>>,
     obstacles: Obstacles,
     confusion: Confusion,
+    code_bounds: CodeBounds,
     clock: Repeated,
     /// Of the columns in the first and in the second view. In a drift they go to opposite sides, so that distances are all wrong alike.
     noise: Repeated,
@@ -37,25 +34,27 @@ pub struct RangeCameraSensor {
 }
 
 impl RangeCameraSensor {
-    /// The scene's range camera, or `None` if the robot has none.
-    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn) -> Option<Self> {
-        let (camera, mount) = (scene.robot.range_camera.clone()?, drawn.range_camera?);
+    /// The range camera, mounted as drawn.
+    pub fn new(camera: &RangeCamera, mount: &DrawnRangeCamera, scene: &Scene, seed: u64) -> Self {
         let landmarks: Vec<Point3<f64>> =
             scene.landmarks.iter().map(|landmark| Point3::new(landmark.x_m, landmark.y_m, landmark.height_m)).collect();
-        Some(RangeCameraSensor {
-            confusion: Confusion::new(&camera, landmarks.len(), randomness::stream(seed, "range_camera.confusion")),
+        RangeCameraSensor {
+            confusion: Confusion::new(camera, landmarks.len(), randomness::stream(seed, "range_camera.confusion")),
             obstacles: Obstacles::new(scene),
             clock: Repeated::new(scene.robot.errors, randomness::stream(seed, "range_camera.clock")),
             noise: Repeated::new(scene.robot.errors, randomness::stream(seed, "range_camera.columns")),
+            code_bounds: CodeBounds::new(camera),
             n_readings: 0,
             landmarks,
-            camera,
-            mount,
-        })
+            camera: camera.clone(),
+            mount: *mount,
+        }
     }
+}
 
-    /// Looks at one physics step; answers with a reading when one is due.
-    pub fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Observation> {
+impl Sensor for RangeCameraSensor {
+    /// Answers with a reading when one is due.
+    fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Observation> {
         // Half a physics step of slack, so that a period in decimal seconds falls on its step.
         if truth.time_s + 0.0005 < FIRST_S + self.n_readings as f64 * self.camera.period_s {
             return None;
@@ -74,19 +73,30 @@ impl RangeCameraSensor {
             greatest_noise_px = noise_px.iter().fold(greatest_noise_px, |most: f64, noise_px| most.max(noise_px.abs()));
             seen.push((code, self.rounded([0, 1].map(|view| columns_px[view] + noise_px[view]))));
         }
-        let sightings = self.confusion.name(&seen);
-        let codes = seen
-            .iter()
-            .zip(&sightings)
-            .map(|((truly, _), sighting)| (sighting.landmark, sighting.landmark.0 == *truly))
-            .collect();
+        let mut sightings = self.confusion.name(&seen);
+        let is_own = |(truly, given): (&(u32, _), LandmarkId)| (given, given.0 == truly.0);
+        let mut codes: Vec<(LandmarkId, bool)> =
+            seen.iter().zip(sightings.iter().map(|sighting| sighting.landmark)).map(is_own).collect();
+        self.mount.cuts.cut(&mut sightings, &mut codes, self.camera.q_items);
         let measured_s = truth.time_s + self.clock.one_way(self.camera.stamp_tolerance_s);
         let late_s = self.camera.latency_s + self.clock.in_turn(self.camera.latency_tolerance_s);
         let arrived_s = truth.time_s + late_s.max(0.0);
+        let (camera, span_s) = (&self.camera, [truth.time_s, arrived_s]);
+        let check = |bound, declared, true_value| BoundCheck { bound, span_s, declared, true_value };
+        let off_s = (arrived_s - truth.time_s - camera.latency_s).abs();
+        let mut checks = vec![
+            check(bounds::RANGE_CAMERA_STAMP, camera.stamp_tolerance_s, (measured_s - truth.time_s).abs()),
+            check(bounds::RANGE_CAMERA_LATENCY, camera.latency_tolerance_s + ROUNDING_S, off_s),
+            check(bounds::RANGE_CAMERA_COLUMNS, camera.column_noise_px, greatest_noise_px),
+        ];
+        let of_codes = self.code_bounds.after(&codes);
+        checks.extend(of_codes.into_iter().map(|(bound, declared, true_value)| check(bound, declared, true_value)));
         let reading = Reading::Range { measured_s, arrived_s, sightings };
-        Some(Observation { codes, range_noise_px: greatest_noise_px, ..Observation::new(reading, *truth) })
+        Some(Observation { codes, checks, ..Observation::new(reading, *truth) })
     }
+}
 
+impl RangeCameraSensor {
     /// Columns rounded as each view rounds them.
     fn rounded(&self, columns_px: [f64; 2]) -> [f64; 2] {
         [rounded(columns_px[0], self.camera.column_step_px), rounded(columns_px[1], self.camera.match_step_px)]
@@ -133,50 +143,4 @@ pub fn world_from_range_camera(truth: &Truth, mount: &DrawnRangeCamera, height_m
     let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
     let ahead = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns));
     truth.world_from_body() * body_from_mount * ahead
-}
-
-/// Takes a landmark for another one now and then, within the bounds that the scene declares.
-struct Confusion {
-    camera: RangeCamera,
-    n_landmarks: usize,
-    rng: ChaCha8Rng,
-    /// For each code, how its last uses were: wrong or right. The newest is at the back.
-    uses: BTreeMap<u32, VecDeque<bool>>,
-}
-
-impl Confusion {
-    fn new(camera: &RangeCamera, n_landmarks: usize, rng: ChaCha8Rng) -> Self {
-        Confusion { camera: camera.clone(), n_landmarks, rng, uses: BTreeMap::new() }
-    }
-
-    /// Gives each of the landmarks seen a code, mostly its own.
-    fn name(&mut self, seen: &[(u32, [f64; 2])]) -> Vec<Sighting> {
-        let mut n_wrong = 0;
-        let mut sightings = Vec::with_capacity(seen.len());
-        for &(code, [left_px, right_px]) in seen {
-            let wanted = self.camera.wrong_share > 0.0 && self.rng.random::<f64>() < self.camera.wrong_share;
-            let other = if wanted && n_wrong < self.camera.wrong_items_max { self.other_than(code) } else { None };
-            n_wrong += usize::from(other.is_some());
-            let given = other.unwrap_or(code);
-            self.note(given, other.is_some());
-            sightings.push(Sighting { landmark: LandmarkId(given), left_px, right_px });
-        }
-        sightings
-    }
-
-    /// Another landmark's code among those that may be used wrongly again; `None` if there is none.
-    fn other_than(&mut self, code: u32) -> Option<u32> {
-        let was_wrong = |other: &u32| self.uses.get(other).is_some_and(|uses| uses.iter().any(|is_wrong| *is_wrong));
-        let allowed: Vec<u32> =
-            (0..self.n_landmarks as u32).filter(|other| *other != code && !was_wrong(other)).collect();
-        (!allowed.is_empty()).then(|| allowed[self.rng.random_range(0..allowed.len())])
-    }
-
-    fn note(&mut self, code: u32, is_wrong: bool) {
-        let uses = self.uses.entry(code).or_default();
-        uses.push_back(is_wrong);
-        while uses.len() > self.camera.wrong_spacing {
-            uses.pop_front();
-        }
-    }
 }

@@ -3,14 +3,11 @@
 use nalgebra::Point3;
 
 use crate::{
-    drawn::Repeated,
-    randomness::stream,
+    place::{Bystander, sight::Obstacles},
+    randomness::{Repeated, stream},
     scene::{Proximity, Scene},
     truth::Truth,
-    world::Bystander,
 };
-
-use super::sight::Obstacles;
 
 /// One reading of the fan.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +37,7 @@ pub struct ProximitySensor {
 
 impl ProximitySensor {
     /// The fan that a scene states, if any.
-    pub(super) fn new(scene: &Scene, seed: u64) -> Option<Self> {
+    pub(crate) fn new(scene: &Scene, seed: u64) -> Option<Self> {
         Some(ProximitySensor {
             keys: scene.robot.proximity.clone()?,
             obstacles: Obstacles::new(scene),
@@ -50,7 +47,7 @@ impl ProximitySensor {
     }
 
     /// A reading when one is due.
-    pub(super) fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
+    pub(crate) fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
         // Half a physics step of slack, so that a period in decimal seconds falls on its step.
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.keys.period_s {
             return None;

@@ -1,0 +1,93 @@
+//! The infrared camera that looks up, at markers.
+
+use interval::Interval;
+use localizer::{
+    bounds::{self, Assumption},
+    robot::CeilingCameraModel,
+};
+
+use crate::{
+    optics::{AutoExposure, Lens},
+    randomness::{draw_within, stream},
+    scene::{CeilingCamera, Distribution, MethodName, Scene},
+};
+
+use super::{
+    Device, ToldKey,
+    camera::{CalibrationBounds, DrawnCamera, Off, bent_px},
+    relative,
+};
+
+const BOUNDS: CalibrationBounds = CalibrationBounds {
+    position: &[bounds::CEILING_CAMERA_POSITION, bounds::CEILING_CAMERA_HEIGHT],
+    angles: &[bounds::CEILING_CAMERA_YAW, bounds::CEILING_CAMERA_TILT],
+    focal: &[bounds::CEILING_CAMERA_FOCAL],
+    principal_point: &[bounds::CEILING_CAMERA_CENTRE],
+    distortion: &[bounds::CEILING_CAMERA_DISTORTION],
+};
+
+impl Device for CeilingCamera {
+    type Drawn = DrawnCamera;
+
+    fn draw(&self, errors: Distribution, seed: u64) -> DrawnCamera {
+        let mut rng = stream(seed, "ceiling_camera.mount");
+        let drawn = DrawnCamera::ceiling(self).misplaced(&self.calibration, errors, &mut rng);
+        let tolerance_px = self.calibration.distortion_tolerance_px;
+        let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "ceiling_camera.distortion"));
+        DrawnCamera { distortion: Lens::ceiling(self, &drawn).bent_further(off_px), ..drawn }
+    }
+
+    fn is_relied_on(&self, scene: &Scene) -> bool {
+        scene.localizer.methods.contains(&MethodName::CeilingMarkers)
+    }
+
+    fn constants(&self, drawn: &DrawnCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
+        let (calibration, off) = (&self.calibration, Off::of(drawn, &DrawnCamera::ceiling(self)));
+        let (angle_rad, position_m) = (calibration.angle_tolerance_deg.to_radians(), calibration.position_tolerance_m);
+        let off_px = bent_px(&Lens::ceiling(self, drawn), self.lens.distortion);
+        vec![
+            (bounds::CEILING_CAMERA_POSITION, position_m, off.place_m[0]),
+            (bounds::CEILING_CAMERA_HEIGHT, position_m, off.place_m[1]),
+            (bounds::CEILING_CAMERA_YAW, angle_rad, off.yaw_rad),
+            (bounds::CEILING_CAMERA_TILT, angle_rad, off.tilt_rad),
+            (bounds::CEILING_CAMERA_FOCAL, calibration.focal_tolerance, off.focal),
+            (bounds::CEILING_CAMERA_CENTRE, calibration.principal_point_tolerance_px, off.principal_point_px),
+            (bounds::CEILING_CAMERA_DISTORTION, calibration.distortion_tolerance_px, off_px),
+        ]
+    }
+
+    fn told_keys(&mut self) -> Vec<ToldKey<'_>> {
+        let mut keys = BOUNDS.told_keys(&mut self.calibration);
+        keys.push(ToldKey::is(&[bounds::CEILING_CAMERA_STAMP], &mut self.stamp_tolerance_s));
+        keys
+    }
+}
+
+impl CeilingCamera {
+    /// What the localizer is told of it.
+    pub(crate) fn model(&self) -> CeilingCameraModel {
+        let (calibration, sensor) = (&self.calibration, self.sensor_model());
+        let angle_rad = calibration.angle_tolerance_deg.to_radians();
+        let place = |nominal_m: f64| Interval::centred(nominal_m, calibration.position_tolerance_m);
+        let around = |at_px: f64| Interval::centred(at_px, calibration.principal_point_tolerance_px);
+        // Fixed or not, no image has more gain than the greatest; a fixed one has the least.
+        let gain = AutoExposure::new(&sensor).greatest_gain_levels_per_electron();
+        CeilingCameraModel {
+            width_px: self.width_px,
+            height_px: self.height_px,
+            focal_px: self.focal_px.map(|focal_px| relative(focal_px, calibration.focal_tolerance)),
+            centre_px: self.principal_point_px.map(around),
+            distortion: self.lens.distortion,
+            distortion_px: calibration.distortion_tolerance_px,
+            height_m: place(self.height_m),
+            position_m: [place(self.forward_m), place(self.left_m)],
+            // The model's image shows the robot's left at its right; half a turn makes that what this camera shows.
+            yaw_rad: Interval::centred(std::f64::consts::PI, angle_rad),
+            lean_rad: [-self.lean_forward_deg.to_radians(), -self.lean_left_deg.to_radians()],
+            tilt_rad: angle_rad,
+            stamp_error_s: self.stamp_tolerance_s,
+            electrons_per_grey: sensor.bits.levels_per_byte_level() / gain,
+            q_items: self.q_items,
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The camera that looks ahead, at walls.
+
+use interval::Interval;
+use localizer::{
+    bounds::{self, Assumption},
+    robot::ForwardCameraModel,
+};
+
+use crate::{
+    optics::{Lens, mounts::forward_focal_px},
+    randomness::{draw_within, stream},
+    scene::{Distribution, ForwardCamera, MethodName, Scene},
+};
+
+use super::{
+    Device, ToldKey,
+    camera::{CalibrationBounds, DrawnCamera, Off, bent_px},
+    relative,
+};
+
+/// A heading by walls does not depend on where the camera is.
+const BOUNDS: CalibrationBounds = CalibrationBounds {
+    position: &[],
+    angles: &[bounds::FORWARD_CAMERA_YAW, bounds::FORWARD_CAMERA_TILT],
+    focal: &[bounds::FORWARD_CAMERA_FOCAL],
+    principal_point: &[bounds::FORWARD_CAMERA_PRINCIPAL_POINT],
+    distortion: &[bounds::FORWARD_CAMERA_DISTORTION],
+};
+
+impl Device for ForwardCamera {
+    type Drawn = DrawnCamera;
+
+    fn draw(&self, errors: Distribution, seed: u64) -> DrawnCamera {
+        let mut rng = stream(seed, "forward_camera.mount");
+        let drawn = DrawnCamera::forward(self).misplaced(&self.calibration, errors, &mut rng);
+        let tolerance_px = self.calibration.distortion_tolerance_px;
+        let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "forward_camera.distortion"));
+        DrawnCamera { distortion: Lens::forward(self, &drawn).bent_further(off_px), ..drawn }
+    }
+
+    fn is_relied_on(&self, scene: &Scene) -> bool {
+        scene.localizer.methods.contains(&MethodName::WallDirections)
+    }
+
+    fn constants(&self, drawn: &DrawnCamera, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
+        let (calibration, off) = (&self.calibration, Off::of(drawn, &DrawnCamera::forward(self)));
+        let angle_rad = calibration.angle_tolerance_deg.to_radians();
+        let off_px = bent_px(&Lens::forward(self, drawn), self.lens.distortion);
+        vec![
+            (bounds::FORWARD_CAMERA_YAW, angle_rad, off.yaw_rad),
+            (bounds::FORWARD_CAMERA_TILT, angle_rad, off.tilt_rad),
+            (bounds::FORWARD_CAMERA_FOCAL, calibration.focal_tolerance, off.focal),
+            (bounds::FORWARD_CAMERA_PRINCIPAL_POINT, calibration.principal_point_tolerance_px, off.principal_point_px),
+            (bounds::FORWARD_CAMERA_DISTORTION, calibration.distortion_tolerance_px, off_px),
+        ]
+    }
+
+    fn told_keys(&mut self) -> Vec<ToldKey<'_>> {
+        let mut keys = BOUNDS.told_keys(&mut self.calibration);
+        keys.push(ToldKey::is(&[bounds::FORWARD_CAMERA_STAMP], &mut self.stamp_tolerance_s));
+        keys
+    }
+}
+
+impl ForwardCamera {
+    /// What the localizer is told of it.
+    pub(crate) fn model(&self) -> ForwardCameraModel {
+        let calibration = &self.calibration;
+        let angle_rad = calibration.angle_tolerance_deg.to_radians();
+        let middle_px = [self.width_px, self.height_px].map(|size| (f64::from(size) - 1.0) / 2.0);
+        let around = |at_px: f64| Interval::centred(at_px, calibration.principal_point_tolerance_px);
+        ForwardCameraModel {
+            focal_px: relative(forward_focal_px(self), calibration.focal_tolerance),
+            principal_point_px: middle_px.map(around),
+            distortion: self.lens.distortion,
+            distortion_px: calibration.distortion_tolerance_px,
+            tilt_up_rad: self.tilt_up_deg.to_radians(),
+            yaw_rad: Interval::centred(self.yaw_deg.to_radians(), angle_rad),
+            tilt_error_rad: angle_rad,
+            stamp_error_s: self.stamp_tolerance_s,
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Joints of tiles against their places in the grid, while they are in view.
+
+use localizer::bounds;
+
+use crate::{
+    devices::camera::world_from_floor_camera,
+    run::{ImageRecord, RunRecord},
+    scene::{FloorCamera, MethodName, Scene},
+};
+
+use super::Monitor;
+
+/// Joints that lie off their place, are turned or bend.
+pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
+    let (Some(camera), Some(tiles), Some(laid)) = (&scene.robot.floor_camera, &scene.floor.tiles, &record.drawn.tiles)
+    else {
+        return Vec::new();
+    };
+    if !scene.localizer.methods.contains(&MethodName::FloorTiles) {
+        return Vec::new();
+    }
+    let names = [bounds::FLOOR_TILES_LAYING, bounds::FLOOR_TILES_LAYING_ANGLE, bounds::FLOOR_TILES_STRAIGHTNESS];
+    let mut monitors = names.map(Monitor::new);
+    let shortest_m = scene.room.width_m.min(scene.room.depth_m);
+    let declared = [
+        tiles.laying_tolerance_m + tiles.corner_tolerance_m,
+        2.0 * tiles.laying_tolerance_m / shortest_m,
+        tiles.corner_tolerance_m,
+    ];
+    for image in record.images.iter().filter(|image| image.method == "floor_tiles") {
+        let Some(centre_m) = view_centre(image, record) else { continue };
+        let errors = laid.errors_near(tiles, &scene.room, centre_m, half_diagonal_m(camera));
+        let span_s = [image.truth.time_s, image.arrived_s];
+        let off = [errors.offset_m, errors.angle_rad, errors.bend_m];
+        for ((monitor, declared), off) in monitors.iter_mut().zip(declared).zip(off) {
+            monitor.watch(span_s, declared, off);
+        }
+    }
+    monitors.into()
+}
+
+/// Place on the floor below the camera.
+fn view_centre(image: &ImageRecord, record: &RunRecord) -> Option<[f64; 2]> {
+    let mount = record.drawn.devices.floor_camera.as_ref()?;
+    let position = world_from_floor_camera(&image.truth, mount).translation.vector;
+    Some([position.x, position.y])
+}
+
+fn half_diagonal_m(camera: &FloorCamera) -> f64 {
+    let height_m = camera.footprint_width_m * f64::from(camera.height_px) / f64::from(camera.width_px);
+    0.5 * camera.footprint_width_m.hypot(height_m)
+}
