@@ -5,7 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use serde_json::{Map, Value, json};
 
-use super::{RobotPreset, Scene, robot_preset::lay_over};
+use super::{
+    RobotPreset, Scene,
+    devices::{self, Careful},
+    robot_preset::lay_over,
+};
 
 /// From where tolerances and bounds come that a scene does not state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
@@ -19,23 +23,6 @@ pub enum BoundsFrom {
     /// The same, and nothing that the scene states is narrower.
     CarefulUserThroughout,
 }
-
-/// Keys that mean something only together: a scene that states one of them says what all of them are.
-const TOGETHER: [(&str, &[&str]); 2] = [
-    (
-        "gyro",
-        &[
-            "noise_deg_per_s",
-            "noise_redrawn",
-            "angle_random_walk_deg_per_sqrt_h",
-            "angle_floor_deg",
-            "angle_deg_per_s",
-            "bias_wander_deg_per_s2",
-            "rate_random_walk_deg_per_h_per_sqrt_h",
-        ],
-    ),
-    ("flow", &["calibration_tolerance", "surface_tolerance", "noise_tolerance", "scale_tolerance"]),
-];
 
 impl<'de> Deserialize<'de> for Scene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -90,7 +77,7 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
         "delivery": { "stamp_tolerance_s": 0.001 },
     });
     let fitted = serde_json::to_value(preset.robot()).unwrap_or_default();
-    for (name, device) in devices() {
+    for (name, device) in devices::careful() {
         let said = stated.get_mut("robot").and_then(|robot| robot.get_mut(name));
         let is_fitted = match &said {
             None => fitted[name].is_object(),
@@ -100,7 +87,7 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
             *said = json!({});
         }
         if is_fitted {
-            robot[name] = device;
+            robot[name] = device.keys;
         }
     }
     keys["robot"] = robot;
@@ -119,65 +106,18 @@ fn posture(preset: RobotPreset) -> Value {
     })
 }
 
-/// Each device with its careful keys.
-fn devices() -> [(&'static str, Value); 6] {
-    let calibration = json!({
-        "position_tolerance_m": 0.002, "angle_tolerance_deg": 0.3, "focal_tolerance": 0.003,
-        "principal_point_tolerance_px": 3.0, "distortion_tolerance_px": 0.3,
-    });
-    [
-        (
-            "floor_camera",
-            json!({
-                "stamp_tolerance_s": 0.001, "position_tolerance_m": 0.002, "yaw_tolerance_deg": 0.3,
-                "tilt_tolerance_deg": 0.3, "scale_tolerance": 0.003, "distortion_tolerance_px": 0.3,
-            }),
-        ),
-        // A camera of a home robot hangs on USB and is stamped by who reads it.
-        (
-            "forward_camera",
-            json!({ "stamp_tolerance_s": 0.02, "latency_tolerance_s": 0.01, "calibration": calibration }),
-        ),
-        // Its ring flashes with its shutter, so that it is triggered.
-        ("ceiling_camera", json!({ "stamp_tolerance_s": 0.001, "calibration": calibration })),
-        (
-            "range_camera",
-            json!({
-                "stamp_tolerance_s": 0.001, "position_tolerance_m": 0.002, "yaw_tolerance_deg": 0.3,
-                "tilt_tolerance_deg": 0.3, "focal_tolerance": 0.003, "baseline_tolerance": 0.003, "column_noise_px": 0.3,
-            }),
-        ),
-        (
-            "gyro",
-            json!({
-                "bias_tolerance_deg_per_s": 0.1, "scale_tolerance": 0.01,
-                "noise_deg_per_s": 0.6, "noise_redrawn": false, "angle_random_walk_deg_per_sqrt_h": 0.3,
-                "angle_floor_deg": 0.06, "angle_deg_per_s": 0.015,
-                "rate_random_walk_deg_per_h_per_sqrt_h": 6.0, "bias_wander_deg_per_s2": 0.0005,
-            }),
-        ),
-        (
-            "flow",
-            json!({
-                "position_tolerance_m": 0.002, "yaw_tolerance_deg": 0.3,
-                "calibration_tolerance": 0.01, "surface_tolerance": 0.01, "noise_tolerance": 0.005, "scale_tolerance": 0.03,
-            }),
-        ),
-    ]
-}
-
 fn reads_walls(stated: &Map<String, Value>) -> bool {
     let methods = stated.get("localizer").and_then(|localizer| localizer.get("methods")).and_then(Value::as_array);
     methods.into_iter().flatten().any(|method| method == "wall_directions")
 }
 
 fn leave_out_what_is_stated_in_part(keys: &mut Value, stated: &Map<String, Value>) {
-    for (device, group) in TOGETHER {
+    for (device, Careful { together, .. }) in devices::careful() {
         let said = stated.get("robot").and_then(|robot| robot.get(device));
-        let is_stated = group.iter().any(|key| said.is_some_and(|said| said.get(key).is_some()));
+        let is_stated = together.iter().any(|key| said.is_some_and(|said| said.get(key).is_some()));
         let keys = keys.pointer_mut(&format!("/robot/{device}")).and_then(Value::as_object_mut);
         if let Some(keys) = keys.filter(|_| is_stated) {
-            keys.retain(|key, _| !group.contains(&key.as_str()));
+            keys.retain(|key, _| !together.contains(&key.as_str()));
         }
     }
 }
