@@ -19,11 +19,7 @@ mod told_key;
 use std::fmt::Debug;
 
 use interval::Interval;
-use localizer::{
-    Reading,
-    bounds::{self, Assumption},
-    reading::LandmarkId,
-};
+use localizer::{Reading, bounds::Assumption, reading::LandmarkId};
 
 use crate::{
     place::Bystander,
@@ -183,15 +179,9 @@ macro_rules! define {
             }
         }
 
-        /// The keys of the robot's base, and of every device on it, that tell the localizer a bound.
-        pub(crate) fn told_keys(robot: &mut Robot) -> Vec<ToldKey<'_>> {
-            let mut all = vec![
-                ToldKey::is_share_of(&[bounds::WHEELS_RADIUS], &mut robot.wheel_radius_tolerance, robot.wheel_radius_m),
-                ToldKey::is_share_of(&[bounds::WHEELS_TRACK], &mut robot.track_tolerance, robot.track_m),
-                ToldKey::is(&[bounds::BASE_STAMP], &mut robot.delivery.stamp_tolerance_s),
-            ];
-            $(all.extend(robot.$name.iter_mut().flat_map(Device::told_keys));)+
-            all
+        /// Hands over every key of a device of the robot that tells the localizer a bound.
+        pub(crate) fn each_told_key(robot: &mut Robot, change: &mut dyn FnMut(ToldKey<'_>)) {
+            $(robot.$name.iter_mut().flat_map(Device::told_keys).for_each(&mut *change);)+
         }
 
         /// Keys of devices that contradict each other, from the scene's root, and what was expected of each.

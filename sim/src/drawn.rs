@@ -2,7 +2,7 @@
 
 use localizer::Pose;
 
-use crate::devices::DrawnDevices;
+use crate::{base::DrawnBase, devices::DrawnDevices};
 
 mod clip;
 mod draw;
@@ -19,12 +19,8 @@ pub(crate) use walls::turn_from_nearest_deg;
 pub struct Drawn {
     /// True pose at time 0.
     pub start: Pose,
-    /// True rolling radius of the left and of the right wheel.
-    pub wheel_radius_m: [f64; 2],
-    /// True distance between the contact points.
-    pub track_m: f64,
-    /// By how much the stamps of wheels, gyroscope and flow sensor are late.
-    pub base_clock_s: f64,
+    /// True dimensions of the base, and its clock.
+    pub base: DrawnBase,
     /// True mounts, lenses, scales and biases of the devices.
     pub devices: DrawnDevices,
     /// The tiles as they were laid.

@@ -17,6 +17,7 @@ pub mod truth;
 pub mod place;
 pub mod optics;
 pub mod devices;
+pub mod base;
 pub mod drawn;
 pub mod coverage;
 pub mod marker_sheet;

@@ -76,7 +76,7 @@ impl Sensors {
             fitted: drawn.devices.sensors(scene, seed),
             wheels: WheelSensor::new(scene, seed),
             cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
-            delivery: Delivery::new(&scene.robot.delivery, drawn.base_clock_s, scene.robot.errors, seed),
+            delivery: Delivery::new(&scene.robot.delivery, drawn.base.clock_s, scene.robot.errors, seed),
             turns: false,
             proximity: ProximitySensor::new(scene, seed),
             on_the_way: Vec::new(),

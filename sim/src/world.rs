@@ -83,7 +83,7 @@ impl World {
         World {
             odometer: Odometer::new(drawn, &chassis.state()),
             chassis,
-            wheels: drawn.wheel_radius_m.map(wheel),
+            wheels: drawn.base.wheel_radius_m.map(wheel),
             tyre: Tyre::default(),
             supports: Support::all(scene, drawn),
             floor: Floor::new(scene),
@@ -94,7 +94,7 @@ impl World {
             rolled: Rolled { forward_m: 0.0, turn_rad: 0.0 },
             traction: Vector::ZERO,
             borne_n: 0.0,
-            track_m: drawn.track_m,
+            track_m: drawn.base.track_m,
             n_steps: 0,
         }
     }

@@ -98,7 +98,7 @@ fn a_loop_among_landmarks_holds_the_truth_with_a_clock_that_is_off() {
         let scene = template.with(&settings).unwrap().scene;
         let record =
             run(&scene, seed, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
-        assert!(record.drawn.base_clock_s.abs() == 0.01);
+        assert!(record.drawn.base.clock_s.abs() == 0.01);
         let verdict = verdict_of(&scene, &record);
         assert_eq!(
             verdict.containment.as_ref().unwrap().contained,

@@ -29,7 +29,7 @@ fn scene() -> Scene {
 /// A robot that rolls along x at 0.2 m/s for a second, in a box of ±1 cm about where it is.
 fn record(scene: &Scene) -> RunRecord {
     let drawn = Drawn::draw(scene, 1);
-    let radius_m = drawn.wheel_radius_m;
+    let radius_m = drawn.base.wheel_radius_m;
     let mut record = RunRecord::new(1, None, drawn);
     for step in 0..=100 {
         let time_s = f64::from(step) * 0.01;
@@ -93,7 +93,7 @@ fn told(changes: &[Change]) -> Vec<&str> {
 
 /// The left wheel spins by this further than the robot goes, from 0.30 s to 0.40 s.
 fn spin(record: &mut RunRecord, further_m: f64) {
-    let extra_rad = further_m / record.drawn.wheel_radius_m[0];
+    let extra_rad = further_m / record.drawn.base.wheel_radius_m[0];
     for truth in &mut record.truths {
         truth.wheel_angle_rad[0] += extra_rad * ((truth.time_s - 0.3) / 0.1).clamp(0.0, 1.0);
     }

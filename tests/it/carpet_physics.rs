@@ -260,8 +260,8 @@ fn borensteins_square_recovers_wheel_and_track_errors() {
     let scene = scene(serde_json::json!({ "room": { "width_m": 10.0, "depth_m": 10.0 }, "start": start }));
     let (unequal, wider) = (1.0003, 1.003);
     let mut drawn = nominal(&scene);
-    drawn.wheel_radius_m = [0.0975 * 2.0 / (1.0 + unequal), 0.0975 * 2.0 * unequal / (1.0 + unequal)];
-    drawn.track_m = 0.33 * wider;
+    drawn.base.wheel_radius_m = [0.0975 * 2.0 / (1.0 + unequal), 0.0975 * 2.0 * unequal / (1.0 + unequal)];
+    drawn.base.track_m = 0.33 * wider;
     let (left, right) = (square(&scene, &drawn, 1.0), square(&scene, &drawn, -1.0));
     // Borenstein and Feng 1996, eqs. 15 to 21: α per corner, β per leg, each from x and from y.
     let side_m = 4.0;
@@ -269,7 +269,7 @@ fn borensteins_square_recovers_wheel_and_track_errors() {
     let beta = [(right[0] - left[0]) / (-4.0 * side_m), (right[1] + left[1]) / (-4.0 * side_m)];
     let (alpha_rad, beta_rad) = (0.5 * (alpha[0] + alpha[1]), 0.5 * (beta[0] + beta[1]));
     let radius_m = 0.5 * side_m / (0.5 * beta_rad).sin();
-    let found_unequal = (radius_m + 0.5 * drawn.track_m) / (radius_m - 0.5 * drawn.track_m);
+    let found_unequal = (radius_m + 0.5 * drawn.base.track_m) / (radius_m - 0.5 * drawn.base.track_m);
     let quarter_rad = std::f64::consts::FRAC_PI_2;
     let found_wider = quarter_rad / (quarter_rad - alpha_rad);
     assert!(((found_unequal - 1.0) / (unequal - 1.0) - 1.0).abs() < 0.01, "wheels {found_unequal}, injected {unequal}");

@@ -55,9 +55,9 @@ fn shares(scene: &Scene, drawn: &Drawn) -> Vec<Share> {
     let floor = drawn.devices.floor_camera.unwrap();
     let px_per_m = floor.focal_px / floor.height_m;
     let mut shares = vec![
-        share("left wheel", (drawn.wheel_radius_m[0] / 0.0975 - 1.0) / 0.002),
-        share("right wheel", (drawn.wheel_radius_m[1] / 0.0975 - 1.0) / 0.002),
-        share("track", (drawn.track_m / 0.33 - 1.0) / 0.003),
+        share("left wheel", (drawn.base.wheel_radius_m[0] / 0.0975 - 1.0) / 0.002),
+        share("right wheel", (drawn.base.wheel_radius_m[1] / 0.0975 - 1.0) / 0.002),
+        share("track", (drawn.base.track_m / 0.33 - 1.0) / 0.003),
         share("start x", (drawn.start.x_m - 2.0) / 0.25),
         share("start y", (drawn.start.y_m - 3.0) / 0.25),
         share("start heading", drawn.start.heading_rad.to_degrees() / 2.0),
@@ -287,7 +287,7 @@ fn a_cameras_tolerance_moves_no_wheel() {
     for seed in 0..5 {
         let [loose, tight] =
             [10.0, 0.0].map(|yaw_tolerance_deg| Drawn::draw(&scene_with("uniform", yaw_tolerance_deg), seed));
-        assert_eq!(loose.wheel_radius_m, tight.wheel_radius_m);
+        assert_eq!(loose.base.wheel_radius_m, tight.base.wheel_radius_m);
         assert_eq!(loose.start, tight.start);
         assert_ne!(loose.devices.floor_camera.unwrap().yaw_rad, tight.devices.floor_camera.unwrap().yaw_rad);
     }

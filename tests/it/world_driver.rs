@@ -83,7 +83,7 @@ fn a_repeated_route_goes_round_again() {
 /// The declared bounds over every window up to their length, as shares of what is declared: slip, side slip.
 fn used_shares(truths: &[Truth], drawn: &Drawn, bounds: &Bounds) -> [f64; 2] {
     let rolled_m = |from: &Truth, to: &Truth, wheel: usize| {
-        drawn.wheel_radius_m[wheel] * (to.wheel_angle_rad[wheel] - from.wheel_angle_rad[wheel])
+        drawn.base.wheel_radius_m[wheel] * (to.wheel_angle_rad[wheel] - from.wheel_angle_rad[wheel])
     };
     let mut path_m = vec![[0.0; 2]];
     for pair in truths.windows(2) {

@@ -127,7 +127,7 @@ fn travel_integrates_to_the_pose() {
 fn a_larger_wheel_turns_the_robot_away_from_it() {
     let scene = scene(serde_json::json!({}));
     let mut drawn = nominal(&scene);
-    drawn.wheel_radius_m[1] *= 1.002;
+    drawn.base.wheel_radius_m[1] *= 1.002;
     let mut world = World::new(&scene, &drawn);
     gather_speed(&mut world, 0.5, 0.0);
     let before = world.truth();

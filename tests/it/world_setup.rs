@@ -33,8 +33,8 @@ pub(crate) fn nominal_world(scene: &Scene) -> World {
 pub(crate) fn nominal(scene: &Scene) -> Drawn {
     let mut drawn = Drawn::draw(scene, 0);
     drawn.start = scene.nominal_start();
-    drawn.wheel_radius_m = [scene.robot.wheel_radius_m; 2];
-    drawn.track_m = scene.robot.track_m;
+    drawn.base.wheel_radius_m = [scene.robot.wheel_radius_m; 2];
+    drawn.base.track_m = scene.robot.track_m;
     drawn
 }
 

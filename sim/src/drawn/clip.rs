@@ -10,13 +10,7 @@ use super::{Drawn, DrawnMarker};
 impl Drawn {
     /// Moves back to its bound what lies beyond the bound of this name; everything else stays as drawn.
     pub(crate) fn clip(&mut self, bound: &str, scene: &Scene) {
-        let robot = &scene.robot;
         match bound {
-            bounds::WHEELS_RADIUS => {
-                self.wheel_radius_m =
-                    self.wheel_radius_m.map(|m| near(m, robot.wheel_radius_m, robot.wheel_radius_tolerance));
-            }
-            bounds::WHEELS_TRACK => self.track_m = near(self.track_m, robot.track_m, robot.track_tolerance),
             bounds::FLOOR_TILES_LAYING | bounds::FLOOR_TILES_STRAIGHTNESS => {
                 let (Some(tiles), Some(laid)) = (&scene.floor.tiles, &mut self.tiles) else { return };
                 if bound == bounds::FLOOR_TILES_LAYING {
@@ -40,14 +34,12 @@ impl Drawn {
                     }
                 }
             }
-            _ => self.devices.clip(bound, robot),
+            _ => {
+                self.base.clip(bound, &scene.robot);
+                self.devices.clip(bound, &scene.robot);
+            }
         }
     }
-}
-
-/// Within a share of nominal.
-fn near(value: f64, nominal: f64, share: f64) -> f64 {
-    value.clamp(nominal * (1.0 - share), nominal * (1.0 + share))
 }
 
 /// The vector, shortened to a length.

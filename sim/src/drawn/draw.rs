@@ -4,6 +4,7 @@ use localizer::Pose;
 use rand::seq::IndexedRandom;
 
 use crate::{
+    base::DrawnBase,
     devices::DrawnDevices,
     navigation::Planner,
     randomness::{Repeated, draw_within, stream},
@@ -16,16 +17,9 @@ impl Drawn {
     /// Draws everything that a seed decides before the start.
     pub fn draw(scene: &Scene, seed: u64) -> Drawn {
         let (robot, errors) = (&scene.robot, scene.robot.errors);
-        let mut rng = stream(seed, "wheels");
-        let mut around = |nominal: f64, share: f64| nominal * (1.0 + draw_within(share, errors, &mut rng));
-        let left_m = around(robot.wheel_radius_m, robot.wheel_radius_tolerance);
-        let right_m = around(robot.wheel_radius_m, robot.wheel_radius_tolerance);
-        let track_m = around(robot.track_m, robot.track_tolerance);
         Drawn {
             start: draw_start(scene, seed),
-            wheel_radius_m: [left_m * (1.0 - robot.wheel_wear[0]), right_m * (1.0 - robot.wheel_wear[1])],
-            track_m,
-            base_clock_s: draw_within(robot.delivery.stamp_tolerance_s, errors, &mut stream(seed, "base.clock")),
+            base: DrawnBase::draw(robot, seed),
             devices: DrawnDevices::draw(robot, seed),
             tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
             furniture_turn_deg: draw_furniture(scene, seed),

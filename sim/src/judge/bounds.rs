@@ -6,7 +6,6 @@ mod motion;
 mod tiles;
 mod walls;
 
-use localizer::bounds;
 use std::collections::BTreeSet;
 
 use crate::{run::RunRecord, scene::Scene};
@@ -29,8 +28,8 @@ pub fn watched(scene: &Scene, record: &RunRecord) -> BTreeSet<&'static str> {
 /// Every bound of the scene, held against what was true in the run.
 fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let mut all = motion::monitors(scene, record);
-    all.extend(wheels(scene, record));
-    let constants = record.drawn.devices.constants(scene);
+    let mut constants = record.drawn.base.constants(&scene.robot);
+    constants.extend(record.drawn.devices.constants(scene));
     all.extend(
         constants.into_iter().map(|(bound, declared, true_value)| constant(record, bound, declared, true_value)),
     );
@@ -50,31 +49,6 @@ fn of_readings(record: &RunRecord) -> impl Iterator<Item = Monitor> {
         }
         monitor
     })
-}
-
-/// Radii, track and the base's clock are drawn inside their bounds; a scene that draws them outside would show here.
-fn wheels(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
-    let (robot, drawn) = (&scene.robot, &record.drawn);
-    let radius_error_m = drawn.wheel_radius_m.map(|radius_m| (radius_m - robot.wheel_radius_m).abs());
-    let mut all = vec![
-        constant(
-            record,
-            bounds::WHEELS_RADIUS,
-            robot.wheel_radius_m * robot.wheel_radius_tolerance,
-            radius_error_m[0].max(radius_error_m[1]),
-        ),
-        constant(
-            record,
-            bounds::WHEELS_TRACK,
-            robot.track_m * robot.track_tolerance,
-            (drawn.track_m - robot.track_m).abs(),
-        ),
-    ];
-    // Without a tolerance there is one clock.
-    if robot.delivery.stamp_tolerance_s > 0.0 {
-        all.push(constant(record, bounds::BASE_STAMP, robot.delivery.stamp_tolerance_s, drawn.base_clock_s.abs()));
-    }
-    all
 }
 
 /// A bound on a value that is the same over the whole run.

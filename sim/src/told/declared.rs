@@ -1,7 +1,8 @@
 //! The keys by which a scene tells the localizer its bounds: what tells it other bounds than those that hold.
 
 use crate::{
-    devices::{ToldKey, Widens, told_keys},
+    base,
+    devices::{ToldKey, Widens, each_told_key},
     drawn::{Drawn, turn_from_nearest_deg},
     scene::{Bounds, Scene},
 };
@@ -12,21 +13,20 @@ impl Scene {
     pub fn widen(&mut self, bound: &str, declared: f64, true_value: f64) {
         self.state_defaults();
         self.widen_others(bound, declared, true_value);
-        for key in keys(self).into_iter().filter(|key| key.bounds.contains(&bound)) {
-            match key.widens {
-                // A share more than the comparison of a bound leaves to rounding.
-                Widens::To => *key.value = key.value.max(true_value * key.per_true * (1.0 + 1e-9)),
-                Widens::By => *key.value += (true_value - declared).max(0.0) * key.per_true * (1.0 + 1e-9),
-                Widens::Not => {}
-            }
-        }
+        each_key(self, &mut |key| match key.widens {
+            _ if !key.bounds.contains(&bound) => {}
+            // A share more than the comparison of a bound leaves to rounding.
+            Widens::To => *key.value = key.value.max(true_value * key.per_true * (1.0 + 1e-9)),
+            Widens::By => *key.value += (true_value - declared).max(0.0) * key.per_true * (1.0 + 1e-9),
+            Widens::Not => {}
+        });
     }
 
     /// Makes every bound that the scene tells the localizer narrower by the same factor. Where the robot starts is no error of a sensor
     /// and stays: told smaller, it would be false before anything was measured.
     pub(crate) fn weaken(&mut self, factor: f64) {
         self.state_defaults();
-        keys(self).into_iter().for_each(|key| *key.value *= factor);
+        each_key(self, &mut |key| *key.value *= factor);
     }
 
     /// Whether the true value behind a bound is drawn by the simulator or placed by the scene, so that a run can have it within its bound.
@@ -119,26 +119,26 @@ impl Scene {
     }
 }
 
-/// Every key that states a bound in a physical unit and has a value.
-fn keys(scene: &mut Scene) -> Vec<ToldKey<'_>> {
+/// Hands over every key that states a bound in a physical unit and has a value.
+fn each_key(scene: &mut Scene, change: &mut dyn FnMut(ToldKey<'_>)) {
     let Scene { bounds, robot, floor, markers, localizer, .. } = scene;
-    let mut keys = emergent(bounds);
+    emergent(bounds).into_iter().for_each(&mut *change);
     if let Some(tiles) = &mut floor.tiles {
-        keys.push(ToldKey::is_part(&[bounds::FLOOR_TILES_LAYING], &mut tiles.laying_tolerance_m, Widens::By));
-        keys.push(ToldKey::is(&[bounds::FLOOR_TILES_STRAIGHTNESS], &mut tiles.corner_tolerance_m));
+        change(ToldKey::is_part(&[bounds::FLOOR_TILES_LAYING], &mut tiles.laying_tolerance_m, Widens::By));
+        change(ToldKey::is(&[bounds::FLOOR_TILES_STRAIGHTNESS], &mut tiles.corner_tolerance_m));
     }
     if let Some(markers) = markers {
-        keys.push(ToldKey::is(&[bounds::MARKERS_PLACEMENT], &mut markers.placement_tolerance_m));
-        keys.push(ToldKey::is_in_deg(&[bounds::MARKERS_ROTATION], &mut markers.rotation_tolerance_deg));
-        keys.push(ToldKey::is(&[bounds::MARKERS_PRINT], &mut markers.print_tolerance_m));
-        keys.push(ToldKey::is(&[bounds::MARKERS_HEIGHT], &mut markers.height_tolerance_m));
+        change(ToldKey::is(&[bounds::MARKERS_PLACEMENT], &mut markers.placement_tolerance_m));
+        change(ToldKey::is_in_deg(&[bounds::MARKERS_ROTATION], &mut markers.rotation_tolerance_deg));
+        change(ToldKey::is(&[bounds::MARKERS_PRINT], &mut markers.print_tolerance_m));
+        change(ToldKey::is(&[bounds::MARKERS_HEIGHT], &mut markers.height_tolerance_m));
     }
     if let Some(setup) = &mut localizer.wall_directions {
-        keys.push(ToldKey::is_in_deg(&[bounds::WALL_DIRECTIONS_DIRECTION], &mut setup.tolerance_deg));
-        keys.push(ToldKey::is_in_deg(&[bounds::WALL_DIRECTIONS_ASKEW], &mut setup.askew_deg));
+        change(ToldKey::is_in_deg(&[bounds::WALL_DIRECTIONS_DIRECTION], &mut setup.tolerance_deg));
+        change(ToldKey::is_in_deg(&[bounds::WALL_DIRECTIONS_ASKEW], &mut setup.askew_deg));
     }
-    keys.extend(told_keys(robot));
-    keys
+    base::told_keys(robot).into_iter().for_each(&mut *change);
+    each_told_key(robot, change);
 }
 
 /// What comes out of the physics.

@@ -5,11 +5,11 @@ use localizer::{
     Map, Pose, PoseBox, RobotModel,
     map::TileGrid,
     reading::Camera,
-    robot::{BodyModel, Reach, WheelModel},
+    robot::{BodyModel, Reach},
 };
 
 use crate::{
-    devices::relative,
+    base::wheel_model,
     scene::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles},
 };
 
@@ -31,18 +31,8 @@ impl Scene {
     /// The robot as it knows itself.
     pub fn robot_model(&self) -> RobotModel {
         let (robot, bounds) = (&self.robot, &self.bounds);
-        let radius_m = relative(robot.wheel_radius_m, robot.wheel_radius_tolerance);
         let mut model = RobotModel {
-            wheels: WheelModel {
-                radius_m: [radius_m, radius_m],
-                track_m: relative(robot.track_m, robot.track_tolerance),
-                ticks_per_turn: f64::from(robot.encoders.ticks_per_turn),
-                slip_ratio: bounds.slip_ratio,
-                slip_floor_m: bounds.slip_floor_m,
-                side_slip_ratio: bounds.side_slip_ratio,
-                side_slip_floor_m: bounds.side_slip_floor_m,
-                slip_window_s: bounds.slip_window_s,
-            },
+            wheels: wheel_model(robot, bounds),
             reach: Reach {
                 speed_m_per_s: bounds.reach_speed_m_per_s,
                 turn_rate_rad_per_s: bounds.reach_turn_rate_rad_per_s,

@@ -22,7 +22,7 @@ impl Odometer {
     /// The truth at time 0.
     pub(super) fn new(drawn: &Drawn, body: &BodyState) -> Self {
         let truth = Truth { pose: drawn.start, ..Truth::default() };
-        Odometer { truth, forward: body.forward, track_m: drawn.track_m }
+        Odometer { truth, forward: body.forward, track_m: drawn.base.track_m }
     }
 
     /// The truth after the last step.

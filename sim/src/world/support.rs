@@ -32,7 +32,7 @@ impl Support {
     /// Left wheel, right wheel, front caster, rear caster; together they bear the weight with the body level.
     pub(super) fn all(scene: &Scene, drawn: &Drawn) -> [Support; 4] {
         let robot = &scene.robot;
-        let half_track_m = 0.5 * drawn.track_m;
+        let half_track_m = 0.5 * drawn.base.track_m;
         let caster_m = CASTER_OVER_RADIUS * robot.body_radius_m;
         let weight_n = robot.mass_kg * GRAVITY_M_PER_S2;
         let support = |x_m: f64, y_m: f64, share: f64, stiffness: f64| Support {

@@ -9,8 +9,8 @@ use super::Monitor;
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let mut all = Vec::new();
     for truths in record.drives() {
-        all.extend(slip(scene, truths, record.drawn.wheel_radius_m));
-        all.extend(reach(scene, truths, record.drawn.wheel_radius_m));
+        all.extend(slip(scene, truths, record.drawn.base.wheel_radius_m));
+        all.extend(reach(scene, truths, record.drawn.base.wheel_radius_m));
         all.extend(posture(scene, truths));
     }
     all
