@@ -42,6 +42,7 @@ pub mod reading;
 pub mod motion;
 pub mod vision;
 pub mod calibration;
+pub mod quota;
 pub mod method;
 pub mod methods;
 pub mod baselines;

@@ -7,6 +7,7 @@ use crate::{
     bounds::Assumption,
     markers::{GridPlace, MarkerId},
     motion::{Motion, Twist},
+    quota::Quota,
     reading::LandmarkId,
 };
 
@@ -76,10 +77,8 @@ pub struct Constraint {
     pub relies_on: Vec<Assumption>,
     /// What was seen, for the simulator to judge.
     pub claims: Vec<Claim>,
-    /// At most this many of the claims may be false.
-    pub q_items: usize,
-    /// Its claims count together with those of earlier readings held, so many with its own.
-    pub n_held: usize,
+    /// How many of the claims may be false.
+    pub quota: Quota,
     /// Whether it speaks of x, y and heading: only such a constraint may end a doubt.
     pub decides: bool,
     /// What was looked at and rejected, for debug frames: segments in pixels `[u0, v0, u1, v1]`.

@@ -5,13 +5,13 @@ mod claims;
 mod errands;
 mod expectations;
 pub mod figures;
+mod headings;
 mod containment;
 mod landmarks;
 mod markers;
 mod methods;
 mod statistics;
 mod verdict;
-mod wall_directions;
 
 pub use bounds::{violations, watched};
 pub use claims::{is_true, wall_line_deg};
@@ -46,7 +46,7 @@ pub type Replay<'a> = dyn FnMut(&Counterfactual) -> Result<RunRecord, RenderErro
 pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Result<Verdict, RenderError> {
     let violations = violations(scene, record);
     let judged = methods::false_claims(scene, record);
-    let misperceived = methods::misperceived(scene, record, &judged);
+    let misperceived = methods::misperceived(record, &judged);
     let false_claims: Vec<usize> = judged.iter().map(|judged| judged.total()).collect();
     let (containment, judgements) = match record.has_boxes {
         true => {
@@ -163,7 +163,7 @@ fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMa
     metrics.extend(landmarks::metrics(scene, record));
     metrics.extend(errands::metrics(record));
     metrics.extend(markers::metrics(scene, record));
-    metrics.extend(wall_directions::metrics(scene, record, judged));
+    metrics.extend(headings::metrics(record, judged));
     metrics
 }
 

@@ -4,6 +4,8 @@ use interval::Interval;
 use localizer::{
     Claim, Estimate, Localizer, Method, Pose, PoseBox, PoseUnion, Status,
     methods::floor_tiles::{Chain, FloorTiles},
+    quota::{Counting, Quota},
+    reading::Camera,
 };
 use sim::{
     drawn::Drawn,
@@ -11,7 +13,7 @@ use sim::{
     loading::SceneFile,
     render::Renderer,
     run::{Change, Counterfactual, ImageRecord, RunOptions, RunRecord, run, run_otherwise},
-    scene::{Distribution, Event, Scene, WallDirectionsSetup},
+    scene::{Distribution, Event, Scene},
     subject::{IntervalLocalizer, Subject, SubjectOf},
     truth::Truth,
 };
@@ -254,10 +256,10 @@ fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
         measured_s: 0.4,
         arrived_s: 0.43,
         truth: record.truths[40],
+        camera: Some(Camera::Floor),
         method: "floor_tiles",
         claims: vec![Claim::FloorJoint { points_px, share_wrong: 0.2 }],
-        q_items: 0,
-        n_held: 1,
+        quota: Quota::of_each(0),
         alone_heading_rad: None,
         rejected_px: Vec::new(),
         constrained: true,
@@ -305,7 +307,7 @@ fn a_claim_of_a_joint_where_there_is_none_is_perceptions_fault() {
     let (verdict, asked) = judged(&scene, &record, |changes| told(changes) == ["withheld"]);
     assert_eq!(verdict.methods["floor_tiles"].false_claims, 1);
     assert_eq!(counts(&verdict), [50, 0, 51, 0]);
-    assert_eq!(asked[0].changes, [Change::Withheld { readings: vec![("floor_tiles", 0.4)] }]);
+    assert_eq!(asked[0].changes, [Change::Withheld { readings: vec![(Some(Camera::Floor), 0.4)] }]);
     // A false claim that explains nothing is no excuse either.
     assert_eq!(counts(&judged(&scene, &record, |_| false).0), [50, 0, 0, 51]);
 }
@@ -324,11 +326,12 @@ fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
     assert_eq!(counts(&verdict), [50, 0, 0, 51]);
 }
 
-fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, q_items: usize) {
+/// Adds an image of walls, with which all before it count as `counting` says; no upright edge of it may be wrong.
+fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, items: usize, counting: Counting) {
     let image = image(record, Vec::new());
-    let n_held = record.images.len() + 1;
-    let alone_heading_rad = Some(Interval::ZERO);
-    record.images.push(ImageRecord { method: "wall_directions", claims, q_items, n_held, alone_heading_rad, ..image });
+    let quota = Quota { items, upright: 0, n_held: record.images.len() + 1, counting };
+    let (camera, alone_heading_rad) = (Some(Camera::Forward), Some(Interval::ZERO));
+    record.images.push(ImageRecord { camera, method: "wall_directions", claims, quota, alone_heading_rad, ..image });
 }
 
 /// Without a forward camera no claim of it is true.
@@ -341,7 +344,7 @@ fn two_misread_images_of_walls_are_declared_and_a_third_is_perceptions_fault() {
     let scene = scene();
     for (n_misread, blamed) in [(2, [50, 0, 0, 51]), (3, [50, 0, 51, 0])] {
         let mut record = record(&scene);
-        (0..n_misread).for_each(|_| with_wall(&mut record, vec![false_edge()], 0));
+        (0..n_misread).for_each(|_| with_wall(&mut record, vec![false_edge()], 0, Counting::Readings(2)));
         lose_the_truth(&mut record);
         assert_eq!(
             counts(&judged(&scene, &record, |changes| told(changes) == ["withheld"]).0),
@@ -353,8 +356,8 @@ fn two_misread_images_of_walls_are_declared_and_a_third_is_perceptions_fault() {
 
 #[test]
 fn where_the_lean_is_solved_for_a_sixth_of_the_edges_and_five_may_be_misread() {
-    let mut scene = scene();
-    scene.localizer.wall_directions = Some(WallDirectionsSetup { solves_lean: true, ..WallDirectionsSetup::default() });
+    let scene = scene();
+    let counting = Counting::Together { share: 1.0 / 6.0, more: 5, readings: 14 };
     let upright = Claim::UprightLine { ends_px: [[100.0, 100.0], [110.0, 300.0]], bound_px: 0.3 };
     // By hand: of six edges 6/6 + 5 = 6 may be wrong, of seven as many; with a wrong upright edge beside them no edge of an image is right.
     for (claims, blamed) in [
@@ -363,7 +366,7 @@ fn where_the_lean_is_solved_for_a_sixth_of_the_edges_and_five_may_be_misread() {
         ([vec![false_edge(); 6], vec![upright]].concat(), [50, 0, 0, 51]),
     ] {
         let mut record = record(&scene);
-        with_wall(&mut record, claims, 5);
+        with_wall(&mut record, claims, 5, counting);
         lose_the_truth(&mut record);
         assert_eq!(counts(&judged(&scene, &record, |changes| told(changes) == ["withheld"]).0), blamed);
     }

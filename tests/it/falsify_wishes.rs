@@ -1,5 +1,5 @@
 use interval::Interval;
-use localizer::{Claim, Estimate, Pose, PoseBox, PoseUnion, Status};
+use localizer::{Claim, Estimate, Pose, PoseBox, PoseUnion, Status, quota::Quota, reading::Camera};
 use sim::{
     campaign::falsify::{Wish, hits},
     drawn::Drawn,
@@ -104,10 +104,10 @@ fn misread(record: &RunRecord, measured_s: f64, q_items: usize) -> ImageRecord {
         measured_s,
         arrived_s: measured_s + 0.03,
         truth: record.truths[at],
+        camera: Some(Camera::Floor),
         method: "floor_tiles",
         claims: vec![Claim::FloorJoint { points_px: vec![[100.0, 100.0, 1.0]; 20], share_wrong: 0.2 }],
-        q_items,
-        n_held: 1,
+        quota: Quota::of_each(q_items),
         alone_heading_rad: None,
         rejected_px: Vec::new(),
         constrained: true,

@@ -4,6 +4,7 @@ use interval::Interval;
 use interval::contractor::{Contractor, Outcome};
 use localizer::{
     Constraint, PoseBox, Reading, RobotModel,
+    quota::Quota,
     reading::{LandmarkId, Sighting},
     robot::{BodyModel, RangeCameraModel, Reach, WheelModel},
 };
@@ -228,10 +229,9 @@ pub(crate) fn says(method: &'static str, reading: &Reading, component: usize, wi
         on_pose: Box::new(Only(component, within)),
         relies_on: Vec::new(),
         claims: Vec::new(),
-        q_items: 0,
+        quota: Quota::of_each(0),
         rejected_px: Vec::new(),
         decides: true,
-        n_held: 1,
         alone_heading_rad: None,
     }
 }

@@ -2,7 +2,7 @@
 
 use interval::Interval;
 
-use crate::{Constraint, PoseUnion, method::Claim, reading::LandmarkId};
+use crate::{Constraint, PoseUnion, method::Claim, quota::Quota, reading::LandmarkId};
 
 /// What became of a camera's reading.
 #[derive(Clone, Debug)]
@@ -11,10 +11,8 @@ pub struct Account {
     pub method: &'static str,
     /// What the method claimed; empty when the cue was absent.
     pub claims: Vec<Claim>,
-    /// At most this many of the claims may be false.
-    pub q_items: usize,
-    /// Readings, with this one, whose claims count together.
-    pub n_held: usize,
+    /// How many of them may be false.
+    pub quota: Quota,
     /// Segments looked at and rejected, `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
     /// Heading that this reading told without those before it.
@@ -36,8 +34,7 @@ impl Account {
         Account {
             method,
             claims: Vec::new(),
-            q_items: 0,
-            n_held: 0,
+            quota: Quota::of_each(0),
             rejected_px: Vec::new(),
             alone_heading_rad: None,
             constrained: false,
@@ -52,8 +49,7 @@ impl Account {
         Account {
             method: constraint.method,
             claims: constraint.claims.clone(),
-            q_items: constraint.q_items,
-            n_held: constraint.n_held,
+            quota: constraint.quota,
             rejected_px: constraint.rejected_px.clone(),
             alone_heading_rad: constraint.alone_heading_rad,
             constrained: true,

@@ -23,6 +23,7 @@ use crate::{
     markers::{DOT_RADIUS_M, GridPlace, dot_in_marker_m},
     method::{Claim, Constraint, Method},
     motion::Twist,
+    quota::Quota,
     reading::Camera,
     robot::CeilingCameraModel,
     vision::ceiling::{self, CeilingMarkers as Seen, CeilingView, PictureMotion, SeenMarker},
@@ -120,9 +121,8 @@ impl CeilingMarkers {
             on_pose: Box::new(on_pose),
             relies_on: RELIES_ON.to_vec(),
             claims,
-            q_items: self.camera.q_items,
+            quota: Quota::of_each(self.camera.q_items),
             decides: true,
-            n_held: 1,
             alone_heading_rad: None,
             rejected_px,
         })

@@ -23,6 +23,7 @@ use crate::{
     bounds::Assumption,
     method::{Claim, Constraint, Method},
     motion::Twist,
+    quota::Quota,
     reading::Camera,
     vision::{self, FloorLines, FloorView, line_fit, straighten::RowMotion},
 };
@@ -145,11 +146,10 @@ impl FloorTiles {
             on_pose: Box::new(TileJoints::new(joints, self.geometry.clone(), self.view.q_items)),
             relies_on: RELIES_ON.to_vec(),
             claims,
-            q_items: self.view.q_items,
+            quota: Quota::of_each(self.view.q_items),
             rejected_px: rejected_px.into_iter().map(|segment| self.optics.segment_as_taken(segment)).collect(),
             // Joints of one family leave the place along them open, but those of a doubt's many images do not.
             decides: true,
-            n_held: 1,
             alone_heading_rad: None,
         })
     }

@@ -32,6 +32,7 @@ use crate::{
     bounds::Assumption,
     method::{Claim, Constraint, Method, MotionBetween},
     motion::Twist,
+    quota::Quota,
     reading::LandmarkId,
 };
 
@@ -179,10 +180,9 @@ impl Method for RangeLandmarks {
             on_pose: Box::new(PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver)),
             relies_on: RELIES_ON.to_vec(),
             claims,
-            q_items: self.q_items,
+            quota: Quota::of_each(self.q_items),
             rejected_px: Vec::new(),
             decides,
-            n_held: 1,
             alone_heading_rad: None,
         })
     }

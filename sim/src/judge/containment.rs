@@ -1,5 +1,7 @@
 //! Containment, step by step, and blame by counterfactual: what was broken is to blame only if the run without it holds the truth.
 
+use localizer::reading::Camera;
+
 use crate::{
     render::RenderError,
     run::{Change, Counterfactual, RunRecord},
@@ -154,7 +156,7 @@ impl Trial<'_, '_> {
                 if !self.open().any(|span| is_early(&span)) {
                     return Ok(());
                 }
-                let readings = withheld.iter().map(|misread| (misread.method, misread.measured_s)).collect();
+                let readings = withheld.iter().map(|misread| (misread.camera, misread.measured_s)).collect();
                 let mut changes = vec![Change::Withheld { readings }];
                 if with_bounds {
                     changes.extend(self.candidates.iter().map(Candidate::change));
@@ -178,7 +180,7 @@ impl Trial<'_, '_> {
                 }
                 let before = withheld.len();
                 let judged = methods::false_claims(scene, &again);
-                withheld.extend(misread(&again, &methods::misperceived(scene, &again, &judged)));
+                withheld.extend(misread(&again, &methods::misperceived(&again, &judged)));
                 if withheld.len() == before {
                     break;
                 }
@@ -236,6 +238,7 @@ impl Trial<'_, '_> {
 /// A reading with which its method's declaration of wrong claims is broken.
 struct Misread {
     method: &'static str,
+    camera: Option<Camera>,
     measured_s: f64,
     arrived_s: f64,
     number: usize,
@@ -258,6 +261,7 @@ fn misread(record: &RunRecord, misperceived: &[bool]) -> Vec<Misread> {
     wrong
         .map(|(image, _)| Misread {
             method: image.method,
+            camera: image.camera,
             measured_s: image.measured_s,
             arrived_s: image.arrived_s,
             number: image.number,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use localizer::{
     Claim, Pose,
     markers::{GridPlace, MarkerId, dot_in_marker_m},
+    reading::Camera,
 };
 use nalgebra::Point3;
 
@@ -137,7 +138,7 @@ pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAn
 /// Counts over a run's pictures of the ceiling.
 pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
     let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(&scene.as_built(&record.drawn)));
-    let images = record.images.iter().filter(|image| image.method == "ceiling_markers");
+    let images = record.images.iter().filter(|image| image.camera == Some(Camera::Ceiling));
     // The paper's pipeline answered picture for picture.
     for (image, paper) in images.zip(&record.marker_baselines.answers) {
         if let Some(sight) = Sight::new(scene, &record.drawn, &image.truth) {

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use localizer::{Claim, methods::wall_directions::Quotas};
+use localizer::{
+    Claim,
+    quota::{Counting, Quota, share_of},
+};
 
 use crate::{
     run::{ImageRecord, RunRecord},
@@ -50,72 +53,64 @@ pub(crate) fn false_claims(scene: &Scene, record: &RunRecord) -> Vec<FalseClaims
     record.images.iter().map(|image| FalseClaims::of(scene, record, image)).collect()
 }
 
-/// For each image whether its method's declaration of wrong claims is broken with it: too many in the image; for `wall_directions`
-/// too many in the images that it holds together, or too many such images of those.
-pub(crate) fn misperceived(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
-    let setup = scene.localizer.wall_directions();
-    let (solves_lean, quotas) = (setup.solves_lean, setup.quotas());
-    let edges = held_edges(scene, record, judged);
-    let is_misperceived = record.images.iter().zip(judged).zip(edges).map(|((image, judged), edges)| {
-        let too_many = judged.others > image.q_items;
-        match edges {
-            None => image.method != "wall_directions" && too_many,
-            Some(edges) if solves_lean => edges.are_more_than(&quotas),
-            Some(edges) => too_many && edges.misread_images > quotas.images,
+/// For each image whether the declaration of wrong claims that goes with it is broken: too many in the image itself, in the images that count
+/// together with it, or too many of those images.
+pub(crate) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
+    let held = held_claims(record, judged);
+    let is_misperceived = record.images.iter().zip(judged).zip(held).map(|((image, judged), held)| {
+        let too_many = judged.others > image.quota.items;
+        match (image.quota.counting, held) {
+            (Counting::Alone, _) => too_many,
+            (_, None) => false,
+            (Counting::Readings(most), Some(held)) => too_many && held.misread > most,
+            (Counting::Together { share, more, readings }, Some(held)) => {
+                held.wrong > share_of(share, held.all) + more || held.spoilt > readings
+            }
         }
     });
     is_misperceived.collect()
 }
 
-/// Level edges that `wall_directions` holds together with an image.
+/// Claims that count together with those of an image, upright edges apart.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct HeldEdges {
+pub(super) struct HeldClaims {
     pub(super) all: usize,
-    /// Those that run along no wall, and those of images with too many wrong upright edges: they have no right lean.
+    /// The false ones, and those of images with too many wrong upright edges: they have no right lean.
     pub(super) wrong: usize,
     /// Images with any such.
-    pub(super) spoilt_images: usize,
-    /// Images with more such than their q.
-    misread_images: usize,
+    pub(super) spoilt: usize,
+    /// Images with more false ones than their own quota.
+    misread: usize,
 }
 
-impl HeldEdges {
-    /// An image of so many level and upright edges, of which `q_items` and a declared share may be wrong.
-    fn of([all, n_upright]: [usize; 2], q_items: usize, judged: FalseClaims, quotas: &Quotas) -> Self {
-        let wrong = if judged.upright > quotas.wrong_of_image(n_upright) { all } else { judged.others };
-        HeldEdges {
-            all,
-            wrong,
-            spoilt_images: usize::from(wrong > 0),
-            misread_images: usize::from(judged.others > q_items),
-        }
-    }
-
-    fn are_more_than(self, quotas: &Quotas) -> bool {
-        self.wrong > quotas.wrong_of_held(self.all) || self.spoilt_images > quotas.spoilt_images
+impl HeldClaims {
+    /// An image of so many claims, upright edges apart.
+    fn of(all: usize, quota: &Quota, judged: FalseClaims) -> Self {
+        let wrong = if judged.upright > quota.upright { all } else { judged.others };
+        let [spoilt, misread] = [wrong > 0, judged.others > quota.items].map(usize::from);
+        HeldClaims { all, wrong, spoilt, misread }
     }
 }
 
-/// The same for each image; `None` where it told nothing, and of other methods.
-pub(super) fn held_edges(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldEdges>> {
-    let quotas = scene.localizer.wall_directions().quotas();
-    let mut seen: Vec<HeldEdges> = Vec::new();
+/// The same for each image; `None` where it told nothing, or counts for itself.
+pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldClaims>> {
+    let mut seen: BTreeMap<&str, Vec<HeldClaims>> = BTreeMap::new();
     let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
-        if image.method != "wall_directions" || !image.constrained {
+        if image.quota.counting == Counting::Alone {
             return None;
         }
+        let seen = seen.entry(image.method).or_default();
         // What tells no heading of its own is not held.
         if image.alone_heading_rad.is_some() {
-            let is_upright = |claim: &&Claim| matches!(claim, Claim::UprightLine { .. });
-            let n_upright = image.claims.iter().filter(is_upright).count();
-            seen.push(HeldEdges::of([image.claims.len() - n_upright, n_upright], image.q_items, *judged, &quotas));
+            let all = image.claims.iter().filter(|claim| !matches!(claim, Claim::UprightLine { .. })).count();
+            seen.push(HeldClaims::of(all, &image.quota, *judged));
         }
-        let held = seen.iter().rev().take(image.n_held);
-        Some(held.fold(HeldEdges::default(), |sum, image| HeldEdges {
+        let held = seen.iter().rev().take(image.quota.n_held);
+        Some(held.fold(HeldClaims::default(), |sum, image| HeldClaims {
             all: sum.all + image.all,
             wrong: sum.wrong + image.wrong,
-            spoilt_images: sum.spoilt_images + image.spoilt_images,
-            misread_images: sum.misread_images + image.misread_images,
+            spoilt: sum.spoilt + image.spoilt,
+            misread: sum.misread + image.misread,
         }))
     });
     with_each.collect()
@@ -123,24 +118,14 @@ pub(super) fn held_edges(scene: &Scene, record: &RunRecord, judged: &[FalseClaim
 
 #[cfg(test)]
 mod tests {
-    use super::{FalseClaims, HeldEdges, Quotas};
+    use super::{Counting, FalseClaims, HeldClaims, Quota};
 
     #[test]
-    fn without_a_right_lean_no_edge_of_an_image_is_right() {
-        // By hand: of three upright edges one may be wrong.
+    fn without_a_right_lean_no_claim_of_an_image_is_right() {
+        // By hand: one upright edge may be wrong.
+        let quota = Quota { items: 2, upright: 1, n_held: 1, counting: Counting::Readings(2) };
         for (upright, wrong) in [(0, 2), (1, 2), (2, 6)] {
-            assert_eq!(HeldEdges::of([6, 3], 2, FalseClaims { upright, others: 2 }, &Quotas::default()).wrong, wrong);
-        }
-    }
-
-    #[test]
-    fn edges_are_counted_and_so_are_the_images_that_they_spoil() {
-        // By hand: of 150 edges 150/6 + 5 = 30, and 14 images.
-        for (wrong, spoilt_images, too_many) in [(30, 14, false), (31, 14, true), (15, 15, true), (0, 0, false)] {
-            assert_eq!(
-                HeldEdges { all: 150, wrong, spoilt_images, misread_images: 0 }.are_more_than(&Quotas::default()),
-                too_many
-            );
+            assert_eq!(HeldClaims::of(6, &quota, FalseClaims { upright, others: 2 }).wrong, wrong);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use localizer::{Reading, bounds, motion::SlipExcess};
+use localizer::{Reading, bounds, motion::SlipExcess, reading::Camera};
 
 use crate::{drawn::Drawn, scene::Scene};
 
@@ -41,8 +41,8 @@ pub enum Change {
     },
     /// These readings never reach the localizer.
     Withheld {
-        /// Method that reads it, and its stamp.
-        readings: Vec<(&'static str, f64)>,
+        /// The camera that took it, none of the range camera's, and its stamp.
+        readings: Vec<(Option<Camera>, f64)>,
     },
     /// Every bound that the localizer is told is narrower by this factor.
     Weakened {
@@ -109,8 +109,12 @@ impl Counterfactual {
     pub(super) fn withholds(&self, reading: &Reading, measured_s: f64) -> bool {
         self.changes.iter().any(|change| match change {
             Change::Withheld { readings } => {
-                let method = read_by(reading);
-                readings.iter().any(|(name, stamp_s)| method == Some(*name) && *stamp_s == measured_s)
+                let taken_by = match reading {
+                    Reading::Camera { camera, .. } => Some(*camera),
+                    Reading::Range { .. } => None,
+                    _ => return false,
+                };
+                readings.contains(&(taken_by, measured_s))
             }
             _ => false,
         })
@@ -120,16 +124,4 @@ impl Counterfactual {
 /// Whether a bound is one over windows of the wheels' motion, of which the localizer can be told in which spans it is exceeded.
 fn is_slip(bound: &str) -> bool {
     [bounds::WHEELS_SLIP, bounds::WHEELS_SIDE_SLIP].contains(&bound)
-}
-
-/// The method that reads images of a kind; none those of wheels and the like.
-fn read_by(reading: &Reading) -> Option<&'static str> {
-    use localizer::reading::Camera;
-    match reading {
-        Reading::Camera { camera: Camera::Floor, .. } => Some("floor_tiles"),
-        Reading::Camera { camera: Camera::Forward, .. } => Some("wall_directions"),
-        Reading::Camera { camera: Camera::Ceiling, .. } => Some("ceiling_markers"),
-        Reading::Range { .. } => Some("range_landmarks"),
-        _ => None,
-    }
 }

@@ -3,7 +3,12 @@
 use std::collections::BTreeSet;
 
 use interval::Interval;
-use localizer::{Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status, bounds::Assumption, reading::LandmarkId};
+use localizer::{
+    Claim, Estimate, Pose, PoseBox, PoseUnion, Reading, Status,
+    bounds::Assumption,
+    quota::Quota,
+    reading::{Camera, LandmarkId},
+};
 
 use crate::{devices::BoundCheck, drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
 
@@ -64,14 +69,14 @@ pub struct ImageRecord {
     pub arrived_s: f64,
     /// Truth at the true middle of the exposure.
     pub truth: Truth,
+    /// Camera that took it; none of a range camera's reading.
+    pub camera: Option<Camera>,
     /// Method that read it.
     pub method: &'static str,
     /// Claims made; none when the cue was absent.
     pub claims: Vec<Claim>,
-    /// At most this many of them may be false.
-    pub q_items: usize,
-    /// Readings of the method, with this one if it told a heading of its own, whose claims count together.
-    pub n_held: usize,
+    /// How many of them may be false.
+    pub quota: Quota,
     /// Segments looked at and rejected: `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
     /// Heading that it told without those before it.

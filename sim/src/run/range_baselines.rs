@@ -112,7 +112,7 @@ impl RangeBaselines {
         self.agreeing.fix(told, odometry, |map, predicted| map.fix(&view, predicted));
         let nameless: Vec<WeightedPoint> = view.iter().map(|(_, point)| *point).collect();
         self.gated.fix(told, odometry, |map, predicted| map.fix(&nameless, predicted));
-        if account.q_items == 0 && (every_one || self.n_readings.is_multiple_of(EVERY)) {
+        if account.quota.items == 0 && (every_one || self.n_readings.is_multiple_of(EVERY)) {
             self.put_to_solvers(&seen, &account.posterior.hull(), truth);
         }
         self.n_readings += 1;

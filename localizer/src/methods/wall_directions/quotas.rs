@@ -1,5 +1,7 @@
 //! How many of what is seen may be wrong: declared by whoever knows the building, and told to the method and to its judge alike.
 
+use crate::quota::{Counting, Quota, share_of};
+
 /// At most so many edges run along none of the building's directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quotas {
@@ -16,6 +18,16 @@ pub struct Quotas {
 }
 
 impl Quotas {
+    /// What they come to for an image of so many level and upright edges, the last of `n_held`.
+    pub(super) fn of_image(&self, [n_level, n_upright]: [usize; 2], n_held: usize, solves_lean: bool) -> Quota {
+        let counting = if solves_lean {
+            Counting::Together { share: self.held_share, more: self.held_edges, readings: self.spoilt_images }
+        } else {
+            Counting::Readings(self.images)
+        };
+        Quota { items: self.wrong_of_image(n_level), upright: self.wrong_of_image(n_upright), n_held, counting }
+    }
+
     /// At most this many of the edges of one image are wrong.
     pub fn wrong_of_image(&self, edges: usize) -> usize {
         share_of(self.edge_share, edges)
@@ -33,11 +45,6 @@ impl Default for Quotas {
     fn default() -> Self {
         Quotas { edge_share: 0.334, images: 2, held_share: 0.167, held_edges: 5, spoilt_images: 14 }
     }
-}
-
-/// A hair more than the product: a share of a third is a third, however it is rounded.
-fn share_of(share: f64, count: usize) -> usize {
-    ((share * count as f64 + 1e-9).floor() as usize).min(count)
 }
 
 #[cfg(test)]

@@ -152,7 +152,7 @@ fn broken_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
 
 /// From when on a reading had arrived that claims more falsely than declared; infinite when none ever did.
 fn misread_from_s(scene: &Scene, record: &RunRecord) -> f64 {
-    let misperceived = misperceived(scene, record, &false_claims(scene, record));
+    let misperceived = misperceived(record, &false_claims(scene, record));
     let misread = record.images.iter().zip(misperceived).filter(|(_, is_misread)| *is_misread);
     misread.map(|(image, _)| image.arrived_s).fold(f64::INFINITY, f64::min)
 }

@@ -1,21 +1,20 @@
 //! Markers on the ceiling against where the map has them.
 
-use localizer::{Claim, bounds, markers::dot_in_marker_m};
+use localizer::{Claim, bounds, markers::dot_in_marker_m, reading::Camera};
 
 use crate::{
+    devices::Device,
     drawn::DrawnMarker,
     run::RunRecord,
-    scene::{Marker, MethodName, Scene},
+    scene::{Marker, Scene},
 };
 
 use super::Monitor;
 
 /// Markers that are claimed in an image: where they were pasted, how they were turned, printed and hung.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
-    let (Some(markers), Some(_)) = (&scene.markers, &scene.robot.ceiling_camera) else { return Vec::new() };
-    if !scene.localizer.methods.contains(&MethodName::CeilingMarkers) {
-        return Vec::new();
-    }
+    let is_relied_on = scene.robot.ceiling_camera.as_ref().is_some_and(|camera| camera.is_relied_on(scene));
+    let Some(markers) = scene.markers.as_ref().filter(|_| is_relied_on) else { return Vec::new() };
     let names = [bounds::MARKERS_PLACEMENT, bounds::MARKERS_ROTATION, bounds::MARKERS_PRINT, bounds::MARKERS_HEIGHT];
     let mut monitors = names.map(Monitor::new);
     let declared = [
@@ -24,7 +23,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
         markers.print_tolerance_m,
         markers.height_tolerance_m,
     ];
-    for image in record.images.iter().filter(|image| image.method == "ceiling_markers") {
+    for image in record.images.iter().filter(|image| image.camera == Some(Camera::Ceiling)) {
         let span_s = [image.truth.time_s, image.arrived_s];
         for claim in &image.claims {
             let Claim::Marker { marker: id, .. } = claim else { continue };

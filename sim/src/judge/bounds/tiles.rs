@@ -1,24 +1,21 @@
 //! Joints of tiles against their places in the grid, while they are in view.
 
-use localizer::bounds;
+use localizer::{bounds, reading::Camera};
 
 use crate::{
-    devices::camera::world_from_floor_camera,
+    devices::{Device, camera::world_from_floor_camera},
     run::{ImageRecord, RunRecord},
-    scene::{FloorCamera, MethodName, Scene},
+    scene::{FloorCamera, Scene},
 };
 
 use super::Monitor;
 
 /// Joints that lie off their place, are turned or bend.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
-    let (Some(camera), Some(tiles), Some(laid)) = (&scene.robot.floor_camera, &scene.floor.tiles, &record.drawn.tiles)
-    else {
+    let camera = scene.robot.floor_camera.as_ref().filter(|camera| camera.is_relied_on(scene));
+    let (Some(camera), Some(tiles), Some(laid)) = (camera, &scene.floor.tiles, &record.drawn.tiles) else {
         return Vec::new();
     };
-    if !scene.localizer.methods.contains(&MethodName::FloorTiles) {
-        return Vec::new();
-    }
     let names = [bounds::FLOOR_TILES_LAYING, bounds::FLOOR_TILES_LAYING_ANGLE, bounds::FLOOR_TILES_STRAIGHTNESS];
     let mut monitors = names.map(Monitor::new);
     let shortest_m = scene.room.width_m.min(scene.room.depth_m);
@@ -27,7 +24,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
         2.0 * tiles.laying_tolerance_m / shortest_m,
         tiles.corner_tolerance_m,
     ];
-    for image in record.images.iter().filter(|image| image.method == "floor_tiles") {
+    for image in record.images.iter().filter(|image| image.camera == Some(Camera::Floor)) {
         let Some(centre_m) = view_centre(image, record) else { continue };
         let errors = laid.errors_near(tiles, &scene.room, centre_m, half_diagonal_m(camera));
         let span_s = [image.truth.time_s, image.arrived_s];

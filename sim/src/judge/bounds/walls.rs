@@ -2,17 +2,13 @@
 
 use localizer::bounds;
 
-use crate::{
-    run::RunRecord,
-    scene::{MethodName, Scene},
-};
+use crate::{devices::Device, run::RunRecord, scene::Scene};
 
 use super::{Monitor, constant};
 
 /// How far the map is off what stands there, and how far furniture is askew.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
-    let reads_walls = scene.localizer.methods.contains(&MethodName::WallDirections);
-    if scene.robot.forward_camera.is_none() || !reads_walls {
+    if !scene.robot.forward_camera.as_ref().is_some_and(|camera| camera.is_relied_on(scene)) {
         return Vec::new();
     }
     let setup = scene.localizer.wall_directions();

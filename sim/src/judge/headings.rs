@@ -1,19 +1,19 @@
-//! What `wall_directions` made of its images: how many told a heading of their own, how well, and how far off headings are.
+//! What pictures ahead told of the heading: how many told one of their own, how well, and how far off headings are.
 
 use std::{collections::BTreeMap, f64::consts::FRAC_PI_2};
 
-use localizer::Claim;
+use localizer::{Claim, reading::Camera};
 
-use crate::{run::RunRecord, scene::Scene};
+use crate::run::RunRecord;
 
-use super::{claims::FalseClaims, methods::held_edges, share};
+use super::{claims::FalseClaims, methods::held_claims, share};
 
 /// An image tells a heading when what it allows, quarter turns aside, is no wider.
 const FIX_WIDTH_RAD: f64 = 0.0524;
 
-/// None without images for the method.
-pub(super) fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<String, f64> {
-    let images: Vec<_> = record.images.iter().filter(|image| image.method == "wall_directions").collect();
+/// None without a picture ahead.
+pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<String, f64> {
+    let images: Vec<_> = record.images.iter().filter(|image| image.camera == Some(Camera::Forward)).collect();
     if images.is_empty() {
         return BTreeMap::new();
     }
@@ -39,9 +39,8 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims])
     let widths_rad: f64 = fixes.iter().map(|(heading, _)| heading.width()).sum();
     let is_level = |claim: &&Claim| matches!(claim, Claim::WallLine { .. });
     let lines: usize = images.iter().map(|image| image.claims.iter().filter(is_level).count()).sum();
-    let spoilt =
-        held_edges(scene, record, judged).into_iter().flatten().map(|held| held.spoilt_images).max().unwrap_or(0);
-    let wrong_shares = held_edges(scene, record, judged).into_iter().flatten().filter(|held| held.all >= 10);
+    let spoilt = held_claims(record, judged).into_iter().flatten().map(|held| held.spoilt).max().unwrap_or(0);
+    let wrong_shares = held_claims(record, judged).into_iter().flatten().filter(|held| held.all >= 10);
     let wrong_share_max = wrong_shares.map(|held| held.wrong as f64 / held.all as f64).fold(0.0, f64::max);
     let deg = |name: &str, value_rad: f64| (name.to_owned(), value_rad.to_degrees());
     let paper = &record.forward_baselines;
