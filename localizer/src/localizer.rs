@@ -159,7 +159,7 @@ impl Localizer {
                 self.note_late(*measured_s);
                 Vec::new()
             }
-            Reading::Camera { .. } | Reading::Range { .. } => self.look(reading),
+            Reading::Camera { .. } | Reading::Range { .. } | Reading::Other { .. } => self.look(reading),
         }
     }
 

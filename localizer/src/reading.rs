@@ -56,6 +56,17 @@ pub enum Reading {
         /// What was in view, in no order that means anything.
         sightings: Vec<Sighting>,
     },
+    /// What any other device has read: numbers of which that device and the methods that read it know the meaning.
+    Other {
+        /// The time that they speak of, by the device's own stamp.
+        measured_s: f64,
+        /// When the localizer gets to know.
+        arrived_s: f64,
+        /// The device's name, such as `gnss`.
+        device: String,
+        /// In the device's own order and units.
+        numbers: Vec<f64>,
+    },
 }
 
 /// One coded landmark in the two views of a range camera.
@@ -108,7 +119,8 @@ impl Reading {
             | Reading::Camera { measured_s, .. }
             | Reading::Gyro { measured_s, .. }
             | Reading::Flow { measured_s, .. }
-            | Reading::Range { measured_s, .. } => *measured_s,
+            | Reading::Range { measured_s, .. }
+            | Reading::Other { measured_s, .. } => *measured_s,
         }
     }
 
@@ -119,7 +131,8 @@ impl Reading {
             | Reading::Camera { arrived_s, .. }
             | Reading::Gyro { arrived_s, .. }
             | Reading::Flow { arrived_s, .. }
-            | Reading::Range { arrived_s, .. } => *arrived_s,
+            | Reading::Range { arrived_s, .. }
+            | Reading::Other { arrived_s, .. } => *arrived_s,
         }
     }
 
@@ -130,7 +143,8 @@ impl Reading {
             | Reading::Camera { measured_s, .. }
             | Reading::Gyro { measured_s, .. }
             | Reading::Flow { measured_s, .. }
-            | Reading::Range { measured_s, .. } => *measured_s = stamp_s,
+            | Reading::Range { measured_s, .. }
+            | Reading::Other { measured_s, .. } => *measured_s = stamp_s,
         }
     }
 
@@ -141,7 +155,8 @@ impl Reading {
             | Reading::Camera { arrived_s, .. }
             | Reading::Gyro { arrived_s, .. }
             | Reading::Flow { arrived_s, .. }
-            | Reading::Range { arrived_s, .. } => *arrived_s += by_s,
+            | Reading::Range { arrived_s, .. }
+            | Reading::Other { arrived_s, .. } => *arrived_s += by_s,
         }
     }
 }

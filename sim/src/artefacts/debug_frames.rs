@@ -89,7 +89,7 @@ impl<'a> Seen<'a> {
         match reading {
             Reading::Camera { image, exposure_s, .. } => Some(Seen::Image { pixels: image, exposure_s: *exposure_s }),
             Reading::Range { .. } => Some(Seen::Codes { camera: file.scene.robot.range_camera.as_ref()? }),
-            Reading::Wheels { .. } | Reading::Gyro { .. } | Reading::Flow { .. } => None,
+            Reading::Wheels { .. } | Reading::Gyro { .. } | Reading::Flow { .. } | Reading::Other { .. } => None,
         }
     }
 }

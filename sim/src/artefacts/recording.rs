@@ -145,6 +145,7 @@ impl<S: Sink> Witness for Stream<S> {
             }
             Reading::Flow { .. } => self.put(topic, "wherein_msgs/Flow", arrived_s, &message),
             Reading::Range { .. } => self.put(topic, "wherein_msgs/Range", arrived_s, &message),
+            Reading::Other { .. } => self.put(topic, "wherein_msgs/Other", arrived_s, &message),
         }
     }
 

@@ -116,7 +116,7 @@ impl Replayer<'_> {
                 localizer.start(&start_box);
             }
             exact::IMAGE_STAMP => self.stamp = Some(ImageStamp::decode(message)?),
-            exact::WHEELS | exact::GYRO | exact::FLOW | exact::RANGE => {
+            exact::WHEELS | exact::GYRO | exact::FLOW | exact::RANGE | exact::OTHER => {
                 localizer.observe(&exact::decode(topic, message)?);
             }
             exact::ESTIMATE => {

@@ -41,7 +41,7 @@ pub enum Change {
     },
     /// These readings never reach the localizer.
     Withheld {
-        /// The camera that took it, none of the range camera's, and its stamp.
+        /// The camera that took it, none of what is no picture, and its stamp.
         readings: Vec<(Option<Camera>, f64)>,
     },
     /// Every bound that the localizer is told is narrower by this factor.
@@ -111,7 +111,7 @@ impl Counterfactual {
             Change::Withheld { readings } => {
                 let taken_by = match reading {
                     Reading::Camera { camera, .. } => Some(*camera),
-                    Reading::Range { .. } => None,
+                    Reading::Range { .. } | Reading::Other { .. } => None,
                     _ => return false,
                 };
                 readings.contains(&(taken_by, measured_s))

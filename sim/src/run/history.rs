@@ -155,7 +155,7 @@ impl RunRecord {
     pub(super) fn keep_widest(&mut self, reading: &Reading, posterior: &PoseUnion) {
         let widest = self.widest_image.as_ref().and_then(|(index, _)| self.images.get(*index));
         let is_widest = widest.is_none_or(|widest| widest_m(posterior) > widest_m(&widest.posterior));
-        if is_widest && matches!(reading, Reading::Camera { .. } | Reading::Range { .. }) {
+        if is_widest && matches!(reading, Reading::Camera { .. } | Reading::Range { .. } | Reading::Other { .. }) {
             self.widest_image = Some((self.images.len(), reading.clone()));
         }
     }

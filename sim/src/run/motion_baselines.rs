@@ -59,7 +59,7 @@ impl MotionBaselines {
                 Reading::Wheels { ticks, .. } => reckoning.roll(*ticks),
                 Reading::Gyro { rate_rad_per_s, .. } => reckoning.turn(*rate_rad_per_s),
                 Reading::Flow { counts, blind_periods, .. } => reckoning.flow(*counts, *blind_periods),
-                Reading::Camera { .. } | Reading::Range { .. } => {}
+                Reading::Camera { .. } | Reading::Range { .. } | Reading::Other { .. } => {}
             }
         }
     }

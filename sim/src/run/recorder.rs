@@ -114,6 +114,10 @@ impl<'a> Recorder<'a> {
                     self.readings.update(sighting.right_px.to_le_bytes());
                 }
             }
+            Reading::Other { device, numbers, .. } => {
+                self.readings.update(device);
+                numbers.iter().for_each(|number| self.readings.update(number.to_le_bytes()));
+            }
         }
     }
 

@@ -14,6 +14,7 @@ pub(crate) const IMAGE_STAMP: &str = "/wherein/image_stamp";
 pub(crate) const GYRO: &str = "/wherein/gyro";
 pub(crate) const FLOW: &str = "/wherein/flow";
 pub(crate) const RANGE: &str = "/wherein/range";
+pub(crate) const OTHER: &str = "/wherein/other";
 pub(crate) const ESTIMATE: &str = "/wherein/estimate";
 
 /// Where the localizer is started again.
@@ -95,6 +96,7 @@ pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
             let message = message.f64_sequence(&column(|sighting| sighting.left_px));
             (RANGE, message.f64_sequence(&column(|sighting| sighting.right_px)).finish())
         }
+        Reading::Other { device, numbers, .. } => (OTHER, message.text(device).f64_sequence(numbers).finish()),
     }
 }
 
@@ -124,6 +126,10 @@ pub(crate) fn decode(topic: &str, message: &[u8]) -> Option<Reading> {
                 right_px,
             });
             Some(Reading::Range { measured_s, arrived_s, sightings: sightings.collect() })
+        }
+        OTHER => {
+            let device = fields.text()?.to_owned();
+            Some(Reading::Other { measured_s, arrived_s, device, numbers: fields.sequence(Fields::f64)? })
         }
         _ => None,
     }
