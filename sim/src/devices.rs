@@ -1,7 +1,7 @@
 //! The devices of a robot. All that is known of a kind of device beyond its keys stands in its file or folder here: what a seed draws of it,
 //! what the localizer is told of it, how it senses, which declared bounds there are to it and how much of each was used.
 //!
-//! A further kind is one such file, and one line of `with_every_kind`. Pictures are drawn by [`sensors`](crate::sensors), for which a camera's
+//! A further kind is one such file, and one line of `scene::with_every_kind`. Pictures are drawn by [`sensors`](crate::sensors), for which a camera's
 //! file says where the camera is and what its lens does.
 
 pub mod camera;
@@ -19,11 +19,14 @@ mod told_key;
 use std::fmt::Debug;
 
 use interval::Interval;
-use localizer::{Reading, bounds::Assumption, reading::LandmarkId};
+use localizer::{Map, Method, Reading, RobotModel, bounds::Assumption, reading::LandmarkId};
 
 use crate::{
     place::Bystander,
-    scene::{CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Robot, Scene},
+    scene::{
+        CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gyro, MethodName, RangeCamera, Robot, Scene,
+        with_every_kind,
+    },
     truth::Truth,
 };
 
@@ -49,6 +52,11 @@ pub trait Device {
 
     /// Whether the scene's localizer makes anything of its readings, and so relies on its bounds.
     fn is_relied_on(&self, scene: &Scene) -> bool;
+
+    /// The method that reads it, as the scene asks for it; none where there is nothing that it could see.
+    fn method(&self, _scene: &Scene, _map: &Map, _robot: &RobotModel) -> Option<Box<dyn Method>> {
+        None
+    }
 
     /// Its declared bounds on what stays the same over a run: name, declared, and true value.
     fn constants(&self, drawn: &Self::Drawn, scene: &Scene) -> Vec<(Assumption, f64, f64)>;
@@ -116,23 +124,8 @@ impl BoundCheck {
     }
 }
 
-/// Names each kind of device to a macro: the key of its table under `[robot]`, and the type of the table. What is on the base is read in this
-/// order.
-macro_rules! with_every_kind {
-    ($define:ident) => {
-        $define! {
-            floor_camera: FloorCamera,
-            forward_camera: ForwardCamera,
-            ceiling_camera: CeilingCamera,
-            range_camera: RangeCamera,
-            gyro: Gyro,
-            flow: Flow,
-        }
-    };
-}
-
 macro_rules! define {
-    ($($name:ident: $keys:ty),+ $(,)?) => {
+    ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal $(, read by $method:ident)?;)+) => {
         /// What a seed draws of each device that the robot has.
         #[derive(Clone, Debug)]
         pub struct DrawnDevices {
@@ -176,6 +169,13 @@ macro_rules! define {
                     all.push(FittedSensor { sensor, is_on_base, is_relied_on });
                 })+
                 all
+            }
+        }
+
+        /// A method as the scene asks for it; none where the robot lacks what it reads, or there is nothing that it could see.
+        pub(crate) fn method(name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+            match name {
+                $($(MethodName::$method => scene.robot.$name.as_ref()?.method(scene, map, robot),)?)+
             }
         }
 

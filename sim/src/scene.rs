@@ -241,20 +241,6 @@ impl LocalizerSetup {
     }
 }
 
-/// Localization methods by the cue they read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodName {
-    /// Joints of a tiled floor under a camera that looks down (paper 1).
-    FloorTiles,
-    /// Coded landmarks that no map names, seen by a range camera (paper 3).
-    RangeLandmarks,
-    /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
-    CeilingMarkers,
-    /// Level edges of walls before a camera that looks ahead: heading up to quarter turns, in the dark (paper 2).
-    WallDirections,
-}
-
 /// What `range_landmarks` solves for; the rest it takes from what is known besides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

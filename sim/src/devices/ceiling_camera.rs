@@ -2,7 +2,9 @@
 
 use interval::Interval;
 use localizer::{
+    Map, Method, RobotModel,
     bounds::{self, Assumption},
+    methods::ceiling_markers::CeilingMarkers,
     robot::CeilingCameraModel,
 };
 
@@ -35,6 +37,10 @@ impl Device for CeilingCamera {
         let tolerance_px = self.calibration.distortion_tolerance_px;
         let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "ceiling_camera.distortion"));
         DrawnCamera { distortion: Lens::ceiling(self, &drawn).bent_further(off_px), ..drawn }
+    }
+
+    fn method(&self, _scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+        Some(Box::new(CeilingMarkers::new(map, robot)?))
     }
 
     fn is_relied_on(&self, scene: &Scene) -> bool {

@@ -2,14 +2,16 @@
 
 use interval::Interval;
 use localizer::{
+    Map, Method, RobotModel,
     bounds::{self, Assumption},
+    methods::floor_tiles::{Chain, FloorTiles},
     robot::FloorCameraModel,
 };
 
 use crate::{
     optics::Lens,
     randomness::{draw_tilt, draw_within, stream},
-    scene::{Distribution, FloorCamera, MethodName, Scene},
+    scene::{Distribution, FloorCamera, FloorTilesChain, MethodName, Scene},
 };
 
 use super::{
@@ -37,6 +39,14 @@ impl Device for FloorCamera {
         };
         let off_px = draw_within(self.distortion_tolerance_px, errors, &mut stream(seed, "floor_camera.distortion"));
         DrawnFloorCamera { distortion: Lens::floor(self, &drawn).bent_further(off_px), ..drawn }
+    }
+
+    fn method(&self, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+        let chain = match scene.localizer.floor_tiles_chain {
+            FloorTilesChain::Direct => Chain::Direct,
+            FloorTilesChain::Paper => Chain::Paper,
+        };
+        Some(Box::new(FloorTiles::new(map, robot, chain)?))
     }
 
     fn is_relied_on(&self, scene: &Scene) -> bool {

@@ -2,14 +2,16 @@
 
 use interval::Interval;
 use localizer::{
+    Map, Method, RobotModel,
     bounds::{self, Assumption},
+    methods::wall_directions::{self, WallDirections},
     robot::ForwardCameraModel,
 };
 
 use crate::{
     optics::{Lens, mounts::forward_focal_px},
     randomness::{draw_within, stream},
-    scene::{Distribution, ForwardCamera, MethodName, Scene},
+    scene::{Distribution, ForwardCamera, MethodName, Scene, WallDirectionsChain},
 };
 
 use super::{
@@ -36,6 +38,23 @@ impl Device for ForwardCamera {
         let tolerance_px = self.calibration.distortion_tolerance_px;
         let off_px = draw_within(tolerance_px, errors, &mut stream(seed, "forward_camera.distortion"));
         DrawnCamera { distortion: Lens::forward(self, &drawn).bent_further(off_px), ..drawn }
+    }
+
+    fn method(&self, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+        let keys = scene.localizer.wall_directions();
+        let setup = wall_directions::Setup {
+            chain: match keys.chain {
+                WallDirectionsChain::Direct => wall_directions::Chain::Direct,
+                WallDirectionsChain::Paper => wall_directions::Chain::Paper,
+                WallDirectionsChain::PaperByTiles => wall_directions::Chain::PaperByTiles,
+            },
+            solves_lean: keys.solves_lean,
+            floor_edges: keys.floor_edges,
+            learns: keys.learns,
+            decides: scene.localizer.methods == [MethodName::WallDirections],
+            quotas: keys.quotas(),
+        };
+        Some(Box::new(WallDirections::new(map, robot, setup)?))
     }
 
     fn is_relied_on(&self, scene: &Scene) -> bool {

@@ -5,13 +5,15 @@ mod sensor;
 
 use interval::Interval;
 use localizer::{
+    Map, Method, RobotModel,
     bounds::{self, Assumption},
+    methods::range_landmarks::{Freedom, RangeLandmarks, Solver},
     robot::RangeCameraModel,
 };
 
 use crate::{
     randomness::{draw_tilt, draw_within, stream},
-    scene::{Distribution, MethodName, RangeCamera, Scene},
+    scene::{Distribution, MethodName, RangeCamera, RangeLandmarksFreedom, RangeLandmarksSolver, Scene},
     truth::STEP_S,
 };
 
@@ -56,6 +58,21 @@ impl Device for RangeCamera {
 
     fn sensor(&self, drawn: &DrawnRangeCamera, scene: &Scene, seed: u64) -> Option<Box<dyn Sensor>> {
         Some(Box::new(RangeCameraSensor::new(self, drawn, scene, seed)))
+    }
+
+    fn method(&self, scene: &Scene, _map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+        let freedom = match scene.localizer.range_landmarks_freedom {
+            RangeLandmarksFreedom::Line => Freedom::Line,
+            RangeLandmarksFreedom::Translation => Freedom::Translation,
+            RangeLandmarksFreedom::Full => Freedom::Full,
+        };
+        let solver = match scene.localizer.range_landmarks_solver {
+            RangeLandmarksSolver::OneShot => Solver::OneShot,
+            RangeLandmarksSolver::Polar => Solver::Polar,
+            RangeLandmarksSolver::TableIv => Solver::TableIv,
+            RangeLandmarksSolver::Sivia => Solver::Sivia { resolution: 0.05 },
+        };
+        Some(Box::new(RangeLandmarks::new(robot, freedom, solver)?))
     }
 
     fn is_relied_on(&self, scene: &Scene) -> bool {

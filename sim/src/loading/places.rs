@@ -123,12 +123,12 @@ fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
 
 /// Methods have what they read, and ranges a length.
 fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
-    if scene.localizer.methods.contains(&MethodName::RangeLandmarks) && scene.robot.range_camera.is_none() {
-        let expected = "`range_landmarks` among them, expected `robot.range_camera` for it to read".to_owned();
-        found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
-    }
-    if scene.localizer.methods.contains(&MethodName::WallDirections) && scene.robot.forward_camera.is_none() {
-        let expected = "`wall_directions` among them, expected `robot.forward_camera` for it to read".to_owned();
+    // Unless stated, tiles are read where there are any.
+    let stated = scene.localizer.methods.iter().filter(|method| **method != MethodName::FloorTiles);
+    for (method, device) in stated.filter_map(|method| Some((method, scene.robot.lacks(*method)?))) {
+        let name = serde_json::to_value(method).unwrap_or_default();
+        let expected =
+            format!("`{}` among them, expected `{device}` for it to read", name.as_str().unwrap_or_default());
         found.push(Contradiction { key: "localizer.methods".to_owned(), expected });
     }
     let methods = &scene.localizer.methods;

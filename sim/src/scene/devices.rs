@@ -12,8 +12,10 @@ mod proximity;
 mod range_camera;
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
+
+use super::Robot;
 
 pub use camera::{Band, Calibration, CameraTiming, LensKeys};
 pub use ceiling_camera::CeilingCamera;
@@ -26,17 +28,61 @@ pub use gyro::Gyro;
 pub use proximity::Proximity;
 pub use range_camera::RangeCamera;
 
-/// What a careful user can know of each kind of device, by the key of its table under `[robot]`.
-pub(super) fn careful() -> [(&'static str, Careful); 6] {
-    [
-        ("floor_camera", FloorCamera::careful()),
-        ("forward_camera", ForwardCamera::careful()),
-        ("ceiling_camera", CeilingCamera::careful()),
-        ("range_camera", RangeCamera::careful()),
-        ("gyro", Gyro::careful()),
-        ("flow", Flow::careful()),
-    ]
+/// Names every kind of device to a macro: what it is, the key of its table under `[robot]`, the type of the table, and the method that reads
+/// it if only one does. What is read by the board of the base is read in this order.
+macro_rules! with_every_kind {
+    ($define:ident) => {
+        $define! {
+            /// Camera that looks straight down: a table of its keys, or `false` for none, which leaves the wheels alone.
+            floor_camera: FloorCamera as "Fitted<FloorCamera>", read by FloorTiles;
+            /// Camera that looks ahead: a table of its keys, `true` for the default one, or `false` for none.
+            forward_camera: ForwardCamera as "Fitted<ForwardCamera>", read by WallDirections;
+            /// Camera that looks up: a table of its keys, `true` for the default one, or `false` for none.
+            ceiling_camera: CeilingCamera as "Fitted<CeilingCamera>", read by CeilingMarkers;
+            /// Range camera for coded landmarks: a table of its keys, `true` for the default one, or `false` for none.
+            range_camera: RangeCamera as "Fitted<RangeCamera>", read by RangeLandmarks;
+            /// Gyroscope about the vertical: a table of its keys, `true` for the default one, or `false` for none.
+            gyro: Gyro as "Fitted<Gyro>";
+            /// Optical flow sensor that looks at the floor: a table of its keys, `true` for the default one, or `false` for none.
+            flow: Flow as "Fitted<Flow>";
+        }
+    };
 }
+pub(crate) use with_every_kind;
+
+/// Localization methods by the cue they read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodName {
+    /// Joints of a tiled floor under a camera that looks down (paper 1).
+    FloorTiles,
+    /// Coded landmarks that no map names, seen by a range camera (paper 3).
+    RangeLandmarks,
+    /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
+    CeilingMarkers,
+    /// Level edges of walls before a camera that looks ahead: heading up to quarter turns, in the dark (paper 2).
+    WallDirections,
+}
+
+macro_rules! define {
+    ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal $(, read by $method:ident)?;)+) => {
+        /// What a careful user can know of each kind of device, by the key of its table under `[robot]`.
+        pub(super) fn careful() -> Vec<(&'static str, Careful)> {
+            vec![$((stringify!($name), $keys::careful()),)+]
+        }
+
+        impl Robot {
+            /// The key of the device that a method reads, if this robot has none.
+            pub(crate) fn lacks(&self, method: MethodName) -> Option<&'static str> {
+                match method {
+                    $($(MethodName::$method => self.$name.is_none().then_some(concat!("robot.", stringify!($name))),)?)+
+                }
+            }
+        }
+    };
+}
+
+with_every_kind!(define);
 
 /// What a careful user can know of a device.
 pub(super) struct Careful {

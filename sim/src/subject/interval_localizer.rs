@@ -1,21 +1,9 @@
 //! The interval localizer of this project as a subject, with the methods that a scene asks for.
 
-use localizer::{
-    Localizer, Method, PoseBox, Reading,
-    localizer::Account,
-    methods::{
-        ceiling_markers::CeilingMarkers,
-        floor_tiles::{Chain, FloorTiles},
-        range_landmarks::{Freedom, RangeLandmarks, Solver},
-        wall_directions::{self, WallDirections},
-    },
-    motion::SlipExcess,
-};
+use localizer::{Localizer, Method, PoseBox, Reading, localizer::Account, motion::SlipExcess};
 
 use super::{Answer, Subject};
-use crate::scene::{
-    FloorTilesChain, MethodName, RangeLandmarksFreedom, RangeLandmarksSolver, Scene, WallDirectionsChain,
-};
+use crate::{devices::method, scene::Scene};
 
 /// The interval localizer as a subject.
 pub struct IntervalLocalizer {
@@ -76,52 +64,8 @@ fn localizer(scene: &Scene) -> Localizer {
     }
 }
 
-/// The methods that the scene asks for; a new method is one line here.
+/// The methods that the scene asks for, each made by the device that it reads.
 fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
     let (map, robot) = (scene.map(), scene.robot_model());
-    let chain = match scene.localizer.floor_tiles_chain {
-        FloorTilesChain::Direct => Chain::Direct,
-        FloorTilesChain::Paper => Chain::Paper,
-    };
-    let freedom = match scene.localizer.range_landmarks_freedom {
-        RangeLandmarksFreedom::Line => Freedom::Line,
-        RangeLandmarksFreedom::Translation => Freedom::Translation,
-        RangeLandmarksFreedom::Full => Freedom::Full,
-    };
-    let solver = match scene.localizer.range_landmarks_solver {
-        RangeLandmarksSolver::OneShot => Solver::OneShot,
-        RangeLandmarksSolver::Polar => Solver::Polar,
-        RangeLandmarksSolver::TableIv => Solver::TableIv,
-        RangeLandmarksSolver::Sivia => Solver::Sivia { resolution: 0.05 },
-    };
-    let setup = scene.localizer.wall_directions();
-    let walls = wall_directions::Setup {
-        chain: match setup.chain {
-            WallDirectionsChain::Direct => wall_directions::Chain::Direct,
-            WallDirectionsChain::Paper => wall_directions::Chain::Paper,
-            WallDirectionsChain::PaperByTiles => wall_directions::Chain::PaperByTiles,
-        },
-        solves_lean: setup.solves_lean,
-        floor_edges: setup.floor_edges,
-        learns: setup.learns,
-        decides: scene.localizer.methods == [MethodName::WallDirections],
-        quotas: setup.quotas(),
-    };
-    let build = |name: &MethodName| -> Option<Box<dyn Method>> {
-        match name {
-            MethodName::FloorTiles => {
-                FloorTiles::new(&map, &robot, chain).map(|method| Box::new(method) as Box<dyn Method>)
-            }
-            MethodName::RangeLandmarks => {
-                RangeLandmarks::new(&robot, freedom, solver).map(|method| Box::new(method) as Box<dyn Method>)
-            }
-            MethodName::CeilingMarkers => {
-                CeilingMarkers::new(&map, &robot).map(|method| Box::new(method) as Box<dyn Method>)
-            }
-            MethodName::WallDirections => {
-                WallDirections::new(&map, &robot, walls).map(|method| Box::new(method) as Box<dyn Method>)
-            }
-        }
-    };
-    scene.localizer.methods.iter().filter_map(build).collect()
+    scene.localizer.methods.iter().filter_map(|name| method(*name, scene, &map, &robot)).collect()
 }
