@@ -50,10 +50,24 @@ macro_rules! with_every_kind {
 }
 pub(crate) use with_every_kind;
 
-/// Localization methods by the cue they read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodName {
+/// Defines the names of methods, and a list of them.
+macro_rules! methods {
+    ($($(#[$doc:meta])+ $method:ident,)+) => {
+        /// Localization methods by the cue they read.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+        #[serde(rename_all = "snake_case")]
+        pub enum MethodName {
+            $($(#[$doc])+ $method,)+
+        }
+
+        impl MethodName {
+            /// All of them.
+            pub(crate) const ALL: &[MethodName] = &[$(MethodName::$method,)+];
+        }
+    };
+}
+
+methods! {
     /// Joints of a tiled floor under a camera that looks down (paper 1).
     FloorTiles,
     /// Coded landmarks that no map names, seen by a range camera (paper 3).

@@ -32,15 +32,9 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cam
 
 /// Methods that have what they read. Most scenes have all of them, as what one gets wrong misleads the others.
 fn methods(scene: &mut Table, draws: &Draws, robot: &Robot) {
-    let readable = [
-        (MethodName::FloorTiles, "floor_tiles", robot.floor_camera.is_some()),
-        (MethodName::RangeLandmarks, "range_landmarks", robot.range_camera.is_some()),
-        (MethodName::CeilingMarkers, "ceiling_markers", robot.ceiling_camera.is_some()),
-        (MethodName::WallDirections, "wall_directions", robot.forward_camera.is_some()),
-    ];
     let mut dice = draws.dice("methods that are used");
-    let used = readable.iter().filter(|(_, _, is_fitted)| *is_fitted && dice.chance(0.9));
-    let names: Vec<Value> = used.map(|(_, name, _)| Value::String((*name).to_owned())).collect();
+    let used = MethodName::ALL.iter().copied().filter(|method| robot.lacks(*method).is_none() && dice.chance(0.9));
+    let names: Vec<Value> = used.filter_map(|method| Value::try_from(method).ok()).collect();
     let setup = table(scene, "localizer");
     setup.insert("methods".to_owned(), Value::Array(names));
     if robot.gyro.is_none() {
