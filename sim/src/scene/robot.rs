@@ -58,18 +58,18 @@ macro_rules! define {
             pub errors: Distribution,
             /// Encoders of the wheels.
             pub encoders: Encoders,
-            /// How readings of wheels, gyroscope and flow sensor reach the localizer.
-            pub delivery: Delivery,
-            /// Rangefinders that look out for what is in the way of errands: a table of their keys, `true` for the default ones, or `false`.
-            #[serde(deserialize_with = "Fitted::into_option", skip_serializing_if = "Option::is_none")]
-            #[schemars(with = "Fitted<Proximity>")]
-            pub proximity: Option<Proximity>,
             $(
                 $(#[$doc])+
                 #[serde(deserialize_with = "Fitted::into_option")]
                 #[schemars(with = $fitted)]
                 pub $name: Option<$keys>,
             )+
+            /// How readings of wheels, gyroscope and flow sensor reach the localizer.
+            pub delivery: Delivery,
+            /// Rangefinders that look out for what is in the way of errands: a table of their keys, `true` for the default ones, or `false`.
+            #[serde(deserialize_with = "Fitted::into_option", skip_serializing_if = "Option::is_none")]
+            #[schemars(with = "Fitted<Proximity>")]
+            pub proximity: Option<Proximity>,
         }
 
         impl Default for Robot {
