@@ -68,7 +68,7 @@ pub trait Device {
     fn clip(&self, _drawn: &mut Self::Drawn, _bound: &str) {}
 
     /// Keys of its table that contradict each other, and what was expected of each.
-    fn contradictions(&self) -> Vec<(&'static str, String)> {
+    fn contradictions(&self) -> Vec<(String, String)> {
         Vec::new()
     }
 }

@@ -76,14 +76,14 @@ impl Device for Flow {
 
     /// What is drawn of its scale is part of what is declared of it: its calibration of the whole, surfaces and noise together of what the
     /// calibration leaves.
-    fn contradictions(&self) -> Vec<(&'static str, String)> {
-        let mut found = Vec::from_iter(unsampled(self.period_s).map(|expected| ("period_s", expected)));
+    fn contradictions(&self) -> Vec<(String, String)> {
+        let mut found = Vec::from_iter(unsampled(self.period_s).map(|expected| ("period_s".to_owned(), expected)));
         if self.calibration_tolerance > self.scale_tolerance {
             let expected = format!(
                 "expected at most `scale_tolerance`, of which it is part and which is {}",
                 self.scale_tolerance
             );
-            found.push(("calibration_tolerance", expected));
+            found.push(("calibration_tolerance".to_owned(), expected));
             return found;
         }
         // Sums like 0.01 + 0.02 are not exact.
@@ -96,7 +96,7 @@ impl Device for Flow {
                  `scale_tolerance`",
                 (self.varying_share() * 1e6).round() / 1e6
             );
-            found.push((key, expected));
+            found.push((key.to_owned(), expected));
         }
         found
     }

@@ -90,24 +90,27 @@ impl Device for Gyro {
         drawn.cuts.angle |= bound == bounds::GYRO_ANGLE;
     }
 
-    fn contradictions(&self) -> Vec<(&'static str, String)> {
-        let mut found = Vec::from_iter(unsampled(self.period_s).map(|expected| ("period_s", expected)));
+    fn contradictions(&self) -> Vec<(String, String)> {
+        let mut found = Vec::from_iter(unsampled(self.period_s).map(|expected| ("period_s".to_owned(), expected)));
         if let Some(walk_deg) = self.angle_random_walk_deg_per_sqrt_h
             && self.noise_deg_per_s < 3.0 * self.deviation_deg_per_s(walk_deg)
         {
             let least = 3.0 * self.deviation_deg_per_s(walk_deg);
             let expected =
                 format!("cuts the angle random walk off, expected at least {least:.4}: three standard deviations");
-            found.push(("noise_deg_per_s", expected));
+            found.push(("noise_deg_per_s".to_owned(), expected));
         }
         if self.bias_wander_deg_per_s2 == 0.0
             && self.bias_instability_deg_per_h + self.rate_random_walk_deg_per_h_per_sqrt_h > 0.0
         {
             let expected = "the bias would be held fast, expected more than 0 to let it wander".to_owned();
-            found.push(("bias_wander_deg_per_s2", expected));
+            found.push(("bias_wander_deg_per_s2".to_owned(), expected));
         }
         if self.angle_deg_per_s > 0.0 && self.angle_floor_deg.is_none() {
-            found.push(("angle_deg_per_s", "bounds nothing alone, expected `angle_floor_deg` beside it".to_owned()));
+            found.push((
+                "angle_deg_per_s".to_owned(),
+                "bounds nothing alone, expected `angle_floor_deg` beside it".to_owned(),
+            ));
         }
         found
     }
