@@ -78,6 +78,9 @@ const NEW_PLACE_RAD: f64 = 0.05;
 const FEWEST_TO_LEARN: usize = 5;
 /// A direction is learnt when it is known so well, and no known one is as near.
 const NEW_DIRECTION_RAD: f64 = 0.087;
+/// A direction that no map tells is surely learnt where it is farther from every known one than this: than how well it has to be known, and how far
+/// apart from others. A nearer one may be taken for the known one.
+pub const LEARNT_APART_RAD: f64 = 2.0 * NEW_DIRECTION_RAD;
 
 /// How the method looks at images, and whether it learns.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -33,6 +33,7 @@ impl<'de> Deserialize<'de> for Scene {
             BoundsFrom::CarefulUser => {
                 let mut keys = careful(&mut stated);
                 leave_out_what_is_stated_in_part(&mut keys, &stated);
+                leave_out_furniture_if_stated(&mut keys, &stated);
                 lay_over(&mut keys, Value::Object(stated));
                 keys
             }
@@ -118,6 +119,19 @@ fn leave_out_what_is_stated_in_part(keys: &mut Value, stated: &Map<String, Value
         let keys = keys.pointer_mut(&format!("/robot/{device}")).and_then(Value::as_object_mut);
         if let Some(keys) = keys.filter(|_| is_stated) {
             keys.retain(|key, _| !together.contains(&key.as_str()));
+        }
+    }
+}
+
+/// How far furniture is drawn askew and how far it is told to be mean something only together.
+fn leave_out_furniture_if_stated(keys: &mut Value, stated: &Map<String, Value>) {
+    const TOGETHER: [[&str; 2]; 2] =
+        [["/building", "furniture_tolerance_deg"], ["/localizer/wall_directions", "askew_deg"]];
+    let said = Value::Object(stated.clone());
+    let is_stated = |[table, key]: &[&str; 2]| said.pointer(table).is_some_and(|table| table.get(key).is_some());
+    if TOGETHER.iter().any(is_stated) {
+        for [table, key] in TOGETHER {
+            keys.pointer_mut(table).and_then(Value::as_object_mut).map(|table| table.remove(key));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! How `wall_directions` is set up.
 
-use localizer::methods::wall_directions::Quotas;
+use localizer::methods::wall_directions::{LEARNT_APART_RAD, Quotas};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,11 +15,11 @@ pub struct WallDirectionsSetup {
     /// Directions of walls from world x that the map tells, modulo 90. Those of `[room]` and of every `[[building.room]]` unless stated.
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mapped_deg: Option<Vec<f64>>,
-    /// `wall_directions.direction`: a direction that the map tells is within this of a wall's, and each wall's, unless `learns` is set, is
-    /// within this of one that the map tells. A seed draws by how much all walls together stand turned within it.
+    /// `wall_directions.direction`: a direction that the map tells is within this of a wall's, and each wall's is within this of one that the map
+    /// tells; with `learns` set, those of walls that are more than 10 degrees off every direction that the map tells need not. A seed draws by how much all walls together stand turned within it.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
-    /// `wall_directions.askew`: furniture that stands along walls, turned by less than 5 degrees against one in the scene, is within this of a
+    /// `wall_directions.askew`: furniture that stands along walls, turned by at most 5 degrees against one in the scene, is within this of a
     /// wall's direction. Every box of headings by walls grows by as much on either side.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub askew_deg: f64,
@@ -46,7 +46,7 @@ pub struct WallDirectionsSetup {
     /// Whether edges on the floor run along walls if they are long, as skirtings, foots of walls and borders of fitted carpets do. Joints of tiles
     /// need not.
     pub floor_edges: bool,
-    /// Whether the building may have directions that the map does not tell, to be learnt.
+    /// Whether the building may have directions that the map does not tell, to be learnt: each more than 10 degrees off every one that it tells.
     pub learns: bool,
 }
 
@@ -122,10 +122,15 @@ impl Scene {
             };
             some_deg.iter().map(off_deg).fold(0.0, f64::max)
         };
-        // A direction that the map does not tell is as wrong as one that no wall has, unless the building is said to have such.
-        let untold_deg =
-            if self.localizer.wall_directions().learns { 0.0 } else { farthest_deg(true_deg, &mapped_deg) };
+        // A direction that the map does not tell is as wrong as one that no wall has, unless the building is said to have such that can be learnt.
+        let untold_deg = true_deg.iter().map(|deg| farthest_deg(&[*deg], &mapped_deg));
+        let untold_deg = untold_deg.filter(|off_deg| !self.is_learnt_at(*off_deg)).fold(0.0, f64::max);
         farthest_deg(&mapped_deg, true_deg).max(untold_deg)
+    }
+
+    /// Whether a wall's direction so far off every one that the map tells is surely learnt, and need not be told.
+    pub(crate) fn is_learnt_at(&self, off_deg: f64) -> bool {
+        self.localizer.wall_directions().learns && off_deg > LEARNT_APART_RAD.to_degrees()
     }
 
     /// Whether a seed draws how walls stand: where a method reads them.

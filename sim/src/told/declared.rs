@@ -74,12 +74,11 @@ impl Scene {
             *deg += off_deg.clamp(-setup.tolerance_deg, setup.tolerance_deg) - off_deg;
         }
         let is_untold = |deg: &f64| {
-            turn_from_nearest_deg(*deg, &mapped_deg).is_none_or(|off_deg| off_deg.abs() > setup.tolerance_deg)
+            let off_deg = turn_from_nearest_deg(*deg, &mapped_deg).map(f64::abs);
+            off_deg.is_none_or(|off_deg| off_deg > setup.tolerance_deg && !self.is_learnt_at(off_deg))
         };
         let untold_deg: Vec<f64> = true_deg.iter().copied().filter(is_untold).collect();
-        if !setup.learns {
-            mapped_deg.extend(untold_deg);
-        }
+        mapped_deg.extend(untold_deg);
         setup.mapped_deg = Some(mapped_deg);
         self.localizer.wall_directions = Some(setup);
     }

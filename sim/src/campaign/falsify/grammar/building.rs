@@ -7,7 +7,7 @@ use crate::{
     scene::Robot,
 };
 
-use super::settled::{items, number, place, text};
+use super::settled::{items, number, place, table, text};
 
 /// Settles all that stands about. What only cameras see is left away where there is none.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
@@ -43,15 +43,27 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     settle_askew(scene);
 }
 
-/// Furniture is told to stand as far askew as it is drawn.
+/// Furniture along the walls of the robot's room is told to stand as far askew as the scene has it and a seed draws it.
 fn settle_askew(scene: &mut Table) {
     let building = scene.get("building").and_then(Value::as_table);
-    let drawn_deg = building.and_then(|building| number(building, "furniture_tolerance_deg"));
+    let drawn_deg = building.and_then(|building| number(building, "furniture_tolerance_deg")).unwrap_or(0.0);
+    let turn_deg = |piece: &mut Table| {
+        let stated_deg = number(piece, "rotation_deg").unwrap_or(0.0);
+        ((stated_deg + 45.0).rem_euclid(90.0) - 45.0).abs()
+    };
+    let stands_deg = items(scene, "furniture").map(|piece| turn_deg(piece)).filter(|turn_deg| *turn_deg <= 5.0);
+    // Without furniture none of it is askew.
+    let Some(most_deg) = stands_deg.reduce(f64::max).map(|turn_deg| rounded(turn_deg + drawn_deg + 0.0005, 3)) else {
+        return;
+    };
     let Some(Value::Table(localizer)) = scene.get_mut("localizer") else { return };
-    let Some(Value::Table(setup)) = localizer.get_mut("wall_directions") else { return };
-    let told_deg = number(setup, "askew_deg").unwrap_or(0.0);
-    if let Some(drawn_deg) = drawn_deg.filter(|drawn_deg| *drawn_deg > told_deg) {
-        setup.insert("askew_deg".to_owned(), Value::Float(drawn_deg));
+    let methods = localizer.get("methods").and_then(Value::as_array).into_iter().flatten();
+    if !methods.filter_map(Value::as_str).any(|method| method == "wall_directions") || most_deg < 0.001 {
+        return;
+    }
+    let setup = table(localizer, "wall_directions");
+    if number(setup, "askew_deg").unwrap_or(0.0) < most_deg {
+        setup.insert("askew_deg".to_owned(), Value::Float(most_deg));
     }
 }
 
