@@ -198,15 +198,29 @@ fn walls_as_askew_as_declared_keep_the_truth_and_ten_times_as_askew_are_named() 
 
 #[test]
 fn a_wall_that_the_map_does_not_tell_is_named() {
-    let room = "[[building.room]]\nx_m = 4.0\ny_m = 2.0\nwidth_m = 1.2\ndepth_m = 1.0\nheading_deg = 2.0\n\n[robot]\n";
-    let changes = [["duration_s = 60.0", "duration_s = 0.4"], ["[robot]\n", room]];
-    for (setup, is_named) in [("mapped_deg = [0.0]", true), ("mapped_deg = [0.0, 2.0]", false), ("", false)] {
+    // What is to be learnt has to be farther from what is told than what can be mistaken for it.
+    let learns = "mapped_deg = [0.0]\nlearns = true";
+    let setups = [
+        ("mapped_deg = [0.0]", 2.0, true),
+        ("mapped_deg = [0.0, 2.0]", 2.0, false),
+        ("", 2.0, false),
+        (learns, 2.0, true),
+        (learns, 88.0, true),
+        (learns, 9.0, true),
+        (learns, 11.0, false),
+    ];
+    for (setup, heading_deg, is_named) in setups {
+        let room = format!(
+            "[[building.room]]\nx_m = 4.0\ny_m = 2.0\nwidth_m = 1.2\ndepth_m = 1.0\nheading_deg = {heading_deg:?}\n\n[robot]\n"
+        );
+        let changes = [["duration_s = 60.0", "duration_s = 0.4"], ["[robot]\n", &room]];
         let (_, verdict) = judged(&scene(&changes, setup), 4);
         let named = verdict.violations.iter().find(|violation| violation.bound == "wall_directions.direction");
+        let off_deg = f64::min(heading_deg, 90.0 - heading_deg);
         assert_eq!(
             named.map(|violation| violation.true_value.to_degrees().round()),
-            is_named.then_some(2.0),
-            "{setup}"
+            is_named.then_some(off_deg),
+            "{setup} {heading_deg}"
         );
     }
 }
