@@ -3,10 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::devices::{
-    CeilingCamera, Delivery, Encoders, Fitted, FloorCamera, Flow, ForwardCamera, Gyro, Proximity, RangeCamera,
-    with_every_kind,
-};
+// Every kind of device is named by the list.
+use super::devices::*;
 
 /// Defines the robot with a table for every kind of device.
 macro_rules! define {
