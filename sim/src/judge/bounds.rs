@@ -42,7 +42,7 @@ fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
 
 /// What readings had a part in.
 fn of_readings(record: &RunRecord) -> impl Iterator<Item = Monitor> {
-    record.bounds.names.iter().map(|bound| {
+    record.bounds.greatest.keys().map(|bound| {
         let mut monitor = Monitor::new(bound);
         for check in record.bounds.exceeded.iter().filter(|check| check.bound == *bound) {
             monitor.watch(check.span_s, check.declared, check.true_value);

@@ -1,6 +1,6 @@
 //! What a run leaves for the check and the record.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use interval::Interval;
 use localizer::{
@@ -115,8 +115,8 @@ pub struct Timing {
 /// Bounds that readings had a part in.
 #[derive(Clone, Debug, Default)]
 pub struct CheckedBounds {
-    /// Names of all of them.
-    pub names: BTreeSet<Assumption>,
+    /// Each of them with the greatest true value behind it.
+    pub greatest: BTreeMap<Assumption, f64>,
     /// Where one was exceeded, in the order in which its readings arrived.
     pub exceeded: Vec<BoundCheck>,
 }
@@ -125,7 +125,8 @@ impl CheckedBounds {
     /// Notes what was behind a reading of a drive that began at `offset_s`.
     pub(super) fn note(&mut self, checks: &[BoundCheck], offset_s: f64) {
         for check in checks {
-            self.names.insert(check.bound);
+            let greatest = self.greatest.entry(check.bound).or_insert(check.true_value);
+            *greatest = greatest.max(check.true_value);
             if check.is_exceeded() {
                 let span_s = check.span_s.map(|time_s| time_s + offset_s);
                 self.exceeded.push(BoundCheck { span_s, ..*check });
