@@ -148,6 +148,14 @@ bounds! {
     RANGE_CAMERA_STAMP = "range_camera.stamp" in "s";
     #[doc = "How long a range reading takes to arrive, against its nominal latency."]
     RANGE_CAMERA_LATENCY = "range_camera.latency" in "s";
+    #[doc = "Where the antenna is on the robot, against its nominal place."]
+    GNSS_ANTENNA = "gnss.antenna" in "m";
+    #[doc = "Either coordinate of a position with resolved ambiguities, against the antenna's."]
+    GNSS_FIXED = "gnss.fixed" in "m";
+    #[doc = "Either coordinate of a position without resolved ambiguities, against the antenna's."]
+    GNSS_FLOATING = "gnss.floating" in "m";
+    #[doc = "The stamp of a position against the instant at which the antenna was there."]
+    GNSS_STAMP = "gnss.stamp" in "s";
     #[doc = "Matches of one reading that belong to another landmark."]
     RANGE_LANDMARKS_Q_ITEMS = "range_landmarks.q_items" in "1";
     #[doc = "Uses of one code between two wrong matches of it."]

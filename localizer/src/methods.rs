@@ -2,6 +2,7 @@
 
 pub mod ceiling_markers;
 pub mod floor_tiles;
+pub mod gnss_positions;
 mod lean;
 pub mod range_landmarks;
 pub mod wall_directions;

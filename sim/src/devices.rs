@@ -11,6 +11,7 @@ pub mod encoders;
 pub mod flow;
 mod floor_camera;
 mod forward_camera;
+pub mod gnss;
 pub mod gyro;
 pub mod proximity;
 pub mod range_camera;
@@ -24,8 +25,8 @@ use localizer::{Map, Method, Reading, RobotModel, bounds::Assumption, reading::L
 use crate::{
     place::Bystander,
     scene::{
-        CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gyro, MethodName, RangeCamera, Robot, Scene,
-        with_every_kind,
+        CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gnss, Gyro, MethodName, RangeCamera, Robot,
+        Scene, with_every_kind,
     },
     truth::Truth,
 };

@@ -9,7 +9,7 @@ use sim::{
     loading::SceneFile,
     render::Renderer,
     run::{RunOptions, run},
-    scene::Scene,
+    scene::{Reception, Scene},
     subject::IntervalLocalizer,
 };
 
@@ -35,6 +35,10 @@ fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
         named("home.toml", 1.0, |_| {}),
         named("tiles.toml", 0.5, |scene| scene.robot.delivery.stamp_tolerance_s = 0.0005),
         named("dark/carpet.toml", 1.0, |_| {}),
+        named("gnss.toml", 2.0, |scene| {
+            let outage = &mut scene.robot.gnss.as_mut().unwrap().outages[0];
+            (outage.from_s, outage.leaves) = (1.0, Reception::Floating);
+        }),
         named("dark/carpet.toml", 1.0, |scene| {
             scene.localizer.learns_gyro = true;
             scene.bounds.rest_turn_deg = Some(0.1);

@@ -134,6 +134,7 @@ mod render_gaps;
 /// The ring's light on walls, people and lamps against both cosines.
 mod render_ring_light;
 /// Pictures of rooms against pictures that somebody has looked at.
+mod gnss;
 mod golden_images;
 /// `wherein render`.
 mod cli_render;

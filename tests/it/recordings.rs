@@ -186,6 +186,14 @@ fn a_replay_of_range_camera_and_gyroscope_learns_the_same_landmarks() {
 }
 
 #[test]
+fn a_replay_of_a_device_without_a_type_of_its_own_gives_the_same_estimates() {
+    let place = folder("replay_gnss");
+    let run = recorded(&place, "gnss.toml", ["duration_s = 60.0", "duration_s = 10.0"], &["--record"]);
+    assert!(messages(&run.join("recording.mcap"))["/wherein/other"].len() > 50);
+    assert_same_estimates(&place, &run, "recording.mcap");
+}
+
+#[test]
 fn equal_runs_leave_equal_recordings() {
     let place = folder("recording_equal");
     for (flag, path) in

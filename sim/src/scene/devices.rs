@@ -7,6 +7,7 @@ mod encoders;
 mod floor_camera;
 mod flow;
 mod forward_camera;
+mod gnss;
 mod gyro;
 mod proximity;
 mod range_camera;
@@ -24,6 +25,7 @@ pub use encoders::Encoders;
 pub use floor_camera::FloorCamera;
 pub use flow::{Flow, FlowOptics};
 pub use forward_camera::ForwardCamera;
+pub use gnss::{Gnss, Outage, Reception, Shadow};
 pub use gyro::Gyro;
 pub use proximity::Proximity;
 pub use range_camera::RangeCamera;
@@ -45,6 +47,8 @@ macro_rules! with_every_kind {
             gyro: Gyro as "Fitted<Gyro>";
             /// Optical flow sensor that looks at the floor: a table of its keys, `true` for the default one, or `false` for none.
             flow: Flow as "Fitted<Flow>";
+            /// Receiver of satellite navigation: a table of its keys, `true` for the default one, or `false` for none.
+            gnss: Gnss as "Fitted<Gnss>", read by GnssPositions;
         }
     };
 }
@@ -76,6 +80,8 @@ methods! {
     CeilingMarkers,
     /// Level edges of walls before a camera that looks ahead: heading up to quarter turns, in the dark (paper 2).
     WallDirections,
+    /// Positions of an antenna, as a receiver of satellite navigation tells them.
+    GnssPositions,
 }
 
 macro_rules! define {

@@ -1,0 +1,93 @@
+//! The receiver of satellite navigation.
+
+mod sensor;
+
+use interval::Interval;
+use localizer::{
+    Map, Method, RobotModel,
+    bounds::{self, Assumption},
+    methods::gnss_positions::{GnssPositions, ReceiverModel},
+};
+
+use crate::{
+    randomness::{draw_within, stream},
+    scene::{Distribution, Gnss, MethodName, Scene},
+};
+
+use super::{Device, Sensor, ToldKey, farthest, unsampled};
+
+pub use sensor::GnssSensor;
+
+/// Where the antenna truly is on the robot.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnGnss {
+    /// In the robot frame: forward and left.
+    pub position_m: [f64; 2],
+}
+
+impl Device for Gnss {
+    type Drawn = DrawnGnss;
+
+    fn draw(&self, errors: Distribution, seed: u64) -> DrawnGnss {
+        let mut rng = stream(seed, "gnss.mount");
+        let around = |nominal_m: f64| nominal_m + draw_within(self.position_tolerance_m, errors, &mut rng);
+        DrawnGnss { position_m: [self.forward_m, self.left_m].map(around) }
+    }
+
+    fn sensor(&self, drawn: &DrawnGnss, scene: &Scene, seed: u64) -> Option<Box<dyn Sensor>> {
+        Some(Box::new(GnssSensor::new(self, drawn, scene, seed)))
+    }
+
+    fn method(&self, scene: &Scene, _map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+        Some(Box::new(GnssPositions::new(self.model(scene), robot)))
+    }
+
+    fn is_relied_on(&self, scene: &Scene) -> bool {
+        scene.localizer.methods.contains(&MethodName::GnssPositions)
+    }
+
+    fn constants(&self, drawn: &DrawnGnss, _scene: &Scene) -> Vec<(Assumption, f64, f64)> {
+        let off_m = farthest(drawn.position_m, [self.forward_m, self.left_m]);
+        vec![(bounds::GNSS_ANTENNA, self.position_tolerance_m, off_m)]
+    }
+
+    fn told_keys(&mut self) -> Vec<ToldKey<'_>> {
+        vec![
+            ToldKey::is(&[bounds::GNSS_ANTENNA], &mut self.position_tolerance_m),
+            ToldKey::is(&[bounds::GNSS_FIXED], &mut self.fixed_tolerance_m),
+            ToldKey::is(&[bounds::GNSS_FLOATING], &mut self.floating_tolerance_m),
+            ToldKey::is(&[bounds::GNSS_STAMP], &mut self.stamp_tolerance_s),
+        ]
+    }
+
+    fn contradictions(&self) -> Vec<(String, String)> {
+        let mut found = Vec::from_iter(unsampled(self.period_s).map(|expected| ("period_s".to_owned(), expected)));
+        for (index, outage) in self.outages.iter().enumerate().filter(|(_, outage)| outage.to_s <= outage.from_s) {
+            let expected = format!("expected more than `from_s`, which is {}", outage.from_s);
+            found.push((format!("outages[{index}].to_s"), expected));
+        }
+        for (index, shadow) in self.shadows.iter().enumerate() {
+            for (key, range_m) in [("x_m", shadow.x_m), ("y_m", shadow.y_m)] {
+                if range_m[1] <= range_m[0] {
+                    let expected = format!("expected two numbers of which the second is greater than {}", range_m[0]);
+                    found.push((format!("shadows[{index}].{key}"), expected));
+                }
+            }
+        }
+        found
+    }
+}
+
+impl Gnss {
+    /// What the localizer is told of it. Stamps are the receiver's own, and where the base has another clock, off by as much more.
+    fn model(&self, scene: &Scene) -> ReceiverModel {
+        let place = |nominal_m: f64| Interval::centred(nominal_m, self.position_tolerance_m);
+        ReceiverModel {
+            position_m: [place(self.forward_m), place(self.left_m)],
+            height_m: self.height_m,
+            fixed_m: self.fixed_tolerance_m,
+            floating_m: self.floating_tolerance_m,
+            stamp_error_s: self.stamp_tolerance_s + scene.robot.delivery.stamp_tolerance_s,
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! A receiver of satellite navigation over a drive: what the sky lets through, and how far positions are off.
+
+use localizer::{
+    Reading, bounds,
+    methods::gnss_positions::{DEVICE, Position},
+};
+use nalgebra::Point3;
+
+use crate::{
+    devices::{BoundCheck, Observation, Sensor},
+    place::Bystander,
+    randomness::{Repeated, stream},
+    scene::{Gnss, Reception, Scene},
+    truth::Truth,
+};
+
+use super::DrawnGnss;
+
+/// Errors of positions are those of the sky and of echoes, which change over seconds: between two draws so far apart they go evenly from one to
+/// the other. Allan deviations of such positions level off between 1 and 10 s.
+const NODE_S: f64 = 5.0;
+
+/// A receiver that tells a position every period while it has one.
+pub struct GnssSensor {
+    gnss: Gnss,
+    mount: DrawnGnss,
+    /// Errors along x and y as shares of what their grade allows, one after the other.
+    errors: Repeated,
+    /// Those at the two nodes around now, and the number of the first.
+    nodes: [[f64; 2]; 2],
+    node: u64,
+    clock: Repeated,
+    n_readings: u64,
+}
+
+impl GnssSensor {
+    /// The receiver, its antenna mounted as drawn.
+    pub fn new(gnss: &Gnss, mount: &DrawnGnss, scene: &Scene, seed: u64) -> Self {
+        let mut errors = Repeated::new(scene.robot.errors, stream(seed, "gnss.errors"));
+        let nodes = [0; 2].map(|_| [0; 2].map(|_| errors.one_way(1.0)));
+        GnssSensor {
+            gnss: gnss.clone(),
+            mount: *mount,
+            errors,
+            nodes,
+            node: 0,
+            clock: Repeated::new(scene.robot.errors, stream(seed, "gnss.clock")),
+            n_readings: 0,
+        }
+    }
+
+    /// Where the antenna truly is, world x and y.
+    fn antenna_m(&self, truth: &Truth) -> [f64; 2] {
+        let [forward_m, left_m] = self.mount.position_m;
+        let antenna = truth.world_from_body() * Point3::new(forward_m, left_m, self.gnss.height_m);
+        [antenna.x, antenna.y]
+    }
+
+    /// The worst of what is said of this time and of this place.
+    fn reception(&self, time_s: f64, [x_m, y_m]: [f64; 2]) -> Reception {
+        let now = self.gnss.outages.iter().filter(|outage| (outage.from_s..outage.to_s).contains(&time_s));
+        let holds = |range_m: [f64; 2], at_m: f64| (range_m[0]..=range_m[1]).contains(&at_m);
+        let here = self.gnss.shadows.iter().filter(|shadow| holds(shadow.x_m, x_m) && holds(shadow.y_m, y_m));
+        let left = now.map(|outage| outage.leaves).chain(here.map(|shadow| shadow.leaves));
+        left.min().unwrap_or(Reception::Fixed)
+    }
+
+    /// The error along either axis at a time, as a share of what its grade allows.
+    fn error_at(&mut self, time_s: f64) -> [f64; 2] {
+        while time_s >= (self.node + 1) as f64 * NODE_S {
+            self.nodes = [self.nodes[1], [0; 2].map(|_| self.errors.one_way(1.0))];
+            self.node += 1;
+        }
+        let share = time_s / NODE_S - self.node as f64;
+        [0, 1].map(|axis| self.nodes[0][axis] + share * (self.nodes[1][axis] - self.nodes[0][axis]))
+    }
+}
+
+impl Sensor for GnssSensor {
+    /// Answers with a position when one is due and there is one.
+    fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
+        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        if truth.time_s + 0.0005 < (self.n_readings + 1) as f64 * self.gnss.period_s {
+            return None;
+        }
+        self.n_readings += 1;
+        let (antenna_m, error) = (self.antenna_m(truth), self.error_at(truth.time_s));
+        // Drawn whether or not there is a position, so that an outage does not move what comes after it.
+        let measured_s = truth.time_s + self.clock.one_way(self.gnss.stamp_tolerance_s);
+        let late_s = self.gnss.latency_s + self.clock.in_turn(self.gnss.latency_tolerance_s);
+        let arrived_s = truth.time_s + late_s.max(0.0);
+        let (is_fixed, grade, declared_m) = match self.reception(truth.time_s, antenna_m) {
+            Reception::None => return None,
+            Reception::Floating => (false, bounds::GNSS_FLOATING, self.gnss.floating_tolerance_m),
+            Reception::Fixed => (true, bounds::GNSS_FIXED, self.gnss.fixed_tolerance_m),
+        };
+        let off_m = error.map(|share| share * declared_m);
+        let told = Position { at_m: [0, 1].map(|axis| antenna_m[axis] + off_m[axis]), is_fixed };
+        let span_s = [truth.time_s, arrived_s];
+        let check = |bound, declared, true_value| BoundCheck { bound, span_s, declared, true_value };
+        let checks = vec![
+            check(grade, declared_m, off_m[0].abs().max(off_m[1].abs())),
+            check(bounds::GNSS_STAMP, self.gnss.stamp_tolerance_s, (measured_s - truth.time_s).abs()),
+        ];
+        let reading = Reading::Other { measured_s, arrived_s, device: DEVICE.to_owned(), numbers: told.numbers() };
+        Some(Observation { checks, ..Observation::new(reading, *truth) })
+    }
+}

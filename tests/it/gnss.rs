@@ -1,0 +1,275 @@
+//! A receiver of satellite navigation: its positions against geometry by hand, and drives that hold the truth by them.
+
+use interval::Interval;
+use localizer::{
+    Method, Pose, PoseBox, PoseUnion, Reading, Status, bounds,
+    methods::gnss_positions::{GnssPositions, Position},
+    motion::Twist,
+    robot::RobotModel,
+};
+use nalgebra::{Rotation2, Vector2};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sim::{
+    devices::{
+        Sensor,
+        gnss::{DrawnGnss, GnssSensor},
+    },
+    judge::Verdict,
+    loading::SceneFile,
+    run::{RunOptions, RunRecord, run},
+    scene::{Distribution, Gnss, Reception, Scene},
+    subject::IntervalLocalizer,
+    truth::Truth,
+};
+
+use crate::{
+    command::{folder, outcome, root, scene_text, wherein},
+    judging::verdict_of,
+};
+
+fn yard() -> Scene {
+    SceneFile::load_all(&[root().join("scenes/gnss.toml")]).unwrap().remove(0).scene
+}
+
+fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
+    let record =
+        run(scene, seed, &mut IntervalLocalizer::of(scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
+    let verdict = verdict_of(scene, &record);
+    (record, verdict)
+}
+
+/// The positions that the yard's receiver tells on a robot that stands at a pose for so long, each with its time.
+fn positions(scene: &Scene, truth: Truth, lasts_s: f64) -> Vec<(f64, Position)> {
+    let mount = DrawnGnss { position_m: [-0.15, 0.1] };
+    let mut sensor = GnssSensor::new(scene.robot.gnss.as_ref().unwrap(), &mount, scene, 3);
+    let steps = (0..=(lasts_s * 1000.0) as usize).map(|step| step as f64 * 0.001);
+    steps
+        .filter_map(|time_s| {
+            let observed = sensor.observe(&Truth { time_s, ..truth }, &[])?;
+            let Reading::Other { device, numbers, .. } = observed.reading else { panic!() };
+            assert_eq!(device, "gnss");
+            Some((time_s, Position::of(&numbers).unwrap()))
+        })
+        .collect()
+}
+
+#[test]
+fn a_position_is_that_of_the_antenna_turned_with_the_robot_and_tipped_with_it() {
+    let mut scene = yard();
+    scene.robot.gnss.as_mut().unwrap().fixed_tolerance_m = 0.0;
+    // By hand: heading 90°, so that 0.15 m back is −y and 0.1 m left is −x; rolled to the right by 0.1 rad, what is 0.6 m up goes right.
+    let pose = Pose { x_m: 3.0, y_m: 2.0, heading_rad: std::f64::consts::FRAC_PI_2 };
+    let level = positions(&scene, Truth { pose, ..Truth::default() }, 1.0);
+    assert_eq!(level.len(), 10);
+    for (_, told) in level {
+        assert!((told.at_m[0] - 2.9).abs() < 1e-12 && (told.at_m[1] - 1.85).abs() < 1e-12 && told.is_fixed, "{told:?}");
+    }
+    let tipped = positions(&scene, Truth { pose, tilt_rad: [0.1, 0.0], ..Truth::default() }, 0.1)[0].1;
+    let right_m = 0.6 * 0.1_f64.sin() + 0.1 * (1.0 - 0.1_f64.cos());
+    assert!((tipped.at_m[0] - (2.9 + right_m)).abs() < 1e-12, "{tipped:?}");
+}
+
+#[test]
+fn errors_keep_to_what_their_grade_allows_and_reach_it_at_corners() {
+    let mut scene = yard();
+    let open = Truth { pose: Pose { x_m: 3.0, y_m: 2.0, heading_rad: 0.0 }, ..Truth::default() };
+    let trees = Truth { pose: Pose { x_m: 3.0, y_m: 6.0, heading_rad: 0.0 }, ..Truth::default() };
+    for errors in [Distribution::Uniform, Distribution::Corner, Distribution::Drift] {
+        scene.robot.errors = errors;
+        for (truth, tolerance_m, is_fixed) in [(open, 0.01, true), (trees, 0.5, false)] {
+            let told = positions(&scene, truth, 39.0);
+            let off_m = told.iter().flat_map(|(_, told)| {
+                assert_eq!(told.is_fixed, is_fixed);
+                [told.at_m[0] - (truth.pose.x_m - 0.15), told.at_m[1] - (truth.pose.y_m + 0.1)].map(f64::abs)
+            });
+            let most_m = off_m.fold(0.0, f64::max);
+            assert!(most_m <= tolerance_m + 1e-12 && most_m > 0.5 * tolerance_m, "{errors:?}: {most_m}");
+            assert!(errors == Distribution::Uniform || most_m > tolerance_m - 1e-9, "{errors:?}: {most_m}");
+        }
+    }
+}
+
+#[test]
+fn the_worst_of_time_and_place_says_what_is_received() {
+    let mut scene = yard();
+    let at = |x_m: f64, y_m: f64| Truth { pose: Pose { x_m, y_m, heading_rad: 0.0 }, ..Truth::default() };
+    assert!(positions(&scene, at(10.0, 2.0), 5.0).is_empty(), "in the barn");
+    let told = positions(&scene, at(3.0, 2.0), 50.0);
+    assert!(told.iter().all(|(time_s, told)| told.is_fixed && !(40.0..46.0).contains(time_s)));
+    assert!(told.iter().any(|(time_s, _)| *time_s > 46.0) && told.len() > 400);
+    scene.robot.gnss.as_mut().unwrap().outages[0].leaves = Reception::Floating;
+    assert!(positions(&scene, at(10.0, 2.0), 45.0).is_empty(), "floating by time, nothing by place");
+    let told = positions(&scene, at(3.0, 2.0), 50.0);
+    assert!(told.iter().all(|(time_s, told)| told.is_fixed != (40.0..46.0).contains(time_s)));
+}
+
+/// A robot model with a lean of half a degree, and a receiver on it.
+fn method(scene: &Scene) -> (GnssPositions, RobotModel) {
+    let robot = scene.robot_model();
+    let receiver = localizer::methods::gnss_positions::ReceiverModel {
+        position_m: [Interval::centred(-0.15, 0.001), Interval::centred(0.1, 0.001)],
+        height_m: 0.6,
+        fixed_m: 0.01,
+        floating_m: 0.5,
+        stamp_error_s: 0.002,
+    };
+    (GnssPositions::new(receiver, &robot), robot)
+}
+
+#[test]
+fn no_pose_that_keeps_every_bound_is_lost() {
+    let mut scene = yard();
+    scene.bounds.body_tilt_deg = 5.0;
+    let (mut method, robot) = method(&scene);
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut n_narrower = 0;
+    for _ in 0..20_000 {
+        // The antenna as bounds allow it, each error at a corner every other time.
+        let mut within = |most: f64| {
+            if rng.random() { most * [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-most..=most) }
+        };
+        let heading_rad = within(10.0);
+        let pose = Pose { x_m: 6.0 + within(3.0), y_m: 4.0 + within(3.0), heading_rad };
+        let (lean_rad, toward_rad) = (within(robot.body.tilt_rad), within(std::f64::consts::PI));
+        let truth =
+            Truth { pose, tilt_rad: [lean_rad * toward_rad.cos(), lean_rad * toward_rad.sin()], ..Truth::default() };
+        // Up to 2 ms later than its stamp the robot has got as far as reach allows.
+        let late_s = 0.002;
+        let moved = Truth {
+            pose: Pose {
+                x_m: pose.x_m + late_s * robot.reach.speed_m_per_s * toward_rad.cos(),
+                y_m: pose.y_m + late_s * robot.reach.speed_m_per_s * toward_rad.sin(),
+                heading_rad: heading_rad + late_s * robot.reach.turn_rate_rad_per_s * within(1.0),
+            },
+            ..truth
+        };
+        let place = nalgebra::Point3::new(-0.15 + within(0.001), 0.1 + within(0.001), 0.6);
+        let antenna = moved.world_from_body() * place;
+        let is_fixed = within(1.0) > 0.0;
+        let tolerance_m = if is_fixed { 0.01 } else { 0.5 };
+        let told = Position { at_m: [antenna.x + within(tolerance_m), antenna.y + within(tolerance_m)], is_fixed };
+        let reading =
+            Reading::Other { measured_s: 0.0, arrived_s: 0.0, device: "gnss".to_owned(), numbers: told.numbers() };
+        let prior = PoseBox::from([
+            Interval::centred(pose.x_m + within(0.5), 0.5),
+            Interval::centred(pose.y_m + within(0.5), 0.5),
+            Interval::centred(heading_rad + within(0.3), 0.3),
+        ]);
+        let constraint = method.constrain(&reading, &PoseUnion::single(prior), &Twist::default()).unwrap();
+        let grade = if is_fixed { bounds::GNSS_FIXED } else { bounds::GNSS_FLOATING };
+        assert!(constraint.relies_on.contains(&grade) && constraint.relies_on.contains(&bounds::BODY_TILT));
+        let mut domain = prior;
+        constraint.on_pose.contract(&mut domain);
+        assert!(domain.contains(&pose.to_array()), "{pose:?} {told:?} {domain:?}");
+        n_narrower += usize::from(domain.width(0) < 0.5 * prior.width(0));
+    }
+    assert!(n_narrower > 5_000, "{n_narrower}");
+}
+
+#[test]
+fn numbers_that_tell_no_position_are_passed_over() {
+    let (mut method, _) = method(&yard());
+    let prior = PoseUnion::single(PoseBox::from([Interval::centred(0.0, 1.0); 3]));
+    for numbers in [
+        vec![],
+        vec![1.0, 2.0],
+        vec![1.0, f64::NAN, 1.0],
+        vec![1.0, f64::INFINITY, 1.0],
+        vec![1.0, 2.0, 0.5],
+        vec![1.0; 4],
+    ] {
+        let reading = Reading::Other { measured_s: 0.0, arrived_s: 0.0, device: "gnss".to_owned(), numbers };
+        assert!(method.constrain(&reading, &prior, &Twist::default()).is_none(), "{reading:?}");
+    }
+    let other = Reading::Other { measured_s: 0.0, arrived_s: 0.0, device: "sonar".to_owned(), numbers: vec![1.0; 3] };
+    assert!(!method.reads(&other));
+}
+
+#[test]
+fn a_drive_by_positions_keeps_the_truth_through_trees_a_barn_and_an_outage() {
+    for errors in [Distribution::Uniform, Distribution::Corner, Distribution::Drift] {
+        for seed in 0..2 {
+            let mut scene = yard();
+            scene.robot.errors = errors;
+            let (record, verdict) = judged(&scene, seed);
+            let containment = verdict.containment.as_ref().unwrap();
+            assert_eq!(containment.contained, containment.checks, "{errors:?} {seed}: {containment:?}");
+            assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
+            // In the open after some way: twice a centimetre, and what the antenna's place and the lean add.
+            let in_the_open = record.estimates.iter().zip(&record.truths).filter(|(_, truth)| {
+                (20.0..39.0).contains(&truth.time_s) && truth.pose.y_m < 5.0 && truth.pose.x_m < 8.5
+            });
+            let widest_m = in_the_open.map(|(estimate, _)| estimate.pose.hull().width(0)).fold(0.0, f64::max);
+            assert!(widest_m > 0.02 && widest_m < 0.2, "{errors:?} {seed}: {widest_m}");
+        }
+    }
+}
+
+#[test]
+fn the_heading_is_told_by_the_way_between_positions() {
+    let mut scene = yard();
+    (scene.duration_s, scene.start.tolerance_deg) = (12.0, 60.0);
+    let (record, verdict) = judged(&scene, 1);
+    assert_eq!(verdict.containment.as_ref().unwrap().contained, 1201);
+    let width_rad = record.estimates.last().unwrap().pose.hull().width(2);
+    assert!(width_rad < 0.1, "{}", width_rad.to_degrees());
+}
+
+#[test]
+fn a_localizer_told_half_the_error_or_no_lever_arm_loses_the_truth_or_knows_that_something_is_wrong() {
+    let mut scene = yard();
+    (scene.duration_s, scene.robot.errors) = (8.0, Distribution::Corner);
+    let changes: [fn(&mut Gnss); 2] =
+        [|gnss| gnss.fixed_tolerance_m = 0.005, |gnss| (gnss.forward_m, gnss.left_m) = (0.0, 0.0)];
+    for (index, change) in changes.into_iter().enumerate() {
+        let mut told = scene.clone();
+        change(told.robot.gnss.as_mut().unwrap());
+        let mut subject = IntervalLocalizer::of(&told);
+        let record = run(&scene, 2, &mut subject, None, &RunOptions::default(), &mut |_| {}).unwrap();
+        let mut steps = record.truths.iter().zip(&record.estimates);
+        let is_wrong =
+            steps.any(|(truth, estimate)| !estimate.pose.contains(truth.pose) || estimate.status == Status::Recovering);
+        assert!(is_wrong, "change {index}");
+    }
+}
+
+#[test]
+fn keys_that_contradict_each_other_are_refused_with_what_was_expected() {
+    let text = scene_text("gnss.toml");
+    let changes = [
+        ("from_s = 40.0, to_s = 46.0", "from_s = 40.0, to_s = 40.0", "`robot.gnss.outages[0].to_s"),
+        ("y_m = [5.2, 8.0]", "y_m = [8.0, 5.2]", "`robot.gnss.shadows[0].y_m"),
+        ("leaves = \"floating\"", "leaves = \"poor\"", "`robot.gnss.shadows[0].leaves"),
+        ("[robot.gnss]\n", "[robot.gnss]\nperiod_s = 0.0105\n", "`robot.gnss.period_s"),
+        ("gyro = true", "gyro = true\ngnss = false", "gnss"),
+    ];
+    for (index, (from, to, named)) in changes.into_iter().enumerate() {
+        let place = folder(&format!("gnss_refused_{index}"));
+        assert!(text.contains(from), "{from}");
+        std::fs::write(place.join("scene.toml"), text.replace(from, to)).unwrap();
+        let (code, _, errors) = outcome(&mut wherein(&place, &["run", "scene.toml"]));
+        assert!(code == 2 && errors.contains(named), "{from}: {code} {errors}");
+    }
+    let place = folder("gnss_without_a_receiver");
+    let without = text.replace("forward_m = -0.15\nleft_m = 0.1\nheight_m = 0.6\n", "");
+    let head = without.split("[robot.gnss]").next().unwrap();
+    let tail = without.split("\n[localizer]").nth(1).unwrap();
+    std::fs::write(place.join("scene.toml"), format!("{head}\n[localizer]{tail}")).unwrap();
+    let (code, _, errors) = outcome(&mut wherein(&place, &["run", "scene.toml"]));
+    assert!(
+        code == 2 && errors.contains("`gnss_positions` among them, expected `robot.gnss` for it to read"),
+        "{errors}"
+    );
+}
+
+#[test]
+fn a_lever_arm_turns_the_same_way_by_hand_as_in_the_simulator() {
+    // Not the simulator's transform: a plane rotation.
+    let pose = Pose { x_m: 3.0, y_m: 2.0, heading_rad: 0.7 };
+    let lever = Rotation2::new(0.7) * Vector2::new(-0.15, 0.1);
+    let mut scene = yard();
+    scene.robot.gnss.as_mut().unwrap().fixed_tolerance_m = 0.0;
+    let told = positions(&scene, Truth { pose, ..Truth::default() }, 0.1)[0].1;
+    assert!((told.at_m[0] - 3.0 - lever.x).abs() < 1e-12 && (told.at_m[1] - 2.0 - lever.y).abs() < 1e-12);
+}
