@@ -37,7 +37,7 @@ fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
         named("dark/carpet.toml", 1.0, |_| {}),
         named("gnss.toml", 2.0, |scene| {
             let outage = &mut scene.robot.gnss.as_mut().unwrap().outages[0];
-            (outage.from_s, outage.leaves) = (1.0, Reception::Floating);
+            (outage.at_s, outage.leaves) = (1.0, Reception::Floating);
         }),
         named("dark/carpet.toml", 1.0, |scene| {
             scene.localizer.learns_gyro = true;

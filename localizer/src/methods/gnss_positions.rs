@@ -2,19 +2,24 @@
 //!
 //! **Constraint.** a = t + R(θ) b: a is the antenna in the world, within the receiver's declared error of what it tells, b the antenna on the
 //! robot, within how well it was measured and how far the body's lean takes it. One position bounds x and y, and with a lever arm b ≠ 0 the
-//! heading to an arc; positions from different places tell the heading by the way between them.
+//! heading to an arc.
+//!
+//! Positions of the last seconds are held. By the motion (m, δ) since then an earlier antenna lies, seen from the robot now, at R(−δ)(b − m), and in
+//! the world where it was told to be: another landmark of the same rigid motion. So the way between positions tells the heading.
 //!
 //! A receiver says of each position whether its ambiguities are resolved (*fixed*) or not (*floating*), and each of the two has a bound of its own.
+
+use std::collections::VecDeque;
 
 use interval::Interval;
 
 use crate::{
     PoseUnion, Reading,
     bounds::{self, Assumption},
-    method::{Constraint, Method},
+    method::{Constraint, Method, MotionBetween},
     motion::Twist,
     quota::Quota,
-    rigid_motion::RigidPlanar,
+    rigid_motion::{Landmark, RigidPlanar},
     robot::RobotModel,
 };
 
@@ -63,17 +68,33 @@ impl Position {
     }
 }
 
+/// Positions are held so long apart: ones next to each other say the same.
+const APART_S: f64 = 0.3;
+/// So many are held. The memory of motion is some 3 s long.
+const MOST_HELD: usize = 10;
+
 /// The method; see the module.
 #[derive(Clone, Debug)]
 pub struct GnssPositions {
     receiver: ReceiverModel,
     robot: RobotModel,
+    held: VecDeque<Held>,
+}
+
+/// A position of the last seconds.
+#[derive(Clone, Debug)]
+struct Held {
+    stamp_s: f64,
+    grade: Assumption,
+    in_world_m: [Interval; 2],
+    /// The antenna then, in the frame of the robot at the stamp to come.
+    in_robot_m: [Interval; 2],
 }
 
 impl GnssPositions {
     /// The method for this receiver on this robot.
     pub fn new(receiver: ReceiverModel, robot: &RobotModel) -> Self {
-        GnssPositions { receiver, robot: robot.clone() }
+        GnssPositions { receiver, robot: robot.clone(), held: VecDeque::new() }
     }
 
     /// The antenna in the robot frame, seen from above: a body that leans by up to φ takes it by up to h·sin φ to any side, and foreshortens
@@ -106,6 +127,21 @@ impl Method for GnssPositions {
         matches!(reading, Reading::Other { device, .. } if device == DEVICE)
     }
 
+    fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
+        let antenna_m = self.antenna_m();
+        // One that the memory of motion does not reach is given up, and so is one that came later than this.
+        self.held.retain_mut(|held| {
+            let Some(moved) = motion(held.stamp_s, stamp_s).filter(|moved| held.stamp_s < stamp_s && !moved.is_empty())
+            else {
+                return false;
+            };
+            let (sin, cos) = (moved[2].sin(), moved[2].cos());
+            let [from_x, from_y] = [antenna_m[0] - moved[0], antenna_m[1] - moved[1]];
+            held.in_robot_m = [cos * from_x + sin * from_y, cos * from_y - sin * from_x];
+            true
+        });
+    }
+
     fn constrain(&mut self, reading: &Reading, _prior: &PoseUnion, _twist: &Twist) -> Option<Constraint> {
         let Reading::Other { measured_s, numbers, .. } = reading else { return None };
         let told = Position::of(numbers)?;
@@ -115,11 +151,26 @@ impl Method for GnssPositions {
             (bounds::GNSS_FLOATING, self.receiver.floating_m)
         };
         let in_world_m = told.at_m.map(|at_m| Interval::centred(at_m, within_m) + self.moved_m());
+        let now = (in_world_m, self.antenna_m());
+        let held = self.held.iter().map(|held| (held.in_world_m, held.in_robot_m));
+        let landmarks: Vec<Landmark> = std::iter::once(now).chain(held).collect();
+        let mut relies_on = RELIES_ON.to_vec();
+        for grade in std::iter::once(grade).chain(self.held.iter().map(|held| held.grade)) {
+            if !relies_on.contains(&grade) {
+                relies_on.push(grade);
+            }
+        }
+        if self.held.back().is_none_or(|last| *measured_s >= last.stamp_s + APART_S) {
+            self.held.push_back(Held { stamp_s: *measured_s, grade, in_world_m, in_robot_m: self.antenna_m() });
+        }
+        if self.held.len() > MOST_HELD {
+            self.held.pop_front();
+        }
         Some(Constraint {
             method: self.name(),
             stamp_s: *measured_s,
-            on_pose: Box::new(RigidPlanar::new(&[(in_world_m, self.antenna_m())])),
-            relies_on: RELIES_ON.into_iter().chain([grade]).collect(),
+            on_pose: Box::new(RigidPlanar::new(&landmarks)),
+            relies_on,
             // A position is no matter of vision: what is wrong of it is beyond its bound.
             claims: Vec::new(),
             quota: Quota::of_each(0),
@@ -128,5 +179,14 @@ impl Method for GnssPositions {
             rejected_px: Vec::new(),
             alone_heading_rad: None,
         })
+    }
+
+    /// What is held is carried by motion that is doubted now.
+    fn forget_since(&mut self, _since_s: f64) {
+        self.held.clear();
+    }
+
+    fn clock_set_back(&mut self) {
+        self.held.clear();
     }
 }

@@ -14,7 +14,7 @@ use crate::{
     scene::{Distribution, Gnss, MethodName, Scene},
 };
 
-use super::{Device, Sensor, ToldKey, farthest, unsampled};
+use super::{Device, Sensor, ToldKey, farthest};
 
 pub use sensor::GnssSensor;
 
@@ -58,23 +58,6 @@ impl Device for Gnss {
             ToldKey::is(&[bounds::GNSS_FLOATING], &mut self.floating_tolerance_m),
             ToldKey::is(&[bounds::GNSS_STAMP], &mut self.stamp_tolerance_s),
         ]
-    }
-
-    fn contradictions(&self) -> Vec<(String, String)> {
-        let mut found = Vec::from_iter(unsampled(self.period_s).map(|expected| ("period_s".to_owned(), expected)));
-        for (index, outage) in self.outages.iter().enumerate().filter(|(_, outage)| outage.to_s <= outage.from_s) {
-            let expected = format!("expected more than `from_s`, which is {}", outage.from_s);
-            found.push((format!("outages[{index}].to_s"), expected));
-        }
-        for (index, shadow) in self.shadows.iter().enumerate() {
-            for (key, range_m) in [("x_m", shadow.x_m), ("y_m", shadow.y_m)] {
-                if range_m[1] <= range_m[0] {
-                    let expected = format!("expected two numbers of which the second is greater than {}", range_m[0]);
-                    found.push((format!("shadows[{index}].{key}"), expected));
-                }
-            }
-        }
-        found
     }
 }
 

@@ -10,7 +10,7 @@ use crate::{
     devices::{BoundCheck, Observation, Sensor},
     place::Bystander,
     randomness::{Repeated, stream},
-    scene::{Gnss, Reception, Scene},
+    scene::{Gnss, Outage, Reception, Scene, Shadow},
     truth::Truth,
 };
 
@@ -58,9 +58,12 @@ impl GnssSensor {
 
     /// The worst of what is said of this time and of this place.
     fn reception(&self, time_s: f64, [x_m, y_m]: [f64; 2]) -> Reception {
-        let now = self.gnss.outages.iter().filter(|outage| (outage.from_s..outage.to_s).contains(&time_s));
-        let holds = |range_m: [f64; 2], at_m: f64| (range_m[0]..=range_m[1]).contains(&at_m);
-        let here = self.gnss.shadows.iter().filter(|shadow| holds(shadow.x_m, x_m) && holds(shadow.y_m, y_m));
+        let is_now = |outage: &&Outage| (outage.at_s..outage.at_s + outage.lasts_s).contains(&time_s);
+        let is_here = |shadow: &&Shadow| {
+            let [long_m, wide_m] = shadow.size_m;
+            (x_m - shadow.x_m).abs() <= 0.5 * long_m && (y_m - shadow.y_m).abs() <= 0.5 * wide_m
+        };
+        let (now, here) = (self.gnss.outages.iter().filter(is_now), self.gnss.shadows.iter().filter(is_here));
         let left = now.map(|outage| outage.leaves).chain(here.map(|shadow| shadow.leaves));
         left.min().unwrap_or(Reception::Fixed)
     }

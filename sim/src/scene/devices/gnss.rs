@@ -10,7 +10,7 @@ use super::Careful;
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gnss {
-    /// Time between two positions; a multiple of 0.001.
+    /// Time between two positions.
     #[schemars(range(min = 0.01, max = 10.0))]
     pub period_s: f64,
     /// Measurement to delivery.
@@ -52,23 +52,26 @@ pub struct Gnss {
 pub struct Outage {
     /// When it begins.
     #[schemars(range(min = 0.0, max = 36000.0))]
-    pub from_s: f64,
-    /// When it ends.
-    #[schemars(range(min = 0.0, max = 36000.0))]
-    pub to_s: f64,
+    pub at_s: f64,
+    /// How long it lasts.
+    #[schemars(range(min = 0.02, max = 36000.0))]
+    pub lasts_s: f64,
     /// What is left of positions.
     #[serde(default)]
     pub leaves: Reception,
 }
 
-/// A rectangle of the floor above which positions are worse.
+/// A rectangle along the world's axes above which positions are worse.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Shadow {
-    /// World x range of the antenna.
-    pub x_m: [f64; 2],
-    /// World y range of the antenna.
-    pub y_m: [f64; 2],
+    /// World x of its middle.
+    pub x_m: f64,
+    /// World y of its middle.
+    pub y_m: f64,
+    /// Extent along world x and y.
+    #[schemars(inner(range(min = 0.1, max = 200.0)))]
+    pub size_m: [f64; 2],
     /// What is left of positions.
     #[serde(default)]
     pub leaves: Reception,
