@@ -149,8 +149,8 @@ fn no_pose_that_keeps_every_bound_is_lost() {
         let is_fixed = within(1.0) > 0.0;
         let tolerance_m = if is_fixed { 0.01 } else { 0.5 };
         let told = Position { at_m: [antenna.x + within(tolerance_m), antenna.y + within(tolerance_m)], is_fixed };
-        let reading =
-            Reading::Other { measured_s: 0.0, arrived_s: 0.0, device: "gnss".to_owned(), numbers: told.numbers() };
+        let mut method = fresh.clone();
+        let reading = at_stamp(0.0, told);
         let prior = PoseBox::from([
             Interval::centred(pose.x_m + within(0.5), 0.501),
             Interval::centred(pose.y_m + within(0.5), 0.501),
