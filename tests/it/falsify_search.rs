@@ -36,6 +36,14 @@ fn a_search_goes_on_where_it_stopped_and_sums_up_all_of_it() {
 }
 
 #[test]
+fn a_search_by_time_begins_at_once_and_ends_with_its_time() {
+    // It made a list of all cases that there may be, four billion of them, before the first.
+    let place = folder("falsify_minutes");
+    let (code, told, errors) = searched(&place, &["--seed", "3", "--without-cameras", "--minutes", "0.05"]);
+    assert!(code == 0 && told["summary"]["runs"].as_u64().unwrap() > 0, "{code} {told} {errors}");
+}
+
+#[test]
 fn a_process_that_nobody_waits_for_ends() {
     let place = folder("falsify_orphan");
     let text = blind_scene(30_000.0, "[localizer]\nmethods = []\n");

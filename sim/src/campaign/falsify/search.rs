@@ -1,11 +1,12 @@
 //! The search itself: cases by their numbers, several at a time, each done when it stands in the journal.
 
 use std::{
+    collections::BTreeSet,
     ops::Range,
     path::PathBuf,
     sync::{
         Mutex, PoisonError,
-        atomic::{AtomicBool, AtomicU64, Ordering},
+        atomic::{AtomicBool, Ordering},
         mpsc,
     },
     thread,
@@ -71,18 +72,19 @@ pub fn search(search: &Search, progress: &mut dyn FnMut(Progress)) -> Result<Vec
     let (journal, earlier) = Journal::open(&search.out, search.seed, search.profile, search.adapter.as_deref())?;
     let mut done: Vec<Done> = earlier.into_values().filter(|case| search.cases.contains(&case.case)).collect();
     progress(Progress::Resumed(done.len()));
-    let is_done = |number: &u64| done.binary_search_by_key(number, |case| case.case).is_ok();
-    let todo: Vec<u64> = search.cases.clone().filter(|number| !is_done(number)).collect();
-    let (next, stop, journal) = (AtomicU64::new(0), AtomicBool::new(false), Mutex::new(journal));
+    let known: BTreeSet<u64> = done.iter().map(|case| case.case).collect();
+    // Never a list: with a time for an end there are billions of them.
+    let todo = Mutex::new(search.cases.clone().filter(|number| !known.contains(number)));
+    let (stop, journal) = (AtomicBool::new(false), Mutex::new(journal));
     let (sender, receiver) = mpsc::channel();
     let mut first_error = None;
     thread::scope(|scope| {
-        for _ in 0..search.jobs.clamp(1, todo.len().max(1)) {
-            let (sender, next, stop, journal, todo) = (sender.clone(), &next, &stop, &journal, &todo);
+        for _ in 0..search.jobs.max(1) {
+            let (sender, stop, journal, todo) = (sender.clone(), &stop, &journal, &todo);
             scope.spawn(move || {
                 while !stop.load(Ordering::Relaxed) && !search.is_over() {
-                    let Some(number) = todo.get(next.fetch_add(1, Ordering::Relaxed) as usize) else { break };
-                    let outcome = search.case(*number).and_then(|case| {
+                    let Some(number) = todo.lock().unwrap_or_else(PoisonError::into_inner).next() else { break };
+                    let outcome = search.case(number).and_then(|case| {
                         journal.lock().unwrap_or_else(PoisonError::into_inner).add(&case)?;
                         Ok(case)
                     });

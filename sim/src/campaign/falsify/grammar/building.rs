@@ -51,7 +51,7 @@ fn settle_askew(scene: &mut Table) {
         let stated_deg = number(piece, "rotation_deg").unwrap_or(0.0);
         ((stated_deg + 45.0).rem_euclid(90.0) - 45.0).abs()
     };
-    let stands_deg = items(scene, "furniture").map(|piece| turn_deg(piece)).filter(|turn_deg| *turn_deg <= 5.0);
+    let stands_deg = items(scene, "furniture").map(turn_deg).filter(|turn_deg| *turn_deg <= 5.0);
     // Without furniture none of it is askew.
     let Some(most_deg) = stands_deg.reduce(f64::max).map(|turn_deg| rounded(turn_deg + drawn_deg + 0.0005, 3)) else {
         return;
