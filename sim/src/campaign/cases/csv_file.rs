@@ -1,31 +1,44 @@
 //! Tables as CSV (RFC 4180), with all digits of every number.
 
-use std::fmt::Write;
+use csv::{ReaderBuilder, StringRecord, WriterBuilder};
 
 use super::{Cell, Table};
 
 /// The table as CSV, its first line the names of the columns.
 pub fn to_csv(table: &Table) -> String {
-    let mut text = line(table.columns.iter().map(|name| escaped(name)));
-    for row in &table.rows {
-        text += &line(row.iter().map(|cell| match cell {
-            Cell::Empty => String::new(),
-            Cell::Text(text) => escaped(text),
-            Cell::Number(number) => number.to_string(),
-            Cell::Whole(number) => number.to_string(),
-            Cell::Truth(truth) => truth.to_string(),
-        }));
+    let rows = table.rows.iter().map(|row| row.iter().map(text).collect::<StringRecord>());
+    let mut writer = WriterBuilder::new().from_writer(Vec::new());
+    for record in std::iter::once(table.columns.iter().collect()).chain(rows) {
+        // Memory takes every row, and all rows have as many fields as there are columns.
+        let _ = writer.write_record(&record);
     }
-    text
+    writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
+}
+
+fn text(cell: &Cell) -> String {
+    match cell {
+        Cell::Empty => String::new(),
+        Cell::Text(text) => text.clone(),
+        Cell::Number(number) => number.to_string(),
+        Cell::Whole(number) => number.to_string(),
+        Cell::Truth(truth) => truth.to_string(),
+    }
 }
 
 /// Names of the columns and all rows of a CSV text, as texts; what is wrong with it otherwise.
 pub fn from_csv(text: &str) -> Result<(Vec<String>, Vec<Vec<String>>), String> {
-    let mut rows = parse(text)?;
-    if rows.is_empty() {
-        return Err("an empty file, expected a line with the names of columns".to_owned());
+    // The reader takes a file that ends within quotes for whole.
+    if !text.matches('"').count().is_multiple_of(2) {
+        return Err("a quote that is never closed".to_owned());
     }
-    let columns = rows.remove(0);
+    let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
+    let records: Result<Vec<StringRecord>, csv::Error> = reader.records().collect();
+    let records = records.map_err(|error| error.to_string())?;
+    let mut rows = records.iter().map(|record| record.iter().map(str::to_owned).collect::<Vec<String>>());
+    let Some(columns) = rows.next() else {
+        return Err("an empty file, expected a line with the names of columns".to_owned());
+    };
+    let rows: Vec<Vec<String>> = rows.collect();
     match rows.iter().position(|row| row.len() != columns.len()) {
         Some(index) => {
             let (found, wanted) = (rows[index].len(), columns.len());
@@ -33,44 +46,4 @@ pub fn from_csv(text: &str) -> Result<(Vec<String>, Vec<Vec<String>>), String> {
         }
         None => Ok((columns, rows)),
     }
-}
-
-fn line(cells: impl Iterator<Item = String>) -> String {
-    let mut line = cells.collect::<Vec<_>>().join(",");
-    line.push('\n');
-    line
-}
-
-fn escaped(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
-}
-
-fn parse(text: &str) -> Result<Vec<Vec<String>>, String> {
-    let (mut rows, mut row, mut field) = (Vec::new(), Vec::new(), String::new());
-    let (mut is_quoted, mut characters) = (false, text.chars().peekable());
-    while let Some(character) = characters.next() {
-        match (character, is_quoted) {
-            ('"', true) if characters.peek() == Some(&'"') => {
-                characters.next();
-                field.push('"');
-            }
-            ('"', _) => is_quoted = !is_quoted,
-            (',', false) => row.push(std::mem::take(&mut field)),
-            ('\r', false) => {}
-            ('\n', false) => {
-                row.push(std::mem::take(&mut field));
-                rows.push(std::mem::take(&mut row));
-            }
-            // Writing to a `String` cannot fail.
-            _ => _ = field.write_char(character),
-        }
-    }
-    if is_quoted {
-        return Err("a quote that is never closed".to_owned());
-    }
-    if !field.is_empty() || !row.is_empty() {
-        row.push(field);
-        rows.push(row);
-    }
-    Ok(rows)
 }

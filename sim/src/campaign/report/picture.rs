@@ -2,6 +2,7 @@
 
 use std::{fs, path::Path};
 
+use base64::{Engine, engine::general_purpose::STANDARD};
 use image::{ImageReader, codecs::jpeg::JpegEncoder, imageops::FilterType};
 
 use crate::campaign::cases::CaseResult;
@@ -21,7 +22,7 @@ pub(super) fn data_url(case: &CaseResult) -> Option<String> {
     let small = image::imageops::resize(&figure, WIDTH_PX, height_px, FilterType::Triangle);
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, QUALITY).encode_image(&small).ok()?;
-    Some(format!("data:image/jpeg;base64,{}", base64(&bytes)))
+    Some(format!("data:image/jpeg;base64,{}", STANDARD.encode(&bytes)))
 }
 
 /// Numbers and names of all `figure_*.png`.
@@ -41,19 +42,4 @@ fn failing_image(case: &CaseResult) -> Option<u64> {
     let methods = summary["methods"].as_object()?.values();
     let images = methods.filter_map(|method| method["readings"].as_u64()).max()?;
     Some((share * images as f64).round() as u64)
-}
-
-/// Base64 of RFC 4648, section 4.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for three in bytes.chunks(3) {
-        let bits = (0..3).fold(0_u32, |bits, index| bits << 8 | u32::from(three.get(index).copied().unwrap_or(0)));
-        for digit in 0..4 {
-            let is_padding = digit > three.len();
-            let value = (bits >> (18 - 6 * digit)) as usize & 63;
-            text.push(if is_padding { '=' } else { char::from(DIGITS[value]) });
-        }
-    }
-    text
 }
