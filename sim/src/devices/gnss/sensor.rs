@@ -17,7 +17,7 @@ use crate::{
 use super::DrawnGnss;
 
 /// Errors of positions are those of the sky and of echoes, which change over seconds: between two draws so far apart they go evenly from one to
-/// the other. Allan deviations of such positions level off between 1 and 10 s.
+/// the other, so that no average over a second hides them.
 const NODE_S: f64 = 5.0;
 
 /// A receiver that tells a position every period while it has one.
