@@ -130,7 +130,7 @@ fn dots(scene: &Scene, drawn: &Drawn) -> Vec<RetroDot> {
     stated.chain(of_markers).collect()
 }
 
-/// A place on the floor, raised.
+/// The point at a height above a place on the floor.
 fn raised([x, y]: [f64; 2], height_m: f64) -> Point3<f64> {
     Point3::new(x, y, height_m)
 }

@@ -131,7 +131,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Whether a run of it needs a renderer.
+    /// Whether the scene's robot has a camera whose pictures have to be rendered, so that a run needs a graphics adapter.
     pub fn has_camera(&self) -> bool {
         !self.robot.cameras().is_empty()
     }

@@ -1,4 +1,5 @@
-//! Coverage of a room by markers: what is proven against cameras drawn at random, and what is named against the simulator's own lens.
+//! The proof that a layout of markers covers a room, against cameras at random places; and the places that it names as uncovered, against the simulator's own
+//! lens.
 
 use localizer::Pose;
 use nalgebra::Point3;

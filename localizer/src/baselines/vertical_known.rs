@@ -34,7 +34,8 @@ pub fn locate_upright(image: &image::GrayImage, map: &MarkerMap, robot: &RobotMo
     vertical_known(&detect_all(image, dot_radius_px(map, camera)), map, camera)
 }
 
-/// The pose from markers that were read; of those that do not agree on one, the pose of the most dots.
+/// Least-squares pose of the robot from the dots of all markers that were read. Where markers contradict each other, the group of agreeing markers
+/// with the most dots is used and the others are left out.
 pub fn vertical_known(seen: &[PaperMarker], map: &MarkerMap, camera: &CeilingCameraModel) -> Option<Pose> {
     let markers: Vec<Vec<([f64; 2], [f64; 2])>> = seen.iter().filter_map(|one| pairs(one, map, camera)).collect();
     let agreeing = |marker: &Vec<([f64; 2], [f64; 2])>| -> Option<Vec<([f64; 2], [f64; 2])>> {

@@ -45,8 +45,9 @@ impl CertifiedSlip {
         self.spans_s.iter().any(|span_s| span_s[0] < to_s && from_s < span_s[1])
     }
 
-    /// Motion in a span: what wheels and flow sensor both allow, the flow sensor's alone where the wheels slip, and reach where it saw
-    /// nothing then. `None` where the wheels' memory does not reach.
+    /// Motion of the robot over a span of time: what wheels and flow sensor both allow. Where the wheels are known to slip, what the flow sensor alone
+    /// allows, and if it followed nothing then, what the limits of speed and acceleration allow. `None` if the remembered readings of the wheels do not
+    /// cover the span.
     pub(super) fn motion(
         &self,
         span_s: [f64; 2],

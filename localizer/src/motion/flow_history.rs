@@ -97,7 +97,8 @@ impl FlowHistory {
             bent_m += cut_m;
             let excess_m = cut_m + self.back_and_forth_m(span_s, acceleration_m_per_s2);
             let step_s = until_s - before_s;
-            // A turn that changes at its greatest goes as much farther than its ends tell.
+            // Between two readings the robot may turn further than their difference tells, and back: with the turn rate changing by at most
+            // `change_rad_per_s2`, by up to a quarter of that times the time squared.
             let turning_rad = turn(before_s, until_s)?.magnitude() + 0.25 * change_rad_per_s2 * step_s * step_s;
             let step = [now[0] - before[0], now[1] - before[1]];
             integral.advance(step, turn(from_s, until_s)?, turning_rad, excess_m, &self.model);

@@ -173,7 +173,7 @@ impl Straightening {
         found
     }
 
-    /// Where the raw picture shows what a pinhole's shows here.
+    /// The pixel of the raw, distorted picture that shows what a picture without distortion shows at `pinhole_px`.
     pub(crate) fn raw_px(&self, pinhole_px: [f64; 2]) -> [f64; 2] {
         let at = self.in_focal_lengths(pinhole_px);
         let bent = distortion::bend(self.distortion, at);

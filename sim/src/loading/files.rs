@@ -10,7 +10,7 @@ use std::{
 use super::{Setting, parse};
 use crate::scene::{Scene, SceneError, Sources};
 
-/// What a file ends in that scenes extend but that is none itself.
+/// Ending of the names of files that scenes extend and that are no scenes themselves.
 const BASE_ENDING: &str = ".base.toml";
 
 /// A scene with the file it came from and the name under which its runs are recorded.

@@ -35,7 +35,7 @@ impl SceneTemplate {
     pub fn load(path: &Path) -> Result<SceneTemplate, SceneError> {
         let file = SceneFile::load(path)?;
         let unreadable = |source| SceneError::Unreadable { path: path.to_owned(), source };
-        // The scene has been read from the same text, so that this cannot fail.
+        // Parsing this text as TOML cannot fail: the scene was loaded from it before.
         let document = file.text.parse().map_err(|error| unreadable(std::io::Error::other(error)))?;
         Ok(SceneTemplate { file, document })
     }

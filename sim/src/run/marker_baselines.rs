@@ -1,4 +1,5 @@
-//! Beside `ceiling_markers`: paper 5's own pipeline on the same pictures, and its markers with the vertical known.
+//! Point estimates from pictures of the ceiling to compare `ceiling_markers` with: the pipeline of Zhou et al. 2016 as printed, and a least-squares fit to the
+//! markers that it reads in which the direction of the vertical is known.
 
 use std::{f64::consts::TAU, time::Instant};
 

@@ -136,7 +136,8 @@ impl Eye {
         ]
     }
 
-    /// The point at depth 1 that a raw place shows: Newton's steps by differences, which end where they are told to.
+    /// The point at depth 1 that is seen at a pixel of the distorted image. The distortion is inverted by Newton's method with derivatives by finite
+    /// differences, which ends when the residual is below 1e-12.
     pub(super) fn ray(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         const STEP: f64 = 1e-6;
         let seen = [(u - MIDDLE_PX[0]) / self.focal_px, (v - MIDDLE_PX[1]) / self.focal_px];

@@ -208,8 +208,8 @@ impl KeyFrames {
         Some((before.last_mut()?, from.first_mut()?))
     }
 
-    /// Drops frames taken later than `since_s`, and the run that they belong to; the others fall back to what was known when they
-    /// were taken.
+    /// Drops key frames taken later than `since_s`, together with the whole sequence of key frames that the first of them belongs to. The pose boxes
+    /// of all frames that stay are reset to what they were when each frame was taken.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         let cut = self.frames.iter().find(|frame| frame.stamp_s > since_s).map(|frame| frame.run);
         self.frames.retain(|frame| frame.stamp_s <= since_s && cut.is_none_or(|run| frame.run < run));

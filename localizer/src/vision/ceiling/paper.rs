@@ -12,7 +12,7 @@ use crate::markers::{GridPlace, MarkerId};
 
 /// Erosion parts dots that touch; more would remove dots of three pixels' radius.
 const EROSION_PX: u8 = 1;
-/// Long over short axis of what may be a dot; a tube is longer.
+/// Greatest ratio of a bright blob's long axis to its short one with which it may be a dot of a marker; the image of a fluorescent tube has more.
 const LARGEST_ASPECT: f64 = 2.0;
 /// Tolerances of Eqs. (7) and (8) about 90° and about 1/3, 2/3, 1.
 const ANGLE_RAD: f64 = 0.2;

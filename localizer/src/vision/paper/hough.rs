@@ -58,7 +58,8 @@ fn angle_rad(i: usize) -> f64 {
 fn is_highest(accumulator: &[u32], cells: usize, i: usize, j: usize) -> bool {
     let votes = accumulator[i * cells + j];
     let row = |step: usize| {
-        // (i + step − 1) modulo the half turn, with r mirrored when it wraps.
+        // Neighbouring row of the Hough table, for step 0, 1 or 2 the one before, the same or the next: rows are angles over half a turn, and a line
+        // whose angle wraps around has its distance r mirrored.
         let angle = i + step;
         if angle == 0 {
             (ANGLES - 1, true)

@@ -70,7 +70,8 @@ pub(super) fn marker_array(time_s: f64, estimate: &Estimate) -> Vec<u8> {
     message.finish()
 }
 
-/// `geometry_msgs/Point[]`: from the middle of each box along its least and its greatest heading.
+/// `geometry_msgs/Point[]`, two points to a line: from the middle of each pose box one line of fixed length in the direction of its least heading, and
+/// one in that of its greatest.
 fn heading_lines(message: Message, boxes: &[PoseBox]) -> Message {
     boxes.iter().fold(message.length(4 * boxes.len()), |message, pose| {
         let [x_m, y_m, _] = pose.midpoint();

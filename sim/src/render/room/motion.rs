@@ -65,7 +65,8 @@ pub(super) fn sub_frames(
         .collect()
 }
 
-/// The longest way over the image of what stands still, by what some places spread over the image show first.
+/// Estimate of how far, in pixels, the image of something that stands still moves at most while the camera moves from the first pose to the second: of the
+/// surfaces seen at some pixels spread over the image.
 fn blur_px(lens: &Lens, [start, end]: [&Isometry3<f64>; 2], panels: &[Panel]) -> f64 {
     if start == end {
         return 0.0;

@@ -146,7 +146,8 @@ fn bend(camera: &mut Table, dice: &mut Dice) {
     }
 }
 
-/// Bounds of what emerges are as wide as the defaults at least, and wider for other robots than the one that they were measured on.
+/// Draws the declared bounds on slip, tilt, heave and reach, which emerge from the physics: never narrower than their defaults, and wider for robots other
+/// than the P3-DX, on which the defaults were measured.
 fn settle_bounds(bounds: &mut Table, draws: &Draws, robot: &Robot) {
     let usual = Bounds::default();
     let is_usual = robot.preset == RobotPreset::P3dx && draws.dice("robot as it is").chance(0.5);
