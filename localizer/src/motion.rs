@@ -23,7 +23,7 @@ use crate::{
 
 pub use flow::{Agreement, FlowIntegral, agree};
 pub use flow_history::FlowHistory;
-pub use gyro::{GyroHistory, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
+pub use gyro::{GyroHistory, TurnsFrom, greatest_change_rad_per_s2, sudden_change_rad_per_s2};
 pub use gyro_errors::GyroErrors;
 pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
@@ -102,8 +102,7 @@ impl WheelHistory {
 
     /// Motion as flow sensor and gyroscope tell it, whatever the wheels do; `None` without them, and where the flow sensor saw nothing.
     pub fn flow_motion(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Motion> {
-        let turn = |from_s: f64, to_s: f64| self.gyro_turn(from_s, to_s, wheels, reach);
-        self.flow.as_ref()?.motion([from_s, to_s], &turn, wheels, reach)
+        self.flow.as_ref()?.motion([from_s, to_s], self.gyro.as_ref(), wheels, reach)
     }
 
     /// Adds a reading of the gyroscope.
@@ -129,6 +128,10 @@ impl WheelHistory {
     /// Turn as the gyroscope tells it, with wheels that keep their acceleration; `None` without one.
     pub fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
         self.gyro.as_ref()?.turn(from_s, to_s, greatest_change_rad_per_s2(wheels, reach))
+    }
+
+    fn turns_from(&self, from_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<TurnsFrom<'_>> {
+        Some(self.gyro.as_ref()?.turns_from(from_s, greatest_change_rad_per_s2(wheels, reach)))
     }
 
     /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip. Where it reads more than reach allows, one of the two is
@@ -224,7 +227,11 @@ impl WheelHistory {
     pub fn integrate_from(&self, from_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelIntegral> {
         let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
         let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
-        self.samples.iter().skip(next).for_each(|sample| self.advance(&mut integral, sample, wheels, reach));
+        let mut turns = self.turns_from(from_s, wheels, reach);
+        for sample in self.samples.iter().skip(next) {
+            let turn = turns.as_mut().and_then(|turns| turns.to(sample.time_s));
+            integral.advance(sample, turn, &self.model_over([from_s, sample.time_s], wheels), reach);
+        }
         Some(integral)
     }
 
@@ -236,11 +243,13 @@ impl WheelHistory {
         }
         let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
         let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
-        for sample in self.samples.iter().skip(next).take_while(|sample| sample.time_s < to_s) {
-            self.advance(&mut integral, sample, wheels, reach);
-        }
+        let mut turns = self.turns_from(from_s, wheels, reach);
         let end = self.at(to_s, wheels, reach).or_else(|| self.ahead(to_s, wheels, reach))?;
-        self.advance(&mut integral, &end, wheels, reach);
+        let between = self.samples.iter().skip(next).take_while(|sample| sample.time_s < to_s);
+        for sample in between.chain([&end]) {
+            let turn = turns.as_mut().and_then(|turns| turns.to(sample.time_s));
+            integral.advance(sample, turn, &self.model_over([from_s, sample.time_s], wheels), reach);
+        }
         Some(integral.motion(&self.model_over([from_s, to_s], wheels)))
     }
 

@@ -2,8 +2,8 @@
 
 use interval::Interval;
 use localizer::{
-    motion::{Agreement, FlowHistory, FlowIntegral, Motion, agree},
-    robot::{FlowModel, Reach, WheelModel},
+    motion::{Agreement, FlowHistory, FlowIntegral, GyroHistory, Motion, agree},
+    robot::{FlowModel, GyroModel, Reach, WheelModel},
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -168,8 +168,8 @@ fn a_robot_that_goes_there_and_back_while_readings_are_lost_has_gone_the_whole_w
     let counts = (ahead_m * COUNTS_PER_M * 1.2) as i64 - (ahead_m * COUNTS_PER_M * 0.8) as i64;
     let mut history = FlowHistory::new(model, 10.0);
     [(0.0, 0), (0.4, counts)].into_iter().for_each(|(time_s, ahead)| history.push(time_s, [ahead, 0], 0));
-    let turn = |_: f64, _: f64| Some(Interval::ZERO);
-    let motion = history.motion([0.0, 0.4], &turn, &wheels(), &reach).unwrap();
+    let gyro = gyro_told(40, |_| 0.0, 0.0);
+    let motion = history.motion([0.0, 0.4], Some(&gyro), &wheels(), &reach).unwrap();
     assert!(motion.contains(&[0.0; 3]), "{motion:?}");
 }
 
@@ -178,8 +178,8 @@ fn no_motion_is_told_to_an_earlier_stamp() {
     let reach = Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 1.0, acceleration_m_per_s2: 1.0 };
     let mut history = FlowHistory::new(model(), 10.0);
     (0..=20).for_each(|step| history.push(0.01 * f64::from(step), [0, 0], 0));
-    let turn = |_: f64, _: f64| Some(Interval::ZERO);
-    assert!(history.motion([0.1, 0.05], &turn, &wheels(), &reach).is_none());
+    let gyro = gyro_told(20, |_| 0.0, 0.0);
+    assert!(history.motion([0.1, 0.05], Some(&gyro), &wheels(), &reach).is_none());
 }
 
 #[test]
@@ -191,6 +191,26 @@ fn wheels_that_spin_on_the_spot_are_dropped_by_a_certificate() {
     let Agreement::Both(both) = agree(&rolled, Some(&box_of(0.099))) else { panic!("no slip is certain here") };
     assert!(both[0].is_subset_of(Interval::new(0.0979, 0.1011)));
     assert_eq!(agree(&rolled, None), Agreement::Both(rolled));
+}
+
+/// A gyroscope's readings of a heading, one in each of so many periods of 10 ms, whose noise is bounded by so much.
+fn gyro_told(n_readings: u32, heading_rad: impl Fn(f64) -> f64, noise_rad_per_s: f64) -> GyroHistory {
+    let (period_s, scale, bias_rad_per_s) = (0.01, Interval::point(1.0), Interval::ZERO);
+    let (angle_floor_rad, angle_rad_per_s, bias_wander_rad_per_s2) = (f64::INFINITY, 0.0, 0.0);
+    let model = GyroModel {
+        bias_rad_per_s,
+        scale,
+        noise_rad_per_s,
+        angle_floor_rad,
+        angle_rad_per_s,
+        bias_wander_rad_per_s2,
+        period_s,
+    };
+    let mut gyro = GyroHistory::new(model, 10.0);
+    for end_s in (1..=n_readings).map(|n| f64::from(n) * period_s) {
+        gyro.push(end_s, (heading_rad(end_s) - heading_rad(end_s - period_s)) / period_s);
+    }
+    gyro
 }
 
 /// Wheels that no test of the flow sensor reads, but whose track tells how fast turn rates change.
@@ -242,12 +262,12 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
         let mut history = FlowHistory::new(model, 10.0);
         readings.iter().for_each(|(time_s, counts)| history.push(*time_s, *counts, 0));
         let at = |time_s: f64| poses[(time_s * 1000.0).round() as usize];
-        let turn = |from_s: f64, to_s: f64| Some(Interval::centred(at(to_s)[2] - at(from_s)[2], 1e-4));
+        let gyro = gyro_told(100, |time_s| at(time_s)[2], 1e-6);
         for _ in 0..100 {
             let from = rng.random_range(0..900);
             let to = rng.random_range(from + 1..=1000.min(from + 400));
             let (from_s, to_s) = (f64::from(from) * 0.001, f64::from(to) * 0.001);
-            let Some(motion) = history.motion([from_s, to_s], &turn, &wheels(), &reach) else { continue };
+            let Some(motion) = history.motion([from_s, to_s], Some(&gyro), &wheels(), &reach) else { continue };
             let (start, end) = (at(from_s), at(to_s));
             let (dx, dy, (sin, cos)) = (end[0] - start[0], end[1] - start[1], start[2].sin_cos());
             let truth = [cos * dx + sin * dy, cos * dy - sin * dx, end[2] - start[2]];
@@ -265,8 +285,8 @@ fn a_blind_period_leaves_no_motion_across_it() {
     let reach = Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 1.0, acceleration_m_per_s2: 1.0 };
     let mut history = FlowHistory::new(model(), 10.0);
     (0..=20).for_each(|step| history.push(0.01 * f64::from(step), [0, 0], u64::from(step > 10)));
-    let turn = |_: f64, _: f64| Some(Interval::ZERO);
-    let told = |from_s: f64, to_s: f64| history.motion([from_s, to_s], &turn, &wheels(), &reach).is_some();
+    let gyro = gyro_told(20, |_| 0.0, 0.0);
+    let told = |from_s: f64, to_s: f64| history.motion([from_s, to_s], Some(&gyro), &wheels(), &reach).is_some();
     assert!(told(0.0, 0.1) && told(0.11, 0.2) && !told(0.05, 0.15) && !told(0.104, 0.108));
     // Neither before nor after what was told.
     assert!(!told(-0.01, 0.1) && !told(0.15, 0.21));

@@ -49,6 +49,31 @@ fn turned(rng: &mut ChaCha8Rng, lasts_s: f64) -> (Vec<f64>, Vec<(f64, f64)>) {
 }
 
 #[test]
+fn turns_to_one_stamp_after_the_other_are_those_asked_for_one_by_one() {
+    let mut rng = ChaCha8Rng::seed_from_u64(17);
+    for _ in 0..200 {
+        let mut history = GyroHistory::new(model(), 10.0);
+        let (_, mut readings) = turned(&mut rng, 1.0);
+        // Gaps, and stamps so near that periods overlap by less than is refused.
+        readings.retain(|_| rng.random_range(0..8) > 0);
+        readings.iter_mut().for_each(|(time_s, _)| *time_s -= 4e-6 * rng.random::<f64>());
+        readings.iter().for_each(|(time_s, rate)| history.push(*time_s, *rate));
+        let from_s = rng.random_range(0.0..0.9);
+        let mut turns = history.turns_from(from_s, CHANGE_RAD_PER_S2);
+        let mut to_s = from_s;
+        while to_s < 1.1 {
+            assert_eq!(turns.to(to_s), history.turn(from_s, to_s, CHANGE_RAD_PER_S2), "from {from_s} to {to_s}");
+            // On the end of a period, within one, and over several.
+            to_s = match rng.random_range(0..3) {
+                0 => readings.iter().map(|(time_s, _)| *time_s).find(|time_s| *time_s > to_s).unwrap_or(1.2),
+                1 => to_s + 0.003 * rng.random::<f64>(),
+                _ => to_s + 0.05 * rng.random::<f64>(),
+            };
+        }
+    }
+}
+
+#[test]
 fn the_turn_is_inside_for_any_two_stamps() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let (mut widest, mut n) = (0.0_f64, 0);

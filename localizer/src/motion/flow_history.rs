@@ -2,11 +2,9 @@
 
 use std::collections::VecDeque;
 
-use interval::Interval;
-
 use crate::robot::{FlowModel, Reach, WheelModel};
 
-use super::{FlowIntegral, Motion, gyro::greatest_change_rad_per_s2};
+use super::{FlowIntegral, GyroHistory, Motion, gyro::greatest_change_rad_per_s2};
 
 /// Recent readings of a flow sensor.
 #[derive(Clone, Debug)]
@@ -46,7 +44,7 @@ impl FlowHistory {
         }
     }
 
-    /// Motion from `from_s` to a later `to_s`; `turn` encloses the turn between two stamps. `None` where readings do not reach, and where the
+    /// Motion from `from_s` to a later `to_s`, with the turns that a gyroscope tells. `None` where readings do not reach, and where the
     /// sensor saw nothing for a period.
     ///
     /// Between two readings the travel is interpolated: the sensor's place accelerates by at most a + v·ω + (α + ω²)·arm =: A, so that in a
@@ -54,7 +52,7 @@ impl FlowHistory {
     pub fn motion(
         &self,
         [from_s, to_s]: [f64; 2],
-        turn: &dyn Fn(f64, f64) -> Option<Interval>,
+        gyro: Option<&GyroHistory>,
         wheels: &WheelModel,
         reach: &Reach,
     ) -> Option<Motion> {
@@ -74,6 +72,7 @@ impl FlowHistory {
             + reach.speed_m_per_s * turn_rate
             + (change_rad_per_s2 + turn_rate * turn_rate) * arm_m;
 
+        let mut turns = gyro.map(|gyro| gyro.turns_from(from_s, change_rad_per_s2));
         let mut integral = FlowIntegral::new();
         let (mut before_s, mut before) = (from_s, [0.0; 2]);
         let mut bent_m = 0.0;
@@ -99,9 +98,10 @@ impl FlowHistory {
             let step_s = until_s - before_s;
             // Between two readings the robot may turn further than their difference tells, and back: with the turn rate changing by at most
             // `change_rad_per_s2`, by up to a quarter of that times the time squared.
-            let turning_rad = turn(before_s, until_s)?.magnitude() + 0.25 * change_rad_per_s2 * step_s * step_s;
+            let turning_rad = gyro?.turn(before_s, until_s, change_rad_per_s2)?.magnitude()
+                + 0.25 * change_rad_per_s2 * step_s * step_s;
             let step = [now[0] - before[0], now[1] - before[1]];
-            integral.advance(step, turn(from_s, until_s)?, turning_rad, excess_m, &self.model);
+            integral.advance(step, turns.as_mut()?.to(until_s)?, turning_rad, excess_m, &self.model);
             (before_s, before) = (until_s, now);
         }
         Some(integral.motion(bent_m, &self.model))

@@ -65,11 +65,7 @@ impl GyroHistory {
     /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. Time that no reading covers is
     /// turned at the rate of the reading beside it, give or take what that can have changed by since.
     pub fn turn(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
-        let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
-        let model = &self.model;
-        let by_reading = sums.by_reading(model) - model.bias_rad_per_s * sums.lasts_s;
-        let by_span = sums.by_span(model) - self.run_bias_rad_per_s * sums.lasts_s;
-        Some((by_reading.intersect(by_span) / model.scale).inflate(sums.bend_rad))
+        self.turns_from(from_s, change_rad_per_s2).to(to_s)
     }
 
     /// What readings add up to, ∫ r dt = scale·turn + bias·Δt, while turn rates change by at most `change_rad_per_s2`; `None` where no
@@ -82,44 +78,12 @@ impl GyroHistory {
     }
 
     fn sums(&self, [from_s, to_s]: [f64; 2], change_rad_per_s2: f64) -> Option<Sums> {
-        // The way back is no stand.
-        if to_s < from_s - SAME_S {
-            return None;
-        }
-        let period_s = self.model.period_s;
-        let bend_rad = change_rad_per_s2 * period_s * period_s / 8.0;
-        let mut sums = Sums::default();
-        let mut done_s = from_s;
-        let first = self.readings.partition_point(|(end_s, _)| *end_s <= from_s + SAME_S);
-        let mut latest = first.checked_sub(1).and_then(|idx| self.readings.get(idx)).copied();
-        // Beside its period, the rate was somewhere in it the mean that was read, and from there it changed for as long as from the
-        // farther end of the period to the farther end of the span.
-        let beside = |sums: &mut Sums, (end_s, rate): (f64, f64), [from_s, to_s]: [f64; 2]| {
-            let span_s = to_s - from_s;
-            if span_s > SAME_S {
-                let away_s = end_s.max(to_s) - from_s.min(end_s - period_s);
-                sums.add(rate, span_s);
-                sums.beside_s += span_s;
-                sums.bend_rad += change_rad_per_s2 * away_s * span_s;
-            }
-        };
-        for &(end_s, rate) in self.readings.iter().skip(first) {
-            let begin_s = end_s - period_s;
-            latest = Some((end_s, rate));
-            if begin_s >= to_s - SAME_S {
-                break;
-            }
-            beside(&mut sums, (end_s, rate), [done_s, begin_s]);
-            sums.n_runs += usize::from(sums.n_runs == 0 || begin_s - done_s > SAME_S);
-            let span_s = end_s.min(to_s) - begin_s.max(done_s);
-            sums.add(rate, span_s);
-            if span_s < period_s - SAME_S {
-                sums.bend_rad += bend_rad;
-            }
-            done_s = end_s.min(to_s);
-        }
-        beside(&mut sums, latest?, [done_s, to_s]);
-        Some(sums)
+        Walk::new(self, from_s, change_rad_per_s2).sums_to(to_s)
+    }
+
+    /// Turns from one stamp to one after the other, each as [`turn`](Self::turn) tells it, in one pass over the readings.
+    pub fn turns_from(&self, from_s: f64, change_rad_per_s2: f64) -> TurnsFrom<'_> {
+        TurnsFrom { walk: Walk::new(self, from_s, change_rad_per_s2) }
     }
 
     /// Takes over a bias and a scale that are known better than declared.
@@ -129,6 +93,100 @@ impl GyroHistory {
             self.model.bias_rad_per_s = bias_rad_per_s;
         }
         self.model.scale = scale;
+    }
+}
+
+/// Turns that begin at the same stamp; see [`GyroHistory::turns_from`].
+#[derive(Clone, Debug)]
+pub struct TurnsFrom<'a> {
+    walk: Walk<'a>,
+}
+
+impl TurnsFrom<'_> {
+    /// The turn to a stamp that is not before the one asked for last.
+    pub fn to(&mut self, to_s: f64) -> Option<Interval> {
+        let sums = self.walk.sums_to(to_s)?;
+        let model = &self.walk.history.model;
+        let by_reading = sums.by_reading(model) - model.bias_rad_per_s * sums.lasts_s;
+        let by_span = sums.by_span(model) - self.walk.history.run_bias_rad_per_s * sums.lasts_s;
+        Some((by_reading.intersect(by_span) / model.scale).inflate(sums.bend_rad))
+    }
+}
+
+/// A pass over readings: what those add up to whose periods have ended.
+#[derive(Clone, Debug)]
+struct Walk<'a> {
+    history: &'a GyroHistory,
+    change_rad_per_s2: f64,
+    from_s: f64,
+    done_s: f64,
+    /// Index of the first reading that has not been added.
+    next: usize,
+    sums: Sums,
+}
+
+impl<'a> Walk<'a> {
+    fn new(history: &'a GyroHistory, from_s: f64, change_rad_per_s2: f64) -> Walk<'a> {
+        let next = history.readings.partition_point(|(end_s, _)| *end_s <= from_s + SAME_S);
+        Walk { history, change_rad_per_s2, from_s, done_s: from_s, next, sums: Sums::default() }
+    }
+
+    /// What readings add up to until a stamp that is not before the one asked for last; `None` where no reading is near, and before the
+    /// beginning: the way back is no stand.
+    fn sums_to(&mut self, to_s: f64) -> Option<Sums> {
+        if to_s < self.from_s - SAME_S {
+            return None;
+        }
+        let period_s = self.history.model.period_s;
+        while self.reading().is_some_and(|(end_s, _)| end_s <= to_s && end_s - period_s < to_s - SAME_S) {
+            self.add_next(to_s);
+        }
+        // What lies only in part in the span that ends here may lie in the next one altogether.
+        let mut last = self.clone();
+        while last.reading().is_some_and(|(end_s, _)| end_s - period_s < to_s - SAME_S) {
+            last.add_next(to_s);
+        }
+        let beside = last.reading().or_else(|| last.before())?;
+        last.add_beside(beside, [last.done_s, to_s]);
+        Some(last.sums)
+    }
+
+    /// The first reading that has not been added.
+    fn reading(&self) -> Option<(f64, f64)> {
+        self.history.readings.get(self.next).copied()
+    }
+
+    /// The reading before it.
+    fn before(&self) -> Option<(f64, f64)> {
+        self.history.readings.get(self.next.checked_sub(1)?).copied()
+    }
+
+    /// Adds the next reading, which begins before `to_s`, as far as there.
+    fn add_next(&mut self, to_s: f64) {
+        let Some((end_s, rate)) = self.reading() else { return };
+        let period_s = self.history.model.period_s;
+        let begin_s = end_s - period_s;
+        self.add_beside((end_s, rate), [self.done_s, begin_s]);
+        self.sums.n_runs += usize::from(self.sums.n_runs == 0 || begin_s - self.done_s > SAME_S);
+        let span_s = end_s.min(to_s) - begin_s.max(self.done_s);
+        self.sums.add(rate, span_s);
+        if span_s < period_s - SAME_S {
+            self.sums.bend_rad += self.change_rad_per_s2 * period_s * period_s / 8.0;
+        }
+        self.done_s = end_s.min(to_s);
+        self.next += 1;
+    }
+
+    /// Adds a span beside a reading's period: the rate was somewhere in it the mean that was read, and from there it changed for as long as
+    /// from the farther end of the period to the farther end of the span.
+    fn add_beside(&mut self, (end_s, rate): (f64, f64), [from_s, to_s]: [f64; 2]) {
+        let span_s = to_s - from_s;
+        if span_s > SAME_S {
+            let away_s = end_s.max(to_s) - from_s.min(end_s - self.history.model.period_s);
+            self.sums.add(rate, span_s);
+            self.sums.beside_s += span_s;
+            self.sums.bend_rad += self.change_rad_per_s2 * away_s * span_s;
+        }
     }
 }
 
