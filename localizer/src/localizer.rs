@@ -304,9 +304,11 @@ impl Localizer {
             if !self.methods[idx].reads(reading) {
                 continue;
             }
-            let (wheels, robot, doubted) = (&self.wheels, &self.robot, self.is_doubted());
-            let (slip, fixes) = (&self.slip, &self.fixes);
+            let (wheels, robot, is_doubted) = (&self.wheels, &self.robot, self.is_doubted());
+            let (slip, fixes, doubt_ended_s) = (&self.slip, &self.fixes, self.doubts.ended_s);
             self.methods[idx].carry_to(stamp_s, &|from_s, to_s| {
+                // Of a way that began in a doubt, what the wheels told may be what was false.
+                let doubted = is_doubted || from_s < doubt_ended_s;
                 let motion = motion_between(wheels, robot, slip, doubted, [from_s, to_s]);
                 let Some(fixes) = fixes else { return motion };
                 // Headings are remembered for longer than places.
@@ -329,9 +331,9 @@ impl Localizer {
                 account.posterior = self.union_at(stamp_s).unwrap_or_default();
             }
             if !self.is_doubted() {
-                let (wheels, robot, slip) = (&self.wheels, &self.robot, &self.slip);
+                let (wheels, robot, slip, doubt_ended_s) = (&self.wheels, &self.robot, &self.slip, self.doubts.ended_s);
                 self.methods[idx].learn(&account.posterior, &|from_s, to_s| {
-                    motion_between(wheels, robot, slip, false, [from_s, to_s])
+                    motion_between(wheels, robot, slip, false, [from_s, to_s]).filter(|_| from_s >= doubt_ended_s)
                 });
             }
             account.landmarks = self.methods[idx].landmarks();
@@ -345,8 +347,12 @@ impl Localizer {
     }
 
     /// Hangs a constraint on its stamp, where `prior` was known, and brings every later slot up to date.
-    fn hang(&mut self, constraint: Constraint, prior: PoseUnion) -> Account {
+    fn hang(&mut self, mut constraint: Constraint, prior: PoseUnion) -> Account {
         let stamp_s = constraint.stamp_s;
+        if self.is_doubted() {
+            // What it stands on was carried to it by reach.
+            constraint.by_itself = None;
+        }
         let mut account = Account::of(&constraint, prior);
         for assumption in &constraint.relies_on {
             if !self.relies_on.contains(assumption) {

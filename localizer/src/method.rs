@@ -30,11 +30,11 @@ pub trait Method: Send {
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint>;
 
     /// Told before [`constrain`](Self::constrain): the stamp to come, and how the robot moved between two recent stamps, by reach alone
-    /// while the wheels are doubted.
+    /// while the wheels are doubted and over spans that began in a doubt or before it.
     fn carry_to(&mut self, _stamp_s: f64, _motion: MotionBetween) {}
 
     /// Learns what lasts, such as where landmarks are, from the reading last constrained: the pose at its stamp is in `posterior`,
-    /// and `motion` tells how the robot moved between two recent stamps.
+    /// and `motion` tells how the robot moved between two recent stamps, if there was no doubt between them.
     ///
     /// Not called while an assumption is doubted.
     fn learn(&mut self, _posterior: &PoseUnion, _motion: MotionBetween) {}
@@ -73,6 +73,9 @@ pub struct Constraint {
     pub stamp_s: f64,
     /// Shrinks a box of poses at the stamp.
     pub on_pose: Box<dyn Contractor<3> + Send + Sync>,
+    /// What the reading tells by itself, where `on_pose` stands besides on earlier readings that were carried to it by the motion in between:
+    /// where that motion is doubted, this is all there is.
+    pub by_itself: Option<Box<dyn Contractor<3> + Send + Sync>>,
     /// The declared bounds it stands on.
     pub relies_on: Vec<Assumption>,
     /// What was seen, for the simulator to judge.

@@ -129,7 +129,8 @@ impl Method for TooSmall {
 
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint> {
         let constraint = self.0.constrain(reading, prior, twist)?;
-        Some(Constraint { on_pose: Box::new(TooSmallOnPose(constraint.on_pose)), ..constraint })
+        let by_itself = constraint.by_itself.map(|on_pose| Box::new(TooSmallOnPose(on_pose)) as Box<_>);
+        Some(Constraint { on_pose: Box::new(TooSmallOnPose(constraint.on_pose)), by_itself, ..constraint })
     }
 
     fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween<'_>) {

@@ -227,6 +227,7 @@ pub(crate) fn says(method: &'static str, reading: &Reading, component: usize, wi
         method,
         stamp_s: reading.measured_s(),
         on_pose: Box::new(Only(component, within)),
+        by_itself: None,
         relies_on: Vec::new(),
         claims: Vec::new(),
         quota: Quota::of_each(0),

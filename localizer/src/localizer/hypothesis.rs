@@ -1,5 +1,7 @@
 //! What may have failed, and what speaks for it and against it.
 
+use interval::contractor::Contractor;
+
 use crate::{Constraint, markers::MarkerId, method::Claim};
 
 /// As many witnesses, of which no two have anything in common, make or break a hypothesis. No reading as a whole is
@@ -50,6 +52,13 @@ impl Hypothesis {
     /// Whether a reading is left out: where one is said to be false, all else that its witnesses tell is.
     pub(super) fn disbelieves(&self, witnesses: &[Witness]) -> bool {
         self.failed == Failed::Reading && self.knows_any(witnesses)
+    }
+
+    /// What of a constraint is believed: nothing that stands on motion, where it is the motion that is said to be false.
+    pub(super) fn believed<'a>(&self, constraint: &'a Constraint) -> &'a (dyn Contractor<3> + Send + Sync) {
+        let by_itself =
+            constraint.by_itself.as_ref().filter(|_| matches!(self.failed, Failed::Motion | Failed::Memory));
+        by_itself.unwrap_or(&constraint.on_pose).as_ref()
     }
 
     fn knows_any(&self, witnesses: &[Witness]) -> bool {

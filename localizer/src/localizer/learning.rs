@@ -51,7 +51,9 @@ impl Localizer {
             .and_then(|at_s| self.wheels.gyro_turn(at_s, constraint.stamp_s, &self.robot.wheels, &self.robot.reach));
         match at_s.zip(turn) {
             Some((stamp_s, turn)) => {
-                Constraint { stamp_s, on_pose: Box::new(AfterTurn { turn, on_pose: constraint.on_pose }), ..constraint }
+                let after = |on_pose| Box::new(AfterTurn { turn, on_pose }) as Box<_>;
+                let by_itself = constraint.by_itself.map(after);
+                Constraint { stamp_s, on_pose: after(constraint.on_pose), by_itself, ..constraint }
             }
             None => constraint,
         }

@@ -119,6 +119,7 @@ impl CeilingMarkers {
             method: self.name(),
             stamp_s,
             on_pose: Box::new(on_pose),
+            by_itself: None,
             relies_on: RELIES_ON.to_vec(),
             claims,
             quota: Quota::of_each(self.camera.q_items),

@@ -144,6 +144,7 @@ impl FloorTiles {
             method: self.name(),
             stamp_s,
             on_pose: Box::new(TileJoints::new(joints, self.geometry.clone(), self.view.q_items)),
+            by_itself: None,
             relies_on: RELIES_ON.to_vec(),
             claims,
             quota: Quota::of_each(self.view.q_items),

@@ -72,6 +72,9 @@ impl Position {
 const APART_S: f64 = 0.3;
 /// So many are held. The memory of motion is some 3 s long.
 const MOST_HELD: usize = 10;
+/// Floating positions are off alike for so long, by reflections and by the air, that they are no witnesses of each other. They wander
+/// within seconds to minutes; scenes draw theirs anew every 5 s.
+const FLOATING_ALIKE_S: f64 = 5.0;
 
 /// The method; see the module.
 #[derive(Clone, Debug)]
@@ -79,6 +82,8 @@ pub struct GnssPositions {
     receiver: ReceiverModel,
     robot: RobotModel,
     held: VecDeque<Held>,
+    /// The stamp of the last floating position that was a witness.
+    floating_witness_s: f64,
 }
 
 /// A position of the last seconds.
@@ -94,7 +99,7 @@ struct Held {
 impl GnssPositions {
     /// The method for this receiver on this robot.
     pub fn new(receiver: ReceiverModel, robot: &RobotModel) -> Self {
-        GnssPositions { receiver, robot: robot.clone(), held: VecDeque::new() }
+        GnssPositions { receiver, robot: robot.clone(), held: VecDeque::new(), floating_witness_s: f64::NEG_INFINITY }
     }
 
     /// The antenna in the robot frame, seen from above: a body that leans by up to φ takes it by up to h·sin φ to any side, and foreshortens
@@ -160,6 +165,10 @@ impl Method for GnssPositions {
                 relies_on.push(grade);
             }
         }
+        let is_alike = !told.is_fixed && (measured_s - self.floating_witness_s).abs() < FLOATING_ALIKE_S;
+        if !told.is_fixed && !is_alike {
+            self.floating_witness_s = *measured_s;
+        }
         if self.held.back().is_none_or(|last| *measured_s >= last.stamp_s + APART_S) {
             self.held.push_back(Held { stamp_s: *measured_s, grade, in_world_m, in_robot_m: self.antenna_m() });
         }
@@ -169,13 +178,14 @@ impl Method for GnssPositions {
         Some(Constraint {
             method: self.name(),
             stamp_s: *measured_s,
+            by_itself: (landmarks.len() > 1).then(|| Box::new(RigidPlanar::new(&landmarks[..1])) as Box<_>),
             on_pose: Box::new(RigidPlanar::new(&landmarks)),
             relies_on,
             // A position is no matter of vision: what is wrong of it is beyond its bound.
             claims: Vec::new(),
             quota: Quota::of_each(0),
             // Alone it leaves the heading open, but those of a doubt's many positions do not.
-            decides: true,
+            decides: !is_alike,
             rejected_px: Vec::new(),
             alone_heading_rad: None,
         })
@@ -188,5 +198,6 @@ impl Method for GnssPositions {
 
     fn clock_set_back(&mut self) {
         self.held.clear();
+        self.floating_witness_s = f64::NEG_INFINITY;
     }
 }

@@ -178,6 +178,7 @@ impl Method for RangeLandmarks {
             method: self.name(),
             stamp_s: *measured_s,
             on_pose: Box::new(PoseFromLandmarks::new(pairs, self.q_items, self.freedom, self.solver)),
+            by_itself: None,
             relies_on: RELIES_ON.to_vec(),
             claims,
             quota: Quota::of_each(self.q_items),

@@ -278,6 +278,8 @@ impl WallDirections {
             // Images that say nothing yet agree with anything: they end no doubt.
             decides: self.decides && held.says_something(),
             on_pose: Box::new(held),
+            // One image may be spoilt.
+            by_itself: Some(Box::new(WallHeadings::silent())),
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
             quota: self.quotas.of_image([n_level, edges.upright.len()], self.seen.len(), self.solves_lean),
@@ -297,6 +299,7 @@ impl WallDirections {
             method: self.name(),
             stamp_s,
             on_pose: Box::new(WallHeadings::silent()),
+            by_itself: None,
             relies_on: Vec::new(),
             claims: Vec::new(),
             quota: Quota::of_each(0),
