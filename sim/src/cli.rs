@@ -406,7 +406,8 @@ fn print(text: &str) -> Result<(), CommandError> {
 }
 
 fn complain(error: &CommandError) {
-    eprintln!("wherein: failed to {error}");
+    // A reader that has seen enough is no error here either.
+    let _ = writeln!(io::stderr(), "wherein: failed to {error}");
     let (CommandError::Scene(scene @ SceneError::Invalid { .. })
     | CommandError::Replay(ReplayError::Scene(scene @ SceneError::Invalid { .. }))
     | CommandError::Sweep(SweepError::Scene(scene @ SceneError::Invalid { .. }))) = error
@@ -420,6 +421,6 @@ fn complain(error: &CommandError) {
     if handler.render_report(&mut snippet, scene).is_ok()
         && let Some((_, place)) = snippet.split_once('\n')
     {
-        eprintln!("{place}");
+        let _ = writeln!(io::stderr(), "{place}");
     }
 }

@@ -36,7 +36,7 @@ impl Graphics {
         let unusable = |reason: String| RenderError::Unusable { adapter: describe(&info), reason };
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("wherein"),
-            required_features: wgpu::Features::FLOAT32_BLENDABLE | wgpu::Features::FLOAT32_FILTERABLE,
+            required_features: NEEDED,
             required_limits: adapter.limits(),
             ..Default::default()
         };
@@ -122,6 +122,9 @@ impl Graphics {
     }
 }
 
+/// What the renderer does with radiances, which are floating-point textures.
+const NEEDED: wgpu::Features = wgpu::Features::FLOAT32_BLENDABLE.union(wgpu::Features::FLOAT32_FILTERABLE);
+
 /// The adapter to use: a real one before a software one, and the system's own interface before OpenGL.
 ///
 /// OpenGL is asked last and apart, because its contexts abort when several threads share an instance.
@@ -133,11 +136,15 @@ fn choose(wanted: Option<String>) -> Result<Adapter, RenderError> {
         let instance = wgpu::Instance::new(descriptor);
         let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
         adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
+        let serves = |adapter: &Adapter| adapter.features().contains(NEEDED);
         let pick = adapters.iter().position(|adapter| {
             let name = describe(&adapter.get_info()).to_lowercase();
-            wanted.as_ref().is_none_or(|part| name.contains(&part.to_lowercase()))
+            wanted.as_ref().map_or_else(|| serves(adapter), |part| name.contains(&part.to_lowercase()))
         });
-        found.extend(adapters.iter().map(|adapter| describe(&adapter.get_info())));
+        found.extend(adapters.iter().map(|adapter| {
+            let lacks = if serves(adapter) { "" } else { ", which cannot blend and filter floating-point textures" };
+            describe(&adapter.get_info()) + lacks
+        }));
         if let Some(index) = pick {
             return Ok(adapters.swap_remove(index));
         }
