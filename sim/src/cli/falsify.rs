@@ -36,7 +36,7 @@ pub(super) struct FalsifyArguments {
     /// Begin no more cases after so many minutes.
     #[arg(long, value_name = "N", value_parser = minutes, allow_negative_numbers = true)]
     minutes: Option<f64>,
-    /// Scenes with wheels, gyroscope, flow sensor and range camera alone, some ten times faster.
+    /// Scenes without pictures, some ten times faster: wheels, gyroscope, flow sensor, range camera and satellite navigation.
     #[arg(long)]
     without_cameras: bool,
     /// Scenes with at least one camera that renders images. Without either flag every tenth scene has one.

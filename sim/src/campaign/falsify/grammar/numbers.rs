@@ -16,6 +16,8 @@ pub(super) struct Span {
     pub(super) most: f64,
     /// What the key is when nobody states it, if that is a number.
     pub(super) default: Option<f64>,
+    /// From where to where the schema lets it go: seldom it is drawn from all of that.
+    allowed: [f64; 2],
 }
 
 impl Span {
@@ -26,20 +28,27 @@ impl Span {
         let allowed = [bound("minimum").or(above).unwrap_or(-1.0), bound("maximum").unwrap_or(1.0)];
         let [least, most] = weights::range(path).unwrap_or(allowed);
         let default = property.get("default").or_else(|| resolve(property).get("default")).and_then(Json::as_f64);
-        Span { least: least.max(allowed[0]), most: most.min(allowed[1]), default }
+        Span { least: least.max(allowed[0]), most: most.min(allowed[1]), default, allowed }
     }
 }
 
 /// Orders of magnitude below the greatest value in which numbers that may be 0 are looked for.
 const DEPTH: f64 = 1e-4;
 
+/// From this share of draws on, a number is one of all that the schema allows. A scene states some fifty numbers: one scene in five has such a
+/// number, and most of those still drive.
+const ALLOWED_FROM: f64 = 0.996;
+
 /// A number of `span`; none when nothing is left of it.
 pub(super) fn number(dice: &mut Dice, span: &Span) -> Option<f64> {
-    let Span { least, most, default } = *span;
+    let Span { mut least, mut most, default, allowed } = *span;
     if least >= most {
         return (least == most).then_some(least);
     }
     let which = dice.uniform(0.0, 1.0);
+    if which >= ALLOWED_FROM {
+        [least, most] = allowed;
+    }
     let drawn = if which < 0.07 {
         least
     } else if which < 0.14 {
