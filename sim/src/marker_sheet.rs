@@ -20,9 +20,9 @@ const MIDDLE_MM: [f64; 2] = [A4_MM[0] / 2.0, 125.0];
 const RULER_MM: f64 = 50.0;
 
 /// The pages of a scene's markers that are on the map, as a PDF.
-pub fn marker_sheet(scene: &Scene, markers: &Markers) -> String {
+pub fn marker_sheet(scene: &Scene, markers: &Markers) -> Vec<u8> {
     let on_map = markers.all().iter().filter(|marker| marker.on_map);
-    document(&on_map.map(|marker| page(marker, markers, scene)).collect::<Vec<_>>())
+    document(on_map.map(|marker| page(marker, markers, scene)).collect())
 }
 
 fn page(marker: &Marker, markers: &Markers, scene: &Scene) -> Page {

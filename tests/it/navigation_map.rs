@@ -202,6 +202,25 @@ fn a_written_map_has_the_bytes_of_map_saver_and_reads_back_the_same() {
 }
 
 #[test]
+fn lists_in_blocks_pictures_in_ascii_and_png_and_keys_of_others_are_read() {
+    let place = folder("map_dialects");
+    let read = |yaml: &str, picture: &[u8]| map_server::read(&write_map(&place, yaml, picture)).unwrap();
+    let plain = read(YAML, &[b"P5 2 1 255\n".as_slice(), &[254, 0]].concat());
+    assert_eq!((plain.size, plain.at([0, 0]), plain.at([1, 0])), ([2, 1], Cell::Free, Cell::Occupied));
+    assert_eq!(plain.origin_m, [-1.0, 2.0]);
+    assert_eq!(read(YAML, b"P2\n# by hand\n2 1\n255\n254 0\n"), plain);
+    let in_blocks = YAML.replace("origin: [-1.0, 2.0, 0.0]", "origin:\n  - -1.0\n  - 2.0\n  - 0.0");
+    assert_ne!(in_blocks, YAML);
+    let more = format!("---\n{in_blocks}cost_translation:\n  254: lethal # for a planner\nmode: \"trinary\"\n");
+    assert_eq!(read(&more, b"P2 2 1 255 254 0"), plain);
+    let mut png = Vec::new();
+    let levels = image::GrayImage::from_raw(2, 1, vec![254, 0]).unwrap();
+    levels.write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
+    fs::write(place.join("m.png"), &png).unwrap();
+    assert_eq!(read(&YAML.replace("m.pgm", "m.png"), b""), plain);
+}
+
+#[test]
 fn a_map_that_cannot_be_is_refused_by_name() {
     let place = folder("map_refused");
     let good = [b"P5 1 1 255\n".as_slice(), &[254]].concat();
@@ -210,10 +229,11 @@ fn a_map_that_cannot_be_is_refused_by_name() {
         let told = map_server::read(&write_map(&place, yaml, pgm)).unwrap_err().to_string();
         assert!(told.contains(part), "{told} does not tell of {part}");
     };
-    refused(YAML, b"P2\n1 1\n255\n254\n", "P5");
-    refused(YAML, &[b"P5 2 1 255\n".as_slice(), &[254]].concat(), "expected 2");
-    refused(YAML, &[b"P5 1 1 65535\n".as_slice(), &[254, 0]].concat(), "expected 255");
-    refused(YAML, &[b"P5 0 1 255\n".as_slice(), &[]].concat(), "width");
+    refused(YAML, b"no picture", "m.pgm: expected a PGM or PNG picture");
+    refused(YAML, &[b"P5 2 1 255\n".as_slice(), &[254]].concat(), "m.pgm: expected a PGM or PNG picture");
+    refused(YAML, &[b"P5 0 1 255\n".as_slice(), &[]].concat(), "m.pgm");
+    refused("image: [", &good, "m.yaml: expected YAML");
+    refused("no keys", &good, "m.yaml: expected YAML");
     let without = |key: &str| -> String {
         YAML.lines().filter(|line| !line.starts_with(key)).map(|line| format!("{line}\n")).collect()
     };

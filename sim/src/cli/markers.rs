@@ -30,8 +30,8 @@ pub(super) fn markers(arguments: &MarkersArguments) -> Result<(), CommandError> 
     print(&table)?;
     print(&verdict(&file))?;
     fs::create_dir_all(&folder).map_err(|error| CommandError::Unwritable(folder.clone(), error))?;
-    write(&sheet, &marker_sheet(&file.scene, markers))?;
-    write(&map, &markers.keys().map_err(|error| CommandError::Unwritable(map.clone(), io::Error::other(error)))?)
+    write(&sheet, marker_sheet(&file.scene, markers))?;
+    write(&map, markers.keys().map_err(|error| CommandError::Unwritable(map.clone(), io::Error::other(error)))?)
 }
 
 fn verdict(file: &SceneFile) -> String {
@@ -52,7 +52,7 @@ fn verdict(file: &SceneFile) -> String {
     }
 }
 
-fn write(path: &Path, text: &str) -> Result<(), CommandError> {
-    fs::write(path, text).map_err(|error| CommandError::Unwritable(path.to_owned(), error))?;
+fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), CommandError> {
+    fs::write(path, contents).map_err(|error| CommandError::Unwritable(path.to_owned(), error))?;
     print(&format!("{}\n", path.display()))
 }

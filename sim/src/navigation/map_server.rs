@@ -1,14 +1,20 @@
 //! Grids as the files of ROS's map_server: a YAML file beside a PGM picture, trinary.
 //!
+//! Read is any picture in grey or colours that the library decodes, a PGM or a PNG; written is a PGM.
+//!
 //! The picture's first row has the greatest y. A pixel `x` is occupied with `p = (255 − x)/255`, or `p = x/255` when negated;
 //! `p > occupied_thresh` is occupied, `p < free_thresh` free, all between unknown (wiki.ros.org/map_server, "Value
 //! interpretation").
 
 use std::{
-    fs, io,
+    collections::BTreeMap,
+    fmt, fs, io,
     ops::RangeInclusive,
     path::{Path, PathBuf},
 };
+
+use image::ImageError;
+use serde::{Deserialize, de::IgnoredAny};
 
 use super::{Cell, OccupancyGrid};
 
@@ -80,13 +86,18 @@ pub fn read(yaml: &Path) -> Result<OccupancyGrid, MapError> {
     let header = parse_header(&text).map_err(invalid(yaml))?;
     let picture = yaml.parent().unwrap_or(Path::new("")).join(&header.image);
     let bytes = bytes_of(&picture)?;
-    let (size, levels) = parse_pgm(&bytes).map_err(invalid(&picture))?;
-    let cells = (0..size[1]).rev().flat_map(|row| &levels[row * size[0]..(row + 1) * size[0]]);
+    let not_a_picture = |error: ImageError| format!("expected a PGM or PNG picture: {error}");
+    let levels = image::load_from_memory(&bytes).map_err(not_a_picture).map_err(invalid(&picture))?.into_luma8();
+    let size = [levels.width(), levels.height()].map(|side| side as usize);
+    if size.contains(&0) {
+        return Err(invalid(&picture)(format!("{} × {} pixels, expected at least one", size[0], size[1])));
+    }
+    let cells = levels.rows().rev().flatten();
     Ok(OccupancyGrid {
         resolution_m: header.resolution_m,
         origin_m: header.origin_m,
         size,
-        cells: cells.map(|&level| header.cell(level)).collect(),
+        cells: cells.map(|level| header.cell(level[0])).collect(),
     })
 }
 
@@ -108,7 +119,7 @@ impl Header {
     }
 }
 
-/// The picture of a grid, 8 bits a pixel.
+/// The picture of a grid, a binary PGM of 8 bits a pixel: a line of three numbers, and the levels.
 pub(crate) fn pgm(grid: &OccupancyGrid) -> Vec<u8> {
     let [n_columns, n_rows] = grid.size;
     let mut bytes = format!("P5\n{n_columns} {n_rows}\n255\n").into_bytes();
@@ -132,23 +143,53 @@ pub(crate) fn header(grid: &OccupancyGrid, name: &str) -> String {
     )
 }
 
-/// The flat `key: value` lines that map_server's YAML consists of.
+/// A value of map_server's YAML, before its kind is checked.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Value {
+    Flag(bool),
+    Number(f64),
+    Text(String),
+    List(Vec<Value>),
+    /// Of no key that is read.
+    Other(IgnoredAny),
+}
+
+impl Value {
+    fn finite(&self) -> Option<f64> {
+        match self {
+            Value::Number(number) if number.is_finite() => Some(*number),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Value::Flag(flag) => write!(out, "{flag}"),
+            Value::Number(number) => write!(out, "{number}"),
+            Value::Text(text) => write!(out, "{text}"),
+            Value::List(items) => {
+                write!(out, "[{}]", items.iter().map(Value::to_string).collect::<Vec<_>>().join(", "))
+            }
+            Value::Other(_) => write!(out, "…"),
+        }
+    }
+}
+
+/// Keys that other programs read, such as the thresholds of costs, may stand beside.
 fn parse_header(text: &str) -> Result<Header, String> {
-    let value = |key: &str| {
-        text.lines().find_map(|line| {
-            let line = line.split(" #").next().unwrap_or_default();
-            let (name, value) = line.split_once(':')?;
-            (name.trim() == key).then(|| value.trim().trim_matches(['"', '\'']).to_owned())
-        })
+    let keys: BTreeMap<String, Value> = serde_saphyr::from_str(text).map_err(|error| {
+        let message = error.to_string();
+        format!("expected YAML of keys and values: {}", message.lines().next().unwrap_or_default())
+    })?;
+    let wanted = |key: &str| keys.get(key).ok_or_else(|| format!("`{key}` is missing"));
+    let number = |key: &str| {
+        let value = wanted(key)?;
+        value.finite().ok_or_else(|| format!("`{key}: {value}`, expected a finite number"))
     };
-    let wanted = |key: &str| value(key).ok_or_else(|| format!("`{key}` is missing"));
-    let number = |key: &str| -> Result<f64, String> {
-        let text = wanted(key)?;
-        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-        number.ok_or_else(|| format!("`{key}: {text}`, expected a finite number"))
-    };
-    let mode = value("mode").unwrap_or_else(|| "trinary".to_owned());
-    if mode != "trinary" {
+    if let Some(mode) = keys.get("mode").map(Value::to_string).filter(|mode| mode != "trinary") {
         return Err(format!("`mode: {mode}`, expected trinary, the only mode that is read"));
     }
     let resolution_m = number("resolution")?;
@@ -157,62 +198,26 @@ fn parse_header(text: &str) -> Result<Header, String> {
         return Err(format!("`resolution: {resolution_m}`, expected a number of metres from {least_m} to {most_m}"));
     }
     let origin = wanted("origin")?;
-    let parts: Option<Vec<f64>> = origin.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).and_then(|list| {
-        list.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect()
-    });
+    let parts: Option<Vec<f64>> = match origin {
+        Value::List(parts) => parts.iter().map(Value::finite).collect(),
+        _ => None,
+    };
     let Some([x_m, y_m, yaw_rad]) = parts.as_deref() else {
         return Err(format!("`origin: {origin}`, expected [x, y, yaw] in metres and radians"));
     };
     if *yaw_rad != 0.0 {
         return Err(format!("`origin: {origin}`, expected a yaw of 0: turned maps are not read"));
     }
-    let negate = match wanted("negate")?.as_str() {
-        "0" | "false" => false,
-        "1" | "true" => true,
+    let negate = match wanted("negate")? {
+        Value::Flag(flag) => *flag,
+        Value::Number(0.0) => false,
+        Value::Number(1.0) => true,
         other => return Err(format!("`negate: {other}`, expected 0 or 1")),
     };
     let (occupied_thresh, free_thresh) = (number("occupied_thresh")?, number("free_thresh")?);
     if !(0.0 <= free_thresh && free_thresh <= occupied_thresh && occupied_thresh <= 1.0) {
         return Err(format!("thresholds {free_thresh} and {occupied_thresh}, expected 0 ≤ free ≤ occupied ≤ 1"));
     }
-    let image = wanted("image")?;
+    let image = wanted("image")?.to_string();
     Ok(Header { image, resolution_m, origin_m: [*x_m, *y_m], negate, occupied_thresh, free_thresh })
-}
-
-/// Width and height, and the levels from the upper left, of a binary PGM picture of 8 bits.
-fn parse_pgm(bytes: &[u8]) -> Result<([usize; 2], &[u8]), String> {
-    let mut at = 0;
-    let mut word = || {
-        while let Some(&byte) = bytes.get(at) {
-            if byte == b'#' {
-                at += bytes[at..].iter().take_while(|&&byte| byte != b'\n').count();
-            } else if byte.is_ascii_whitespace() {
-                at += 1;
-            } else {
-                break;
-            }
-        }
-        let n_bytes = bytes[at..].iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
-        at += n_bytes;
-        (String::from_utf8_lossy(&bytes[at - n_bytes..at]).into_owned(), at)
-    };
-    let (kind, _) = word();
-    if kind != "P5" {
-        return Err(format!("begins with `{}`, expected P5, a binary PGM", kind.chars().take(8).collect::<String>()));
-    }
-    let mut number = |what: &str, most: usize| -> Result<(usize, usize), String> {
-        let (text, end) = word();
-        let number = text.parse::<usize>().ok().filter(|number| (1..=most).contains(number));
-        number.map(|number| (number, end)).ok_or_else(|| format!("{what} `{text}`, expected a number from 1 to {most}"))
-    };
-    let ((width, _), (height, _)) = (number("width", 100_000)?, number("height", 100_000)?);
-    let (greatest, end) = number("greatest level", 65_535)?;
-    if greatest != 255 {
-        return Err(format!("greatest level {greatest}, expected 255"));
-    }
-    let levels = bytes.get(end + 1..).unwrap_or_default();
-    if levels.len() != width * height {
-        return Err(format!("{} bytes of pixels, expected {} for {width} × {height}", levels.len(), width * height));
-    }
-    Ok(([width, height], levels))
 }
