@@ -22,7 +22,7 @@ use localizer::Pose;
 use crate::scene::{Layout, Markers, Scene};
 
 pub use field::Field;
-pub use lattice::{Ceiling, smallest};
+pub use lattice::{Ceiling, Unlaid, smallest};
 
 /// What a coverage is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,6 +17,17 @@ pub struct Ceiling {
     pub height_m: f64,
     /// Markers in view at once.
     pub seen_at_once: usize,
+    /// So many markers there are at most.
+    pub most_markers: usize,
+}
+
+/// Why no lattice of markers was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unlaid {
+    /// None of up to 64 × 64 markers covers the ceiling.
+    Uncovered,
+    /// Those that may cover it have at least so many markers, which are more than there are.
+    TooMany(usize),
 }
 
 /// How every other row of a lattice differs from the first.
@@ -56,11 +67,12 @@ const REMEMBERED: usize = 64;
 /// Greatest number of rows, and of markers in a row: 4096 in all, one for each identity there is.
 const MOST: usize = 64;
 
-/// The smallest of the lattices tried that is proven to cover a ceiling; `None` if none of up to 64 × 64 markers is.
+/// The smallest of the lattices tried that is proven to cover a ceiling.
 ///
 /// Rows along x and along y are tried, as squares, as hexagons, and stretched; for each number of rows the fewest markers in a row are sought by
-/// halving on some poses. What they let pass is proven, the smallest first: a proof takes seconds where a hall is large.
-pub fn smallest(field: &Field, ceiling: &Ceiling) -> Option<Vec<Place>> {
+/// halving on some poses. What they let pass is proven, the smallest first: a proof takes seconds where a hall is large, and is not begun for more markers
+/// than there are.
+pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> {
     let (narrowed, mut rim) = (field.narrowed(TO_SPARE_M), Rim::new(&ceiling.reach_m));
     let kinds = || {
         let between = [Between::Same, Between::Shifted, Between::Fewer, Between::More];
@@ -74,19 +86,26 @@ pub fn smallest(field: &Field, ceiling: &Ceiling) -> Option<Vec<Place>> {
     candidates.sort_by_key(|(_, places)| places.len());
     let is_proven = |places: &Vec<Place>| search(field, places, &ceiling.reach_m, ceiling.seen_at_once, 0).is_none();
     let mut best: Option<Vec<Place>> = None;
+    let mut needed = None;
     for (lattice, places) in candidates {
         let fewer_than = best.as_ref().map_or(usize::MAX, Vec::len);
+        if places.len() > ceiling.most_markers {
+            needed = needed.or(Some(places.len()));
+            break;
+        }
         if places.len() >= fewer_than {
             break;
         }
         // What is proven at once or with one marker more a row; a bound that is still not met is not worth the search.
         let proven = Some(places).filter(is_proven).or_else(|| {
             let wider = Lattice { first: lattice.first + 1, ..lattice }.passing(&narrowed, ceiling, &mut rim);
-            wider.filter(|places| places.len() < fewer_than).filter(is_proven)
+            let too_many = wider.as_ref().map(Vec::len).filter(|n_markers| *n_markers > ceiling.most_markers);
+            needed = needed.or(too_many);
+            wider.filter(|places| places.len() < fewer_than && too_many.is_none()).filter(is_proven)
         });
         best = proven.or(best);
     }
-    best
+    best.ok_or(needed.map_or(Unlaid::Uncovered, Unlaid::TooMany))
 }
 
 impl Lattice {

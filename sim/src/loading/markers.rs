@@ -2,7 +2,7 @@
 
 use super::parse::Contradiction;
 use crate::{
-    coverage::{Ceiling, Field, reach, smallest},
+    coverage::{Ceiling, Field, Unlaid, reach, smallest},
     scene::{Marker, Scene, UNDER_CEILING_M},
 };
 
@@ -27,21 +27,21 @@ impl Scene {
             markers_m: room_m.map(|extent_m| [FROM_WALL_M, extent_m - FROM_WALL_M]),
             height_m: self.building.ceiling_height_m - UNDER_CEILING_M - markers.height_tolerance_m,
             seen_at_once: markers.goal().seen_at_once,
+            most_markers: words.len(),
         };
         let field = Field::new(self, markers.goal().margin_px);
-        let Some(places) = field.and_then(|field| smallest(&field, &ceiling)) else {
-            let expected = "no lattice of up to 4096 markers is surely seen, expected a shorter focal length of the ceiling camera, or \
-                            smaller tolerances";
-            return Err(refused(expected.to_owned()));
-        };
-        if places.len() > words.len() {
-            return Err(refused(format!(
-                "{} markers are needed, but the {coding} have {} words; expected a shorter focal length, a lower camera under a higher \
-                 ceiling, smaller tolerances, or `coding = \"plain\"` with 4096",
-                places.len(),
-                words.len()
-            )));
-        }
+        let places = field.ok_or(Unlaid::Uncovered).and_then(|field| smallest(&field, &ceiling)).map_err(|unlaid| {
+            refused(match unlaid {
+                Unlaid::Uncovered => "no lattice of up to 4096 markers is surely seen, expected a shorter focal length of the ceiling camera, \
+                                      or smaller tolerances"
+                    .to_owned(),
+                Unlaid::TooMany(needed) => format!(
+                    "{needed} markers are needed, but the {coding} have {} words; expected a shorter focal length, a lower camera under a \
+                     higher ceiling, smaller tolerances, or `coding = \"plain\"` with 4096",
+                    words.len()
+                ),
+            })
+        })?;
         let laid_out = words.iter().zip(places).map(|(word, [x_m, y_m, _])| Marker::new(word.0, x_m, y_m)).collect();
         if let Some(markers) = &mut self.markers {
             markers.laid_out = laid_out;
