@@ -3,13 +3,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use mdbook_driver::MDBook;
 use serde_json::Value;
 use sim::{
     loading::SceneFile,
     scene::{Scene, keys_markdown, schema_text},
 };
 
-use crate::command::root;
+use crate::command::{folder, root};
 
 #[test]
 fn every_scene_is_valid() {
@@ -60,10 +61,15 @@ fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside()
     walk("", &serde_json::from_str(&schema_text()).unwrap());
 }
 
+/// The pages of the book, its summary among them.
+fn pages() -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join("docs/src")).unwrap().map(|entry| entry.unwrap().path());
+    entries.filter(|path| path.extension().is_some_and(|ending| ending == "md")).collect()
+}
+
 #[test]
 fn every_path_that_a_document_names_exists() {
-    let pages = fs::read_dir(root().join("docs/src")).unwrap().map(|entry| entry.unwrap().path());
-    for document in ["README.md", "ARCHITECTURE.md"].into_iter().map(|name| root().join(name)).chain(pages) {
+    for document in ["README.md", "ARCHITECTURE.md"].into_iter().map(|name| root().join(name)).chain(pages()) {
         let text = fs::read_to_string(&document).unwrap();
         let document = document.display();
         for path in named_paths(&text) {
@@ -87,8 +93,7 @@ fn the_readme_holds_a_table_of_results() {
 
 /// What stands in `back quotes` or in (a link) and begins with a folder of the repository.
 fn named_paths(text: &str) -> Vec<PathBuf> {
-    const FOLDERS: [&str; 9] =
-        ["localizer/", "sim/", "tests/", "scenes/", "scripts/", "experiments/", "renders/gallery/", ".ci/", "docs/"];
+    const FOLDERS: [&str; 8] = ["localizer/", "sim/", "tests/", "scenes/", "scripts/", "experiments/", ".ci/", "docs/"];
     let spans = text.split(['`', '(', ')', ' ', '\n']);
     spans
         .filter(|span| FOLDERS.iter().any(|folder| span.starts_with(folder)))
@@ -110,8 +115,32 @@ fn every_page_of_the_book_is_in_its_summary() {
     let summary = fs::read_to_string(folder.join("SUMMARY.md")).unwrap();
     for entry in fs::read_dir(folder).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
-        assert!(name == "SUMMARY.md" || summary.contains(&format!("({name})")), "{name}");
+        let is_picture = name == "gallery" || name.ends_with(".svg");
+        assert!(is_picture || name == "SUMMARY.md" || summary.contains(&format!("({name})")), "{name}");
     }
+}
+
+#[test]
+fn the_book_builds_and_what_its_pages_show_and_link_to_is_in_it() {
+    let mut book = MDBook::load(root().join("docs")).unwrap();
+    let built = folder("book");
+    book.config.build.build_dir = built.clone();
+    book.build().unwrap();
+    let mut n_shown = 0;
+    for page in pages().into_iter().filter(|page| !page.ends_with("SUMMARY.md")) {
+        let page = built.join(page.file_name().unwrap()).with_extension("html");
+        let text = fs::read_to_string(&page).unwrap();
+        let main = text.split("<main>").nth(1).unwrap().split("</main>").next().unwrap();
+        for shown in ["src=\"", "href=\""].iter().flat_map(|attribute| main.split(attribute).skip(1)) {
+            let target = shown.split(['"', '#']).next().unwrap();
+            if target.is_empty() || target.contains("://") {
+                continue;
+            }
+            n_shown += 1;
+            assert!(built.join(target).is_file(), "{} has no {target}", page.display());
+        }
+    }
+    assert!(n_shown > 10, "{n_shown} pictures and links within the book");
 }
 
 #[test]
