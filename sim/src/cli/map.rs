@@ -1,6 +1,8 @@
 //! `wherein map`: the grid on which errands are planned, for other programs.
 
-use std::slice;
+use std::{path::PathBuf, slice};
+
+use clap::Args;
 
 use crate::{
     artefacts::run_files,
@@ -8,7 +10,18 @@ use crate::{
     navigation::{OccupancyGrid, map_server},
 };
 
-use super::{CommandError, MapArguments, print};
+use super::{CommandError, print};
+
+/// What `wherein map` is asked.
+#[derive(Debug, Args)]
+pub(super) struct MapArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where map.yaml and map.pgm go, below the scene's name.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
 
 /// Writes the map and prints where.
 pub(super) fn write_map(arguments: &MapArguments) -> Result<(), CommandError> {

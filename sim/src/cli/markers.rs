@@ -1,13 +1,34 @@
 //! `wherein markers`: what to print and where to paste it.
 
-use std::{fs, io, path::Path};
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
 
-use super::{CommandError, MarkersArguments, print};
+use clap::Args;
+
+use super::{CommandError, print};
 use crate::{
     coverage::{Coverage, coverage},
     loading::SceneFile,
     marker_sheet::marker_sheet,
 };
+
+/// What `wherein markers` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = MARKERS_AFTER_HELP)]
+pub(super) struct MarkersArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where sheet and map go.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
+
+const MARKERS_AFTER_HELP: &str = "\
+Writes DIR/<scene>/markers.pdf, one marker a page of A4 at true scale, and DIR/<scene>/markers.toml, the keys of a scene
+that place them one by one. Files that are there already are left alone: exit code 2.";
 
 /// Prints the markers of a scene and what they cover, and writes their sheet and their map.
 pub(super) fn markers(arguments: &MarkersArguments) -> Result<(), CommandError> {

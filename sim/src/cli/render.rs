@@ -1,10 +1,16 @@
 //! `wherein render`: pictures of a robot that stands still.
 
-use std::{fs, path::Path, str::FromStr};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    str::FromStr,
+};
+
+use clap::Args;
 
 use localizer::{Pose, reading::Camera};
 
-use super::{CommandError, RenderArguments, print};
+use super::{CommandError, print};
 use crate::{
     artefacts::debug_frames::{Column, contact_sheet, tone_mapped},
     building::UprightBody,
@@ -14,6 +20,42 @@ use crate::{
     scene::{BitDepth, Scene},
     sensors::still::{Still, take},
 };
+
+/// What `wherein render` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_AFTER_HELP)]
+pub(super) struct RenderArguments {
+    /// Scene file.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    /// Where the robot stands: x and y in metres, heading in degrees. The scene's start unless given.
+    #[arg(long, value_name = "X,Y,HEADING", allow_hyphen_values = true)]
+    at: Option<At>,
+    /// One camera only: floor, forward or ceiling.
+    #[arg(long, value_name = "NAME", value_parser = camera_name)]
+    camera: Option<Camera>,
+    /// Mean illuminance at the floor in lux, all lamps dimmed alike. What the scene states unless given.
+    #[arg(long, value_name = "LUX", value_parser = illuminance, allow_hyphen_values = true, conflicts_with = "contact_sheet")]
+    lux: Option<f64>,
+    /// One sheet with all cameras in several lights, such as lux=0.1,1,10,100,1000.
+    #[arg(long, value_name = "lux=A,B,…")]
+    contact_sheet: Option<Lights>,
+    /// Seed of mounts, tiles and noise.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Where pictures go.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+}
+
+const RENDER_AFTER_HELP: &str = "\
+Writes DIR/<scene>/<camera>.png as the sensor gave it and <camera>_tone_mapped.png as a screen should show it,
+or DIR/<scene>/contact_sheet.png. Exposures are those on which automatic exposure settles.";
+
+fn camera_name(text: &str) -> Result<Camera, String> {
+    let found = Camera::ALL.into_iter().find(|name| name.as_str() == text);
+    found.ok_or_else(|| format!("expected one of {}", Camera::ALL.map(Camera::as_str).join(", ")))
+}
 
 /// A place and a heading on the command line: `1.5,2,90`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,12 +1,32 @@
 //! `wherein replay`: a recording through the localizer again.
 
-use std::process::ExitCode;
+use std::{path::PathBuf, process::ExitCode};
 
-use super::{CommandError, ReplayArguments, print};
+use clap::Args;
+
+use super::{CommandError, print};
 use crate::{
     artefacts::{replay::replay, run_files},
     scene::Scene,
 };
+
+/// What `wherein replay` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = REPLAY_AFTER_HELP)]
+pub(super) struct ReplayArguments {
+    /// A recording that `wherein run --record` or `--ros2` left.
+    #[arg(value_name = "FILE")]
+    recording: PathBuf,
+    /// Set up the localizer as this scene does instead of the recorded one.
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<PathBuf>,
+    /// Write estimate.tum and boxes.csv of the replay there.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+const REPLAY_AFTER_HELP: &str = "\
+Exit code: 0 every estimate is the recorded one bit for bit, 1 some are not, 2 could not replay. With --scene estimates may differ.";
 
 /// Replays a recording and says whether the localizer answered as it did then.
 pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, CommandError> {

@@ -2,6 +2,8 @@
 
 use std::{io::Write, net::SocketAddr, path::PathBuf, process::ExitCode};
 
+use clap::Args;
+
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 
@@ -14,16 +16,67 @@ use crate::{
     campaign::{
         cases::{CaseResult, Results, program, quoted},
         report::Overview,
-        sweep,
+        sweep::{self, Seeds},
     },
     judge::judge,
-    loading::{SceneFile, SceneTemplate},
+    loading::{SceneFile, SceneTemplate, Setting},
     render::Renderer,
-    run::{RunOptions, run_otherwise, run_witnessed},
+    run::{FramesPolicy, RunOptions, run_otherwise, run_witnessed},
     subject::IntervalLocalizer,
 };
 
-use super::{CommandError, RunArguments, Seeds, conclude::write_junit, github::tell_github, print};
+use super::{CommandError, conclude::write_junit, github::tell_github, print};
+
+/// What `wherein run` is asked.
+#[derive(Debug, Args)]
+#[command(after_help = RUN_AFTER_HELP)]
+pub(super) struct RunArguments {
+    /// Scene files, or folders that stand for all scenes below them.
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+    /// Seed of everything drawn in the run.
+    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds")]
+    seed: u64,
+    /// Several seeds, A included and B not.
+    #[arg(long, value_name = "A..B")]
+    seeds: Option<Seeds>,
+    /// Set a key of the scenes, such as floor.friction=0.3; may be given several times.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Setting>,
+    /// Where results go.
+    #[arg(long, value_name = "DIR", default_value = "renders")]
+    out: PathBuf,
+    /// Images of which to leave debug frames: none, failures, every=N or all.
+    #[arg(long, value_name = "WHICH", default_value = "none")]
+    frames: FramesPolicy,
+    /// Print the summaries as a JSON list instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Leave recording.mcap too: images, readings, poses, boxes and log messages, for Foxglove, Rerun and `wherein replay`.
+    #[arg(long)]
+    record: bool,
+    /// Leave the recording as rosbag2/, a bag that ROS 2 and `evo` open; its boxes are markers of ROS 2.
+    #[arg(long, conflicts_with = "record")]
+    ros2: bool,
+    /// Let viewers such as Foxglove look on, in real time; the first run begins when one is there.
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
+    live: Option<SocketAddr>,
+    /// Write the results as JUnit XML, too.
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Skip runs that this build of the program has already recorded for the same scene; continues what was interrupted.
+    #[arg(long)]
+    resume: bool,
+}
+
+const RUN_AFTER_HELP: &str = "\
+Each run leaves DIR/<scene>/<seed>/ with summary.json (all figures, and whether the scene's [expect] was met),
+timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames and the recording asked for.
+
+In the table, a check is one step of 10 ms. `contained`: the truth is in a box. Outside of it, the cause is named:
+`bound broken`: a declared bound was exceeded, and the same commands with it kept hold the truth; `perception`: the vision saw
+what is not there, and without it they do; `unsound`: neither.
+Errors are root mean squares of the worst third of a run, widths are full widths of the box.";
 
 /// One run as it was recorded.
 struct Recorded {

@@ -5,12 +5,26 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use clap::Args;
+
 use crate::artefacts::{
     result_table::{Kind, Outcome, as_markdown, lines},
     run_files::{self, naming},
 };
 
-use super::{CommandError, TableArguments, print};
+use super::{CommandError, print};
+
+/// What `wherein table` is asked.
+#[derive(Debug, Args)]
+pub(super) struct TableArguments {
+    /// Folders that `wherein run` wrote.
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Replace what stands between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document; in `<!-- results:begin
+    /// floor papers/floor --no-baselines -->` only scenes whose names begin so, without what others made of the same readings.
+    #[arg(long, value_name = "FILE")]
+    into: Option<PathBuf>,
+}
 
 /// The line of a document after which a table stands begins so; before its `-->` it may name the beginnings of scenes' names,
 /// and say [`NO_BASELINES`].

@@ -1,0 +1,90 @@
+//! Why a command could not be carried out, and how it is told.
+
+use std::{
+    io::{self, IsTerminal, Write},
+    path::PathBuf,
+};
+
+use miette::{GraphicalReportHandler, GraphicalTheme};
+
+use crate::{
+    artefacts::{recording::LiveError, replay::ReplayError, run_files::RecordError},
+    campaign::{comparison::SideError, falsify::FalsifyError, sweep::SweepError},
+    render::RenderError,
+    scene::SceneError,
+};
+
+use super::table;
+
+/// Why a command could not be carried out. Its text follows "failed to".
+#[derive(Debug, thiserror::Error)]
+pub(super) enum CommandError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Map(#[from] crate::navigation::map_server::MapError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    #[error(transparent)]
+    Live(#[from] LiveError),
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    #[error(transparent)]
+    Falsify(#[from] FalsifyError),
+    #[error(transparent)]
+    Side(#[from] SideError),
+    #[error("compare {} and {}: no case ran in both, expected the same scenes, settings and seeds", .0.display(), .1.display())]
+    NoPairs(PathBuf, PathBuf),
+    #[error("find results in {}: expected summary.json files that `wherein run` wrote", .0.display())]
+    NoResults(PathBuf),
+    #[error("put the table into {}: expected a line `{} -->` and after it a line `{}`", .0.display(), table::BEGIN, table::END)]
+    NoMarkers(PathBuf),
+    #[error("render {}: it stands for {count} scenes, expected one scene file", path.display())]
+    SeveralScenes { path: PathBuf, count: usize },
+    #[error(
+        "render {}: its robot has no {}camera, expected a table such as `[robot.forward_camera]`",
+        scene.display(),
+        wanted.map(|name| format!("{name} ")).unwrap_or_default()
+    )]
+    NoCamera { scene: PathBuf, wanted: Option<&'static str> },
+    #[error("render {} --at {},{}: outside the room, expected x from {} to {} and y from {} to {}, as the robot's body reaches {reach_m} m about its origin", scene.display(), at_m[0], at_m[1], reach_m, room_m[0] - reach_m, reach_m, room_m[1] - reach_m)]
+    OutsideRoom { scene: PathBuf, at_m: [f64; 2], room_m: [f64; 2], reach_m: f64 },
+    #[error("render {} --at {},{}: in or by `furniture[{index}]`, expected {reach_m} m of distance, as the robot's body reaches that far about its origin", scene.display(), at_m[0], at_m[1])]
+    InFurniture { scene: PathBuf, at_m: [f64; 2], index: usize, reach_m: f64 },
+    #[error("write {}: {}", .0.display(), .1)]
+    Unwritable(PathBuf, io::Error),
+    #[error("find markers in {}: expected a table `[markers]` with at least one marker on the map", .0.display())]
+    NoCeilingMarkers(PathBuf),
+    #[error("write {}: it exists already, expected another folder by --out", .0.display())]
+    Exists(PathBuf),
+    #[error("print: {0}")]
+    Output(#[from] io::Error),
+}
+
+impl CommandError {
+    /// Prints it, and below a mistake in a scene the place.
+    pub(super) fn complain(&self) {
+        // A reader that has seen enough is no error here either.
+        let _ = writeln!(io::stderr(), "wherein: failed to {self}");
+        let (CommandError::Scene(scene @ SceneError::Invalid { .. })
+        | CommandError::Replay(ReplayError::Scene(scene @ SceneError::Invalid { .. }))
+        | CommandError::Sweep(SweepError::Scene(scene @ SceneError::Invalid { .. }))) = self
+        else {
+            return;
+        };
+        let theme =
+            if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
+        let mut snippet = String::new();
+        // The first line repeats the message above; what follows shows the place.
+        if handler.render_report(&mut snippet, scene).is_ok()
+            && let Some((_, place)) = snippet.split_once('\n')
+        {
+            let _ = writeln!(io::stderr(), "{place}");
+        }
+    }
+}
