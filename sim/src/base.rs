@@ -13,6 +13,9 @@ use crate::{
     scene::{Bounds, Robot},
 };
 
+/// The bounds beyond which the wear of its wheels may put it.
+pub(crate) const CLIPPED: [Assumption; 2] = [bounds::WHEELS_RADIUS, bounds::WHEELS_TRACK];
+
 /// True dimensions of the base, and its clock.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnBase {

@@ -65,6 +65,10 @@ pub trait Device {
     /// Its keys that tell the localizer a bound.
     fn told_keys(&mut self) -> Vec<ToldKey<'_>>;
 
+    /// The bounds beyond which its truth may be drawn or placed, so that a run can have it moved back. The others hold by construction, or are of
+    /// what emerges from the physics.
+    const CLIPPED: &'static [Assumption] = &[];
+
     /// Moves back to its bound what was drawn, or is to be drawn, beyond the bound of this name.
     fn clip(&self, _drawn: &mut Self::Drawn, _bound: &str) {}
 
@@ -127,6 +131,9 @@ impl BoundCheck {
 
 macro_rules! define {
     ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal $(, read by $method:ident)?;)+) => {
+        /// Of each kind of device, the bounds beyond which its truth may be drawn or placed.
+        pub(crate) const CLIPPED: &[&[Assumption]] = &[$(<$keys as Device>::CLIPPED),+];
+
         /// What a seed draws of each device that the robot has.
         #[derive(Clone, Debug)]
         pub struct DrawnDevices {

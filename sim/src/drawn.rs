@@ -10,6 +10,7 @@ pub mod markers;
 pub mod tiles;
 mod walls;
 
+pub(crate) use clip::is_clipped;
 pub use markers::{DrawnDot, DrawnMarker};
 pub use tiles::LaidTiles;
 pub(crate) use walls::turn_from_nearest_deg;

@@ -166,3 +166,37 @@ fn a_circle_through_three_modules_is_found() {
     let code = "use crate::{\n    d::{E, f},\n    g::H,\n};\nfn i() -> crate::j::K {}";
     assert_eq!(named(code), ["d", "g", "j"].map(str::to_owned).into());
 }
+
+/// The number that follows the first `before` in a file of the renderer.
+fn number_after(file: &str, before: &str) -> f64 {
+    let text = fs::read_to_string(root().join("sim/src").join(file)).unwrap();
+    let (_, rest) = text.split_once(before).unwrap_or_else(|| panic!("{file} has no `{before}`"));
+    let digits: String =
+        rest.chars().take_while(|letter| letter.is_ascii_digit() || "._e-".contains(*letter)).collect();
+    digits.replace('_', "").parse().unwrap_or_else(|_| panic!("{file}: no number after `{before}`"))
+}
+
+#[test]
+fn numbers_that_shaders_share_with_the_program_are_the_same() {
+    let same = |program: (&str, &str), shader: (&str, &str), more: f64| {
+        let [stated, shared] = [program, shader].map(|(file, before)| number_after(file, before));
+        assert_eq!(stated + more, shared, "{program:?} and {shader:?}");
+    };
+    let near = ("render/room/view.wgsl", "const NEAR_M: f32 = ");
+    same(("render/room/frustum.rs", "const NEAR_M: f64 = "), near, 0.0);
+    same(("render/room/strips.rs", "const NEAR_M: f64 = "), near, 0.0);
+    let roughness = ("render/room/mirror.wgsl", "max(roughness, ");
+    same(("render/room/glints.rs", "const LEAST_ROUGHNESS_RAD: f64 = "), roughness, 0.0);
+    let albedo = ("render/room/lamp.wgsl", "const DIFFUSER_ALBEDO: f32 = ");
+    same(("render/room/faces.rs", "const DIFFUSER_ALBEDO: f64 = "), albedo, 0.0);
+    let lamps = ("scene/lamps.rs", "const MAX_LAMPS: usize = ");
+    same(lamps, ("render/room/world.wgsl", "array<Lamp, "), 0.0);
+    same(lamps, ("render/room/surface.wgsl", "const LAMP_ENDS: u32 = "), 1.0);
+    let sub_frames = ("render/exposure.rs", "const MAX_SUB_FRAMES: usize = ");
+    same(sub_frames, ("render/floor/view.wgsl", "sub_frame_ends: array<Homography, "), 1.0);
+    same(
+        ("render/floor/cut.rs", "const LAMPLIGHT_PX: u32 = "),
+        ("render/lens.wgsl", "const LAMPLIGHT_PX: f32 = "),
+        0.0,
+    );
+}

@@ -85,6 +85,8 @@ impl Device for Gyro {
     }
 
     /// Noise is drawn reading by reading: the sensor takes off what is beyond.
+    const CLIPPED: &'static [Assumption] = &[bounds::GYRO_NOISE, bounds::GYRO_ANGLE];
+
     fn clip(&self, drawn: &mut DrawnGyro, bound: &str) {
         drawn.cuts.noise |= bound == bounds::GYRO_NOISE;
         drawn.cuts.angle |= bound == bounds::GYRO_ANGLE;

@@ -120,6 +120,9 @@ impl Device for RangeCamera {
     }
 
     /// Codes are drawn reading by reading: the sensor leaves those out that are wrong beyond what is declared.
+    const CLIPPED: &'static [Assumption] =
+        &[bounds::RANGE_CAMERA_HEIGHT_SPAN, bounds::RANGE_LANDMARKS_Q_ITEMS, bounds::RANGE_LANDMARKS_WRONG_SPACING];
+
     fn clip(&self, drawn: &mut DrawnRangeCamera, bound: &str) {
         drawn.cuts.items |= bound == bounds::RANGE_LANDMARKS_Q_ITEMS;
         drawn.cuts.spacing |= bound == bounds::RANGE_LANDMARKS_WRONG_SPACING;

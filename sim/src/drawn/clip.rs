@@ -1,11 +1,33 @@
 //! What a seed drew or a scene placed beyond a declared bound, moved back to the bound: the run as it should have been.
 
-use localizer::bounds;
+use localizer::bounds::{self, Assumption};
 use nalgebra::{Rotation2, Vector2};
 
-use crate::scene::{Marker, Markers, Scene};
+use crate::{
+    base, devices,
+    scene::{Marker, Markers, Scene},
+};
 
 use super::{Drawn, DrawnMarker};
+
+/// The bounds beyond which floor, markers, furniture and walls may be drawn or placed.
+const CLIPPED: [Assumption; 8] = [
+    bounds::FLOOR_TILES_LAYING,
+    bounds::FLOOR_TILES_STRAIGHTNESS,
+    bounds::MARKERS_PLACEMENT,
+    bounds::MARKERS_ROTATION,
+    bounds::MARKERS_PRINT,
+    bounds::MARKERS_HEIGHT,
+    bounds::WALL_DIRECTIONS_DIRECTION,
+    bounds::WALL_DIRECTIONS_ASKEW,
+];
+
+/// Whether the true value behind a bound is drawn by the simulator or placed by the scene, so that a run can have it within its bound.
+/// All else emerges from the physics, or is drawn within its bound by construction.
+pub(crate) fn is_clipped(bound: &str) -> bool {
+    let all = CLIPPED.iter().chain(&base::CLIPPED).chain(devices::CLIPPED.iter().copied().flatten());
+    all.into_iter().any(|clipped| *clipped == bound)
+}
 
 impl Drawn {
     /// Moves back to its bound what lies beyond the bound of this name; everything else stays as drawn.

@@ -3,6 +3,7 @@
 use localizer::reading::Camera;
 
 use crate::{
+    drawn::is_clipped,
     render::RenderError,
     run::{Change, Counterfactual, RunRecord},
     scene::Scene,
@@ -88,7 +89,7 @@ impl Candidate {
     /// The run with the bound kept: what the simulator draws or the scene places is moved back, what emerges is told.
     fn change(&self) -> Change {
         let Violation { bound, declared, true_value, .. } = &self.violation;
-        if Scene::places(bound) {
+        if is_clipped(bound) {
             Change::Clipped { bound: bound.clone() }
         } else {
             Change::Told {
@@ -102,7 +103,7 @@ impl Candidate {
 
     fn because(&self) -> String {
         let Violation { bound, declared, true_value, .. } = &self.violation;
-        let how = if Scene::places(bound) { "moved back to its bound" } else { "told as it was" };
+        let how = if is_clipped(bound) { "moved back to its bound" } else { "told as it was" };
         let ratio = self.violation.ratio();
         let times = if ratio.is_finite() { format!(", {ratio:.2} times as much") } else { String::new() };
         format!("{bound} was {true_value:.6} where {declared:.6} is declared{times}; {how}")

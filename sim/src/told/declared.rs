@@ -29,29 +29,6 @@ impl Scene {
         each_key(self, &mut |key| *key.value *= factor);
     }
 
-    /// Whether the true value behind a bound is drawn by the simulator or placed by the scene, so that a run can have it within its bound.
-    /// All else emerges from the physics, or is drawn within its bound by construction.
-    pub(crate) fn places(bound: &str) -> bool {
-        const PLACED: [&str; 15] = [
-            bounds::WHEELS_RADIUS,
-            bounds::WHEELS_TRACK,
-            bounds::FLOOR_TILES_LAYING,
-            bounds::FLOOR_TILES_STRAIGHTNESS,
-            bounds::MARKERS_PLACEMENT,
-            bounds::MARKERS_ROTATION,
-            bounds::MARKERS_PRINT,
-            bounds::MARKERS_HEIGHT,
-            bounds::GYRO_NOISE,
-            bounds::GYRO_ANGLE,
-            bounds::RANGE_CAMERA_HEIGHT_SPAN,
-            bounds::RANGE_LANDMARKS_Q_ITEMS,
-            bounds::RANGE_LANDMARKS_WRONG_SPACING,
-            bounds::WALL_DIRECTIONS_DIRECTION,
-            bounds::WALL_DIRECTIONS_ASKEW,
-        ];
-        PLACED.contains(&bound)
-    }
-
     /// Moves back to its bound what the scene itself places beyond the bound of this name.
     pub(crate) fn clip_placed(&mut self, bound: &str) {
         let Some(camera) = self.robot.range_camera.as_ref().filter(|_| bound == bounds::RANGE_CAMERA_HEIGHT_SPAN)
