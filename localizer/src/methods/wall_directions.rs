@@ -12,6 +12,7 @@ mod agreement;
 mod distinct;
 mod edges;
 mod headings;
+mod held;
 mod posture;
 mod quotas;
 mod sight;
@@ -20,7 +21,8 @@ pub use quotas::Quotas;
 pub use sight::ray;
 
 use agreement::WallHeadings;
-use posture::{Agreement, Told, View};
+use held::{Certificates, Seen, still};
+use posture::{Told, View};
 use sight::SightPlane;
 
 use std::collections::VecDeque;
@@ -28,7 +30,7 @@ use std::collections::VecDeque;
 use interval::Interval;
 
 use crate::{
-    Map, PoseBox, PoseUnion, Reading, RobotModel, bounds,
+    Map, PoseUnion, Reading, RobotModel, bounds,
     bounds::Assumption,
     method::{Claim, Constraint, Method, MotionBetween},
     motion::Twist,
@@ -140,47 +142,6 @@ struct Direction {
     direction_rad: Interval,
     /// Stamp of the image that it was learnt from; the map's are known from the beginning.
     since_s: f64,
-}
-
-/// The edges of one image.
-#[derive(Clone, Debug)]
-struct Seen {
-    stamp_s: f64,
-    /// Headings at the stamp on which one, two, … of them agree.
-    agreement: Agreement,
-    /// How the robot has moved since: forward, left, and turned.
-    moved: PoseBox,
-}
-
-impl Seen {
-    /// Headings at the latest stamp on which one, two, … of the edges agree.
-    fn now(&self) -> impl Iterator<Item = Vec<Interval>> {
-        self.agreement.iter().map(|headings| headings.iter().map(|&heading| heading + self.moved[2]).collect())
-    }
-}
-
-fn still() -> PoseBox {
-    PoseBox::from([Interval::ZERO; 3])
-}
-
-/// Images in a row, and which of them have more wrong edges than declared for certain, if the prior was right: no heading near it and no lean
-/// is one on which enough of their edges agree.
-#[derive(Clone, Debug, Default)]
-struct Certificates {
-    are_spoilt: VecDeque<bool>,
-    /// Whether more were spoilt than ever may be: then the prior is wrong, or a lean or the quotas exceed what was declared.
-    are_too_many: bool,
-}
-
-impl Certificates {
-    /// Counts one image; of so many in a row at most so many may be spoilt.
-    fn note(&mut self, is_spoilt: bool, [of, at_most]: [usize; 2]) {
-        self.are_spoilt.push_back(is_spoilt);
-        if self.are_spoilt.len() > of {
-            self.are_spoilt.pop_front();
-        }
-        self.are_too_many |= self.are_spoilt.iter().filter(|is_spoilt| **is_spoilt).count() > at_most;
-    }
 }
 
 impl WallDirections {

@@ -1,12 +1,18 @@
 //! A tiled floor as it was laid: corners off their nominal place, joints worn or missing.
 
 use nalgebra::{Rotation2, Vector2, vector};
-use rand::{Rng, RngExt};
+use rand::Rng;
 
 use crate::{
     randomness::{self, draw_within},
     scene::{Distribution, Room, Tiles},
 };
+
+mod laying;
+mod segment;
+
+use laying::{albedos, contrasts, draw_lines, laid_straight};
+use segment::Segment;
 
 /// Displaced corners and joint contrasts of a tiled floor, covering the room with a margin.
 ///
@@ -52,9 +58,6 @@ pub struct JointErrors {
     /// Angle of such a straight line to its nominal direction.
     pub angle_rad: f64,
 }
-
-/// Contrast to which a worn joint fades, by the scene's definition of `worn_share`.
-const WORN_CONTRAST: f32 = 1.0 / 3.0;
 
 /// Joints laid beyond the room on each side, for views that reach behind its walls.
 const MARGIN_JOINTS: i32 = 2;
@@ -256,64 +259,6 @@ impl LaidTiles {
     }
 }
 
-/// A joint between two neighbouring corners, grid frame.
-struct Segment {
-    axis: usize,
-    /// Index of the joint along its axis.
-    index: i32,
-    from: Vector2<f64>,
-    to: Vector2<f64>,
-    /// Displacement across the joint at both ends.
-    offset_m: [f64; 2],
-    /// Distance across from the straight line that the joint was laid along, at both ends.
-    bend_m: [f64; 2],
-    /// Of that line.
-    slope: f64,
-    contrast: f32,
-}
-
-impl Segment {
-    fn distance_m(&self, place: Vector2<f64>) -> f64 {
-        let reach = self.to - self.from;
-        let share = ((place - self.from).dot(&reach) / reach.norm_squared()).clamp(0.0, 1.0);
-        (place - self.from - reach * share).norm()
-    }
-
-    /// The part of the segment that lies in the room, as a range of shares of its length (Liang and Barsky's clipping).
-    fn within(&self, grid_from_world: &Rotation2<f64>, room: &Room) -> Option<[f64; 2]> {
-        let from = grid_from_world.inverse() * self.from;
-        let reach = grid_from_world.inverse() * (self.to - self.from);
-        let (mut low, mut high) = (0.0_f64, 1.0_f64);
-        for (axis, extent_m) in [room.width_m, room.depth_m].into_iter().enumerate() {
-            if reach[axis].abs() < 1e-12 {
-                if !(0.0..=extent_m).contains(&from[axis]) {
-                    return None;
-                }
-                continue;
-            }
-            let ends = [-from[axis] / reach[axis], (extent_m - from[axis]) / reach[axis]];
-            low = low.max(ends[0].min(ends[1]));
-            high = high.min(ends[0].max(ends[1]));
-        }
-        (low <= high).then_some([low, high])
-    }
-
-    /// The part of `range`, in shares of the length, that lies in a disc, if any does.
-    fn in_disc(&self, centre: Vector2<f64>, radius_m: f64, range: [f64; 2]) -> Option<[f64; 2]> {
-        // |from + s·reach − centre|² = radius², a quadratic in s.
-        let reach = self.to - self.from;
-        let start = self.from - centre;
-        let (a, half_b) = (reach.norm_squared(), start.dot(&reach));
-        let root = half_b * half_b - a * (start.norm_squared() - radius_m * radius_m);
-        if root < 0.0 {
-            return None;
-        }
-        let low = ((-half_b - root.sqrt()) / a).max(range[0]);
-        let high = ((-half_b + root.sqrt()) / a).min(range[1]);
-        (low <= high).then_some([low, high])
-    }
-}
-
 fn grid_from_world(tiles: &Tiles) -> Rotation2<f64> {
     Rotation2::new(-tiles.rotation_deg.to_radians())
 }
@@ -325,81 +270,4 @@ fn room_in_grid(tiles: &Tiles, room: &Room) -> [[f64; 2]; 2] {
     let low = corners.iter().fold(corners[0], |low, corner| low.inf(corner));
     let high = corners.iter().fold(corners[0], |high, corner| high.sup(corner));
     [low.into(), high.into()]
-}
-
-/// Straight joints, both ends of each drawn within the laying tolerance: displacement where the other coordinate is 0, and slope.
-///
-/// The ends are at the room's extent in the grid frame, which is never less than its shorter side, so that a joint's
-/// angle keeps within 2·tolerance / shorter side and every point of it in the room within the tolerance.
-fn draw_lines(
-    tiles: &Tiles,
-    distribution: Distribution,
-    seed: u64,
-    count: [usize; 2],
-    room: [[f64; 2]; 2],
-) -> [Vec<[f64; 2]>; 2] {
-    let mut rng = randomness::stream(seed, "tiles.laying");
-    // In a drift all joints of a family are off alike, shifted or turned: no number of them tells.
-    let alike_m = (distribution == Distribution::Drift)
-        .then(|| [0; 2].map(|_| [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng))));
-    [0, 1].map(|axis| {
-        let [low_m, high_m] = [room[0][1 - axis], room[1][1 - axis]];
-        (0..count[axis])
-            .map(|_| {
-                let mut draw_ends = || [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng));
-                let [at_low, at_high] = alike_m.map_or_else(&mut draw_ends, |alike_m| alike_m[axis]);
-                let slope = (at_high - at_low) / (high_m - low_m);
-                [at_low - slope * low_m, slope]
-            })
-            .collect()
-    })
-}
-
-/// Displacements of the corners of straight joints: the exact crossings x = a(y) and y = b(x) of two linear functions.
-fn laid_straight(tiles: &Tiles, first: [i32; 2], lines: &[Vec<[f64; 2]>; 2]) -> Vec<[f64; 2]> {
-    let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
-    let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
-    let mut offsets = Vec::with_capacity(lines[0].len() * lines[1].len());
-    for (i, &[shift_x, slope_x]) in (first[0]..).zip(&lines[0]) {
-        for (j, &[shift_y, slope_y]) in (first[1]..).zip(&lines[1]) {
-            let x = f64::from(i) * edge_m[0] + phase_m[0];
-            let y = f64::from(j) * edge_m[1] + phase_m[1];
-            // With d the displacements: d_x = shift_x + slope_x·(y + d_y), d_y = shift_y + slope_y·(x + d_x).
-            let along_x = shift_x + slope_x * y;
-            let along_y = shift_y + slope_y * x;
-            let d_x = (along_x + slope_x * along_y) / (1.0 - slope_x * slope_y);
-            offsets.push([d_x, along_y + slope_y * d_x]);
-        }
-    }
-    offsets
-}
-
-/// Contrast of every joint segment.
-fn contrasts(tiles: &Tiles, seed: u64, count: usize) -> [Vec<f32>; 2] {
-    let mut worn = randomness::stream(seed, "tiles.worn");
-    let mut missing = randomness::stream(seed, "tiles.missing");
-    [0; 2].map(|_| {
-        (0..count)
-            .map(|_| {
-                let is_worn = worn.random::<f64>() < tiles.worn_share;
-                let is_missing = missing.random::<f64>() < tiles.missing_share;
-                match (is_missing, is_worn) {
-                    (true, _) => 0.0,
-                    (false, true) => WORN_CONTRAST,
-                    (false, false) => 1.0,
-                }
-            })
-            .collect()
-    })
-}
-
-/// Albedo of every tile.
-fn albedos(tiles: &Tiles, seed: u64, count: usize) -> Vec<f32> {
-    let mut rng = randomness::stream(seed, "tiles.albedo");
-    (0..count)
-        .map(|_| {
-            let spread = draw_within(tiles.tile_albedo_spread, Distribution::Uniform, &mut rng);
-            (tiles.tile_albedo + spread).clamp(0.0, 1.0) as f32
-        })
-        .collect()
 }

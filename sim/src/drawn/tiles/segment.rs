@@ -1,0 +1,63 @@
+//! A joint from corner to corner, and the parts of it that lie in a room or in a disc.
+
+use nalgebra::{Rotation2, Vector2};
+
+use crate::scene::Room;
+
+/// A joint between two neighbouring corners, grid frame.
+pub(super) struct Segment {
+    pub(super) axis: usize,
+    /// Index of the joint along its axis.
+    pub(super) index: i32,
+    pub(super) from: Vector2<f64>,
+    pub(super) to: Vector2<f64>,
+    /// Displacement across the joint at both ends.
+    pub(super) offset_m: [f64; 2],
+    /// Distance across from the straight line that the joint was laid along, at both ends.
+    pub(super) bend_m: [f64; 2],
+    /// Of that line.
+    pub(super) slope: f64,
+    pub(super) contrast: f32,
+}
+
+impl Segment {
+    pub(super) fn distance_m(&self, place: Vector2<f64>) -> f64 {
+        let reach = self.to - self.from;
+        let share = ((place - self.from).dot(&reach) / reach.norm_squared()).clamp(0.0, 1.0);
+        (place - self.from - reach * share).norm()
+    }
+
+    /// The part of the segment that lies in the room, as a range of shares of its length (Liang and Barsky's clipping).
+    pub(super) fn within(&self, grid_from_world: &Rotation2<f64>, room: &Room) -> Option<[f64; 2]> {
+        let from = grid_from_world.inverse() * self.from;
+        let reach = grid_from_world.inverse() * (self.to - self.from);
+        let (mut low, mut high) = (0.0_f64, 1.0_f64);
+        for (axis, extent_m) in [room.width_m, room.depth_m].into_iter().enumerate() {
+            if reach[axis].abs() < 1e-12 {
+                if !(0.0..=extent_m).contains(&from[axis]) {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [-from[axis] / reach[axis], (extent_m - from[axis]) / reach[axis]];
+            low = low.max(ends[0].min(ends[1]));
+            high = high.min(ends[0].max(ends[1]));
+        }
+        (low <= high).then_some([low, high])
+    }
+
+    /// The part of `range`, in shares of the length, that lies in a disc, if any does.
+    pub(super) fn in_disc(&self, centre: Vector2<f64>, radius_m: f64, range: [f64; 2]) -> Option<[f64; 2]> {
+        // |from + s·reach − centre|² = radius², a quadratic in s.
+        let reach = self.to - self.from;
+        let start = self.from - centre;
+        let (a, half_b) = (reach.norm_squared(), start.dot(&reach));
+        let root = half_b * half_b - a * (start.norm_squared() - radius_m * radius_m);
+        if root < 0.0 {
+            return None;
+        }
+        let low = ((-half_b - root.sqrt()) / a).max(range[0]);
+        let high = ((-half_b + root.sqrt()) / a).min(range[1]);
+        (low <= high).then_some([low, high])
+    }
+}
