@@ -1,7 +1,8 @@
 //! The devices of a robot. All that is known of a kind of device beyond its keys stands in its file or folder here: what a seed draws of it,
 //! what the localizer is told of it, how it senses, which declared bounds there are to it and how much of each was used.
 //!
-//! A further kind is one such file, and one line of `scene::with_every_kind`. Pictures are drawn by [`sensors`](crate::sensors), for which a camera's
+//! A further kind is one such file, and one line of `scene::with_every_kind`; a further method that reads a device is one line of
+//! `scene::with_every_method`, and the device makes it. Pictures are drawn by [`sensors`](crate::sensors), for which a camera's
 //! file says where the camera is and what its lens does.
 
 pub mod camera;
@@ -26,7 +27,7 @@ use crate::{
     place::Bystander,
     scene::{
         CeilingCamera, Distribution, FloorCamera, Flow, ForwardCamera, Gnss, Gyro, MethodName, RangeCamera, Robot,
-        Scene, with_every_kind,
+        Scene, with_every_kind, with_every_method,
     },
     truth::Truth,
 };
@@ -54,8 +55,8 @@ pub trait Device {
     /// Whether the scene's localizer makes anything of its readings, and so relies on its bounds.
     fn is_relied_on(&self, scene: &Scene) -> bool;
 
-    /// The method that reads it, as the scene asks for it; none where there is nothing that it could see.
-    fn method(&self, _scene: &Scene, _map: &Map, _robot: &RobotModel) -> Option<Box<dyn Method>> {
+    /// The method of this name, which is listed as one that reads it, as the scene asks for it; none where there is nothing that it could see.
+    fn method(&self, _name: MethodName, _scene: &Scene, _map: &Map, _robot: &RobotModel) -> Option<Box<dyn Method>> {
         None
     }
 
@@ -130,7 +131,7 @@ impl BoundCheck {
 }
 
 macro_rules! define {
-    ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal $(, read by $method:ident)?;)+) => {
+    ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal ;)+) => {
         /// Of each kind of device, the bounds beyond which its truth may be drawn or placed.
         pub(crate) const CLIPPED: &[&[Assumption]] = &[$(<$keys as Device>::CLIPPED),+];
 
@@ -180,13 +181,6 @@ macro_rules! define {
             }
         }
 
-        /// A method as the scene asks for it; none where the robot lacks what it reads, or there is nothing that it could see.
-        pub(crate) fn method(name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
-            match name {
-                $($(MethodName::$method => scene.robot.$name.as_ref()?.method(scene, map, robot),)?)+
-            }
-        }
-
         /// Hands over every key of a device of the robot that tells the localizer a bound.
         pub(crate) fn each_told_key(robot: &mut Robot, change: &mut dyn FnMut(ToldKey<'_>)) {
             $(robot.$name.iter_mut().flat_map(Device::told_keys).for_each(&mut *change);)+
@@ -204,6 +198,19 @@ macro_rules! define {
 }
 
 with_every_kind!(define);
+
+macro_rules! define_methods {
+    ($($(#[$doc:meta])+ $method:ident reads $device:ident,)+) => {
+        /// A method as the scene asks for it; none where the robot lacks what it reads, or there is nothing that it could see.
+        pub(crate) fn method(name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+            match name {
+                $(MethodName::$method => scene.robot.$device.as_ref()?.method(name, scene, map, robot),)+
+            }
+        }
+    };
+}
+
+with_every_method!(define_methods);
 
 /// A sensor on the robot.
 pub(crate) struct FittedSensor {

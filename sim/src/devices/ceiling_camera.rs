@@ -39,7 +39,7 @@ impl Device for CeilingCamera {
         DrawnCamera { distortion: Lens::ceiling(self, &drawn).bent_further(off_px), ..drawn }
     }
 
-    fn method(&self, _scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+    fn method(&self, _name: MethodName, _scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
         Some(Box::new(CeilingMarkers::new(map, robot)?))
     }
 

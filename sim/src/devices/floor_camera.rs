@@ -41,7 +41,7 @@ impl Device for FloorCamera {
         DrawnFloorCamera { distortion: Lens::floor(self, &drawn).bent_further(off_px), ..drawn }
     }
 
-    fn method(&self, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+    fn method(&self, _name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
         let chain = match scene.localizer.floor_tiles_chain {
             FloorTilesChain::Direct => Chain::Direct,
             FloorTilesChain::Paper => Chain::Paper,

@@ -40,7 +40,7 @@ impl Device for ForwardCamera {
         DrawnCamera { distortion: Lens::forward(self, &drawn).bent_further(off_px), ..drawn }
     }
 
-    fn method(&self, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+    fn method(&self, _name: MethodName, scene: &Scene, map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
         let keys = scene.localizer.wall_directions();
         let setup = wall_directions::Setup {
             chain: match keys.chain {

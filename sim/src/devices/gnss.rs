@@ -38,7 +38,7 @@ impl Device for Gnss {
         Some(Box::new(GnssSensor::new(self, drawn, scene, seed)))
     }
 
-    fn method(&self, scene: &Scene, _map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+    fn method(&self, _name: MethodName, scene: &Scene, _map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
         Some(Box::new(GnssPositions::new(self.model(scene), robot)))
     }
 

@@ -60,7 +60,7 @@ impl Device for RangeCamera {
         Some(Box::new(RangeCameraSensor::new(self, drawn, scene, seed)))
     }
 
-    fn method(&self, scene: &Scene, _map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
+    fn method(&self, _name: MethodName, scene: &Scene, _map: &Map, robot: &RobotModel) -> Option<Box<dyn Method>> {
         let freedom = match scene.localizer.range_landmarks_freedom {
             RangeLandmarksFreedom::Line => Freedom::Line,
             RangeLandmarksFreedom::Translation => Freedom::Translation,

@@ -30,33 +30,51 @@ pub use gyro::Gyro;
 pub use proximity::Proximity;
 pub use range_camera::RangeCamera;
 
-/// Names every kind of device to a macro: what it is, the key of its table under `[robot]`, the type of the table, and the method that reads
-/// it if only one does. What is read by the board of the base is read in this order.
+/// Names every kind of device to a macro: what it is, the key of its table under `[robot]`, and the type of the table. What is read by the board
+/// of the base is read in this order.
 macro_rules! with_every_kind {
     ($define:ident) => {
         $define! {
             /// Camera that looks straight down: a table of its keys, or `false` for none, which leaves the wheels alone.
-            floor_camera: FloorCamera as "Fitted<FloorCamera>", read by FloorTiles;
+            floor_camera: FloorCamera as "Fitted<FloorCamera>";
             /// Camera that looks ahead: a table of its keys, `true` for the default one, or `false` for none.
-            forward_camera: ForwardCamera as "Fitted<ForwardCamera>", read by WallDirections;
+            forward_camera: ForwardCamera as "Fitted<ForwardCamera>";
             /// Camera that looks up: a table of its keys, `true` for the default one, or `false` for none.
-            ceiling_camera: CeilingCamera as "Fitted<CeilingCamera>", read by CeilingMarkers;
+            ceiling_camera: CeilingCamera as "Fitted<CeilingCamera>";
             /// Range camera for coded landmarks: a table of its keys, `true` for the default one, or `false` for none.
-            range_camera: RangeCamera as "Fitted<RangeCamera>", read by RangeLandmarks;
+            range_camera: RangeCamera as "Fitted<RangeCamera>";
             /// Gyroscope about the vertical: a table of its keys, `true` for the default one, or `false` for none.
             gyro: Gyro as "Fitted<Gyro>";
             /// Optical flow sensor that looks at the floor: a table of its keys, `true` for the default one, or `false` for none.
             flow: Flow as "Fitted<Flow>";
             /// Receiver of satellite navigation: a table of its keys, `true` for the default one, or `false` for none.
-            gnss: Gnss as "Fitted<Gnss>", read by GnssPositions;
+            gnss: Gnss as "Fitted<Gnss>";
         }
     };
 }
 pub(crate) use with_every_kind;
 
-/// Defines the names of methods, and a list of them.
-macro_rules! methods {
-    ($($(#[$doc:meta])+ $method:ident,)+) => {
+/// Names every method to a macro: what it reads, its name, and the key of the device under `[robot]` that makes it.
+macro_rules! with_every_method {
+    ($define:ident) => {
+        $define! {
+            /// Joints of a tiled floor under a camera that looks down (paper 1).
+            FloorTiles reads floor_camera,
+            /// Coded landmarks that no map names, seen by a range camera (paper 3).
+            RangeLandmarks reads range_camera,
+            /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
+            CeilingMarkers reads ceiling_camera,
+            /// Level edges of walls before a camera that looks ahead: heading up to quarter turns, in the dark (paper 2).
+            WallDirections reads forward_camera,
+            /// Positions of an antenna, as a receiver of satellite navigation tells them.
+            GnssPositions reads gnss,
+        }
+    };
+}
+pub(crate) use with_every_method;
+
+macro_rules! define_methods {
+    ($($(#[$doc:meta])+ $method:ident reads $device:ident,)+) => {
         /// Localization methods by the cue they read.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
         #[serde(rename_all = "snake_case")]
@@ -68,36 +86,25 @@ macro_rules! methods {
             /// All of them.
             pub(crate) const ALL: &[MethodName] = &[$(MethodName::$method,)+];
         }
-    };
-}
-
-methods! {
-    /// Joints of a tiled floor under a camera that looks down (paper 1).
-    FloorTiles,
-    /// Coded landmarks that no map names, seen by a range camera (paper 3).
-    RangeLandmarks,
-    /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
-    CeilingMarkers,
-    /// Level edges of walls before a camera that looks ahead: heading up to quarter turns, in the dark (paper 2).
-    WallDirections,
-    /// Positions of an antenna, as a receiver of satellite navigation tells them.
-    GnssPositions,
-}
-
-macro_rules! define {
-    ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal $(, read by $method:ident)?;)+) => {
-        /// What a careful user can know of each kind of device, by the key of its table under `[robot]`.
-        pub(super) fn careful() -> Vec<(&'static str, Careful)> {
-            vec![$((stringify!($name), $keys::careful()),)+]
-        }
 
         impl Robot {
             /// The key of the device that a method reads, if this robot has none.
             pub(crate) fn lacks(&self, method: MethodName) -> Option<&'static str> {
                 match method {
-                    $($(MethodName::$method => self.$name.is_none().then_some(concat!("robot.", stringify!($name))),)?)+
+                    $(MethodName::$method => self.$device.is_none().then_some(concat!("robot.", stringify!($device))),)+
                 }
             }
+        }
+    };
+}
+
+with_every_method!(define_methods);
+
+macro_rules! define {
+    ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal ;)+) => {
+        /// What a careful user can know of each kind of device, by the key of its table under `[robot]`.
+        pub(super) fn careful() -> Vec<(&'static str, Careful)> {
+            vec![$((stringify!($name), $keys::careful()),)+]
         }
     };
 }

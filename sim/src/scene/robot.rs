@@ -8,7 +8,7 @@ use super::devices::*;
 
 /// Defines the robot with a table for every kind of device.
 macro_rules! define {
-    ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal $(, read by $method:ident)?;)+) => {
+    ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal ;)+) => {
         /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle. The defaults of its
         /// keys are the P3-DX's unless another preset is stated.
         #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
