@@ -118,6 +118,18 @@ fn method(scene: &Scene) -> (GnssPositions, RobotModel) {
 }
 
 #[test]
+fn floating_positions_within_five_seconds_of_each_other_end_no_doubt_together() {
+    let (mut method, _) = method(&yard());
+    let prior = PoseUnion::single(PoseBox::from([Interval::new(0.0, 12.0), Interval::new(0.0, 8.0), Interval::ZERO]));
+    let mut decides = |stamp_s: f64, is_fixed: bool| {
+        let reading = at_stamp(stamp_s, Position { at_m: [6.0, 4.0], is_fixed });
+        method.constrain(&reading, &prior, &Twist::default()).unwrap().decides
+    };
+    assert!(decides(0.0, false) && !decides(0.1, false) && !decides(4.9, false) && decides(5.1, false));
+    assert!(!decides(5.2, false) && decides(5.3, true) && decides(5.4, true) && !decides(9.9, false));
+}
+
+#[test]
 fn no_pose_that_keeps_every_bound_is_lost() {
     let mut scene = yard();
     scene.bounds.body_tilt_deg = 5.0;

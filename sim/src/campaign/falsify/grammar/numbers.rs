@@ -35,8 +35,7 @@ impl Span {
 /// Orders of magnitude below the greatest value in which numbers that may be 0 are looked for.
 const DEPTH: f64 = 1e-4;
 
-/// From this share of draws on, a number is one of all that the schema allows. A scene states some fifty numbers: one scene in five has such a
-/// number, and most of those still drive.
+/// One number of 250 is drawn from all that the schema allows: a scene states dozens, so that some scenes have such a number and most have none.
 const ALLOWED_FROM: f64 = 0.996;
 
 /// A number of `span`; none when nothing is left of it.
