@@ -1,4 +1,5 @@
-//! One file per cue. A new method is one file here and one line in the table of whoever sets the localizer up.
+//! Localization methods, one file per cue (markers, tiles, walls, landmarks, satellites). A new method is one file here and one line in the
+//! table of the program that sets the localizer up.
 
 pub mod ceiling_markers;
 pub mod floor_tiles;

@@ -1,4 +1,5 @@
-//! A receiver of satellite navigation: its positions against geometry by hand, and drives that hold the truth by them.
+//! Tests of the satellite navigation receiver: its positions against geometry worked out by hand, and drives that use them and keep the
+//! truth.
 
 use interval::Interval;
 use localizer::{
@@ -39,7 +40,7 @@ fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     (record, verdict)
 }
 
-/// The positions that the yard's receiver tells on a robot that stands at a pose for so long, each with its time.
+/// Positions that the receiver of the yard scene reports on a robot that stands at a pose for a given time, each with its time.
 fn positions(scene: &Scene, truth: Truth, lasts_s: f64) -> Vec<(f64, Position)> {
     let mount = DrawnGnss { position_m: [-0.15, 0.1] };
     let mut sensor = GnssSensor::new(scene.robot.gnss.as_ref().unwrap(), &mount, scene, 3);
@@ -58,7 +59,8 @@ fn positions(scene: &Scene, truth: Truth, lasts_s: f64) -> Vec<(f64, Position)> 
 fn a_position_is_that_of_the_antenna_turned_with_the_robot_and_tipped_with_it() {
     let mut scene = yard();
     scene.robot.gnss.as_mut().unwrap().fixed_tolerance_m = 0.0;
-    // By hand: heading 90°, so that 0.15 m back is −y and 0.1 m left is −x; rolled to the right by 0.1 rad, what is 0.6 m up goes right.
+    // By hand, at a heading of 90°: 0.15 m back is −y and 0.1 m left is −x. When the robot is rolled to the right by 0.1 rad, an antenna
+    // 0.6 m up moves to the right.
     let pose = Pose { x_m: 3.0, y_m: 2.0, heading_rad: std::f64::consts::FRAC_PI_2 };
     let level = positions(&scene, Truth { pose, ..Truth::default() }, 1.0);
     assert_eq!(level.len(), 10);
@@ -104,7 +106,7 @@ fn the_worst_of_time_and_place_says_what_is_received() {
     assert!(told.iter().all(|(time_s, told)| told.is_fixed != (40.0..46.0).contains(time_s)));
 }
 
-/// A robot model with a lean of half a degree, and a receiver on it.
+/// Method for a receiver on the scene's robot, and the model of that robot, whose body may lean by up to half a degree.
 fn method(scene: &Scene) -> (GnssPositions, RobotModel) {
     let robot = scene.robot_model();
     let receiver = localizer::methods::gnss_positions::ReceiverModel {
@@ -137,7 +139,8 @@ fn no_pose_that_keeps_every_bound_is_lost() {
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut n_narrower = 0;
     for _ in 0..20_000 {
-        // The antenna as bounds allow it, each error at a corner every other time.
+        // The antenna's place on the robot and the reported position are off within their bounds; each error is at a corner of its bound
+        // every other time.
         let mut within = |most: f64| {
             if rng.random() { most * [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-most..=most) }
         };
@@ -146,7 +149,7 @@ fn no_pose_that_keeps_every_bound_is_lost() {
         let (lean_rad, toward_rad) = (within(robot.body.tilt_rad), within(std::f64::consts::PI));
         let truth =
             Truth { pose, tilt_rad: [lean_rad * toward_rad.cos(), lean_rad * toward_rad.sin()], ..Truth::default() };
-        // Up to 2 ms later than its stamp the robot has got as far as reach allows.
+        // At up to 2 ms after its stamp the robot has moved as far as its limits of speed and turn rate allow.
         let late_s = 0.002;
         let moved = Truth {
             pose: Pose {
@@ -179,7 +182,7 @@ fn no_pose_that_keeps_every_bound_is_lost() {
     assert!(n_narrower > 5_000, "{n_narrower}");
 }
 
-/// The reading of a position.
+/// Satellite navigation reading of a position with a given stamp.
 fn at_stamp(measured_s: f64, told: Position) -> Reading {
     Reading::Other { measured_s, arrived_s: measured_s, device: "gnss".to_owned(), numbers: told.numbers() }
 }
@@ -192,7 +195,8 @@ fn positions_held_and_carried_by_the_motion_since_tell_the_heading_and_lose_no_t
     for _ in 0..2_000 {
         let mut method = fresh.clone();
         let mut pose = Pose { x_m: 5.0, y_m: 4.0, heading_rad: rng.random_range(-3.0..3.0) };
-        // Ways by hand: turned, then straight on, told to a hundredth of each.
+        // The drive is made up by hand: each step turns the robot and then moves it straight on. The method is given each motion to within
+        // 0.003 m and 0.003 rad.
         let steps: Vec<[f64; 2]> = (0..4).map(|_| [rng.random_range(-0.5..0.5), rng.random_range(0.2..0.6)]).collect();
         let mut poses = vec![pose];
         for [turn_rad, way_m] in &steps {
@@ -225,7 +229,7 @@ fn positions_held_and_carried_by_the_motion_since_tell_the_heading_and_lose_no_t
             assert!(domain.contains(&pose.to_array()), "{index}: {pose:?} {domain:?}");
             width_rad.push(domain.width(2));
         }
-        // Four centimetres of error at most, and what the lean adds, over a metre.
+        // The heading's width is that of four centimetres of position error at most, and of what the lean adds, over a metre.
         assert!(width_rad[4] < 0.25 && width_rad[4] < 0.5 * width_rad[0], "{width_rad:?}");
     }
 }
@@ -259,7 +263,8 @@ fn a_drive_by_positions_keeps_the_truth_through_trees_a_barn_and_an_outage() {
             let containment = verdict.containment.as_ref().unwrap();
             assert_eq!(containment.contained, containment.checks, "{errors:?} {seed}: {containment:?}");
             assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
-            // In the open after some way: twice a centimetre, and what the antenna's place and the lean add.
+            // In the open, after some driving, the box is as wide as twice a centimetre of error plus what the antenna's place and the lean
+            // add.
             let in_the_open = record.estimates.iter().zip(&record.truths).filter(|(_, truth)| {
                 (8.0..39.0).contains(&truth.time_s) && truth.pose.y_m < 5.0 && truth.pose.x_m < 8.5
             });
@@ -328,7 +333,7 @@ fn keys_out_of_their_ranges_are_refused_with_what_was_expected() {
 
 #[test]
 fn a_lever_arm_turns_the_same_way_by_hand_as_in_the_simulator() {
-    // Not the simulator's transform: a plane rotation.
+    // The expected position is computed with a plane rotation and not with the simulator's own transform.
     let pose = Pose { x_m: 3.0, y_m: 2.0, heading_rad: 0.7 };
     let lever = Rotation2::new(0.7) * Vector2::new(-0.15, 0.1);
     let mut scene = yard();

@@ -1,4 +1,4 @@
-//! Pictures of a room against pictures that somebody has looked at; `make golden` takes them anew.
+//! Pictures of a room compared with pictures that a person has approved; `make golden` takes the approved pictures anew.
 
 use std::{env, fs};
 
@@ -8,8 +8,8 @@ use sim::{drawn::Drawn, loading::SceneFile, sensors::still::take};
 
 use crate::{command::root, render_studio::renderer};
 
-/// Drivers differ in the last bits of luminance, which now and then moves a count of photons by one: a hundredth of the pixels
-/// may be off by more than two levels, and no image by more than a tenth of a level in the mean.
+/// Tolerances of the comparison. Graphics drivers differ in the last bits of luminance, which now and then changes a count of photons by
+/// one: a hundredth of the pixels may be off by more than two grey levels, and the mean of an image by no more than a tenth of a level.
 const SHARE_OFF: f64 = 0.01;
 const LEVELS_OFF: i32 = 2;
 const MEAN_OFF: f64 = 0.1;
@@ -24,7 +24,7 @@ fn rooms_look_as_they_did_when_somebody_looked() {
     ] {
         let file = SceneFile::load_all(&[root().join(format!("scenes/rooms/{name}.toml"))]).unwrap().remove(0);
         let mut scene = file.scene;
-        // A quarter of the size keeps the repository small.
+        // Images of a quarter of the size keep the repository small.
         let forward = scene.robot.forward_camera.as_mut().unwrap();
         (forward.width_px, forward.height_px) = (160, 120);
         let ceiling = scene.robot.ceiling_camera.as_mut().unwrap();
@@ -49,7 +49,7 @@ fn rooms_look_as_they_did_when_somebody_looked() {
     }
 }
 
-/// Share of the pixels that are off, and by how much the mean is.
+/// Share of the pixels that differ by more than the tolerance, and the difference of the mean grey levels.
 fn differences(image: &GrayImage, golden: &GrayImage) -> (f64, f64) {
     assert_eq!(image.dimensions(), golden.dimensions());
     let pairs = image.as_raw().iter().zip(golden.as_raw());

@@ -1,4 +1,5 @@
-//! Gaussian noise of a gyroscope that nobody draws again, and the band over spans that it keeps to but for bad luck.
+//! Tests of a gyroscope whose Gaussian noise is not redrawn when it exceeds its bound, and of the band over time spans that the noise keeps
+//! to except by bad luck.
 
 use localizer::{Pose, bounds};
 use sim::{
@@ -15,7 +16,8 @@ use crate::{
     world_setup::{gyro_sensor, noise_and_bias_rad_per_s, scene},
 };
 
-/// White noise of 0.005 °/s/√Hz that is not drawn again, at 200 Hz, with a band of this floor and 0.005 °/s.
+/// Scene with a gyroscope at 200 Hz whose white noise of 0.005 °/s/√Hz is not redrawn when it exceeds its bound, and whose band is the
+/// given floor plus 0.005 °/s.
 fn noisy(floor_deg: f64) -> Scene {
     let gyro = serde_json::json!({
         "bias_tolerance_deg_per_s": 0.0, "scale_tolerance": 0.0, "noise_deg_per_s": 0.6, "noise_redrawn": false,
@@ -26,7 +28,8 @@ fn noisy(floor_deg: f64) -> Scene {
     scene(serde_json::json!({ "robot": robot, "start": start, "duration_s": 20.0, "localizer": { "methods": [] } }))
 }
 
-/// Time until the noise of a gyroscope at rest leaves its band, up to a longest time; greatest noise until then.
+/// Time until the accumulated noise of a gyroscope at rest leaves its band, up to a longest time, and the greatest noise of a reading until
+/// then.
 fn lasts_s(scene: &Scene, seed: u64, longest_s: f64) -> (f64, f64) {
     let floor_rad = scene.robot.gyro.as_ref().unwrap().angle_floor_deg.unwrap().to_radians();
     let mut sensor = gyro_sensor(scene, seed, &Drawn::draw(scene, seed));
@@ -46,28 +49,31 @@ fn lasts_s(scene: &Scene, seed: u64, longest_s: f64) -> (f64, f64) {
 
 #[test]
 fn a_gyroscope_leaves_its_band_as_seldom_as_the_closed_form_says() {
-    // What has added up beyond the rate is a Brownian motion with drift −r, reflected at 0. It reaches a after (σ²/2r²)·(e^k − 1 − k)
-    // on average, with k = 2ra/σ² (Karlin and Taylor 1981, section 15.3); there are two sides. With σ = 0.005 °/√s and
-    // r = 0.005 °/s, a floor of 0.015° has k = 6 and lasts 0.5·396.4/2 = 99.1 s.
+    // The greatest excess of the accumulated noise over the band's rate r, over all spans up to a time, is a Brownian motion with drift −r,
+    // reflected at 0. It reaches a after (σ²/2r²)·(e^k − 1 − k) on average, with k = 2ra/σ² (Karlin and Taylor 1981, section 15.3); the
+    // band has two sides, which halves that. With σ = 0.005 °/√s and r = 0.005 °/s, a floor of 0.015° has k = 6 and lasts 0.5·396.4/2 =
+    // 99.1 s.
     let scene = noisy(0.015);
     let mean_s = (0..300).map(|seed| lasts_s(&scene, seed, 1e5).0).sum::<f64>() / 300.0;
-    // Seen at 200 Hz only, it gets 0.58·σ·√T = 0.0002° farther before it is seen: k = 6.08, 8 % longer. 300 draws scatter by 6 %.
+    // Because the noise is only seen at 200 Hz, its sum gets 0.58·σ·√T = 0.0002° farther before it is noticed: k = 6.08, 8 % longer. The
+    // mean of 300 draws scatters by 6 %.
     assert!((90.0..130.0).contains(&mean_s), "{mean_s} s on average");
 }
 
 #[test]
 fn a_floor_that_fails_once_in_a_million_hours_holds_for_hours() {
-    // k = 24: 0.5·e^24/2 = 6.6e9 s, 1.8 million hours.
+    // By the same formula with k = 24 the band lasts 0.5·e^24/2 = 6.6e9 s, 1.8 million hours.
     let scene = noisy(0.06);
     for seed in 0..4 {
         let (time_s, greatest_rad_per_s) = lasts_s(&scene, seed, 3600.0);
         assert!(time_s > 3600.0, "seed {seed} leaves its band after {time_s} s");
-        // 0.6 °/s is 8.5 standard deviations of a reading: none of 720 000 comes near, and the greatest is beyond 4.
+        // 0.6 °/s is 8.5 standard deviations of a reading: none of the 720 000 readings comes near it, and the greatest is beyond 4
+        // deviations.
         assert!((4.0 * 0.0707..0.6).contains(&greatest_rad_per_s.to_degrees()), "{}", greatest_rad_per_s.to_degrees());
     }
 }
 
-/// Errors of the readings of a gyroscope at rest, in order, as drawn or cut to `gyro.angle` and `gyro.noise`.
+/// Errors of the readings of a gyroscope at rest, in their order, either as drawn or cut to the bounds `gyro.angle` and `gyro.noise`.
 fn errors_rad_per_s(scene: &Scene, n_readings: usize, is_cut: bool) -> Vec<f64> {
     let mut drawn = Drawn::draw(scene, 1);
     drawn.devices.gyro.as_mut().unwrap().cuts = GyroCuts { noise: is_cut, angle: is_cut };
@@ -81,13 +87,14 @@ fn errors_rad_per_s(scene: &Scene, n_readings: usize, is_cut: bool) -> Vec<f64> 
 #[test]
 fn noise_cut_to_its_bounds_keeps_the_band_over_every_span_and_stays_as_drawn_until_it_leaves_it() {
     let mut scene = noisy(0.002);
-    // Three standard deviations of a reading, so that single readings are cut as well; and a bias that wanders within its own share of the band.
+    // The bound on a reading's noise is about three standard deviations, so that single readings are cut as well; and the bias wanders
+    // within its own share of the band.
     let gyro = scene.robot.gyro.as_mut().unwrap();
     (gyro.noise_deg_per_s, gyro.bias_tolerance_deg_per_s, gyro.bias_wander_deg_per_s2) = (0.2, 0.01, 0.003);
     gyro.rate_random_walk_deg_per_h_per_sqrt_h = 600.0;
     let (drawn, cut) = (errors_rad_per_s(&scene, 4000, false), errors_rad_per_s(&scene, 4000, true));
     let [floor_rad, rate_rad_per_s] = [0.002_f64, 0.005].map(f64::to_radians);
-    // Sums of errors at every time, and over every span by how much the greatest of them leaves the band.
+    // Sums of the gyroscope's errors up to every time, and the greatest amount by which the sum over any span leaves the band.
     let beyond_rad = |errors: &[f64]| {
         let mut sums_rad = vec![0.0];
         sums_rad.extend(errors.iter().scan(0.0, |sum, error| {
@@ -102,7 +109,7 @@ fn noise_cut_to_its_bounds_keeps_the_band_over_every_span_and_stays_as_drawn_unt
     };
     assert!(beyond_rad(&drawn) > 0.5 * floor_rad, "{}", beyond_rad(&drawn));
     assert!(beyond_rad(&cut) < 1e-9 * floor_rad, "{}", beyond_rad(&cut));
-    // The bound itself is reached: what was taken off was the least.
+    // The cut errors reach the bound itself: no more was taken off than necessary.
     assert!(beyond_rad(&cut) > -1e-9, "{}", beyond_rad(&cut));
     let first = drawn.iter().zip(&cut).position(|(drawn, cut)| drawn != cut).unwrap();
     assert!(beyond_rad(&drawn[..first]) <= 0.0 && first > 0);
@@ -119,7 +126,7 @@ fn a_run_that_leaves_its_band_has_a_broken_bound() {
         let named = verdict.violations.iter().any(|violation| violation.bound == "gyro.angle");
         assert_eq!(named, is_broken, "{:?}", verdict.violations);
         if let Some(broken) = verdict.violations.iter().find(|violation| violation.bound == "gyro.angle") {
-            // From the reading on with which it leaves the band, not from the start; the robot stands.
+            // The violation begins with the reading at which the noise leaves its band, not with the start; the robot stands still.
             let left_s = lasts_s(&scene, 1, 20.0).0;
             assert!(left_s > 0.1 && (broken.from_s - left_s).abs() < 0.006, "{broken:?}, left at {left_s} s");
         }

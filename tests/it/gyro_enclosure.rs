@@ -1,4 +1,5 @@
-//! The gyroscope's turn against turns integrated much finer, with bias, scale and noise at the corners of their bounds.
+//! Tests of the turn enclosed from gyroscope readings against turns integrated in much finer steps, with bias, scale and noise at the
+//! corners of their bounds.
 
 use interval::Interval;
 use localizer::{
@@ -27,7 +28,7 @@ fn corner(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random::<f64>() < 0.5 { [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-1.0..1.0) }
 }
 
-/// Headings every 0.1 ms of a turn whose rate bends as fast as allowed, and the readings of it.
+/// Headings every 0.1 ms of a turn whose rate changes as fast as allowed, and the gyroscope readings of that turn.
 fn turned(rng: &mut ChaCha8Rng, lasts_s: f64) -> (Vec<f64>, Vec<(f64, f64)>) {
     let (bias, scale) = (0.002 * corner(rng), 1.0 + 0.003 * corner(rng));
     let (mut heading, mut rate, mut bend) = (0.0, rng.random_range(-1.0..1.0), 0.0);
@@ -54,7 +55,7 @@ fn turns_to_one_stamp_after_the_other_are_those_asked_for_one_by_one() {
     for _ in 0..200 {
         let mut history = GyroHistory::new(model(), 10.0);
         let (_, mut readings) = turned(&mut rng, 1.0);
-        // Gaps, and stamps so near that periods overlap by less than is refused.
+        // The readings have gaps, and stamps so close that periods overlap by less than the amount at which a reading is refused.
         readings.retain(|_| rng.random_range(0..8) > 0);
         readings.iter_mut().for_each(|(time_s, _)| *time_s -= 4e-6 * rng.random::<f64>());
         readings.iter().for_each(|(time_s, rate)| history.push(*time_s, *rate));
@@ -63,7 +64,7 @@ fn turns_to_one_stamp_after_the_other_are_those_asked_for_one_by_one() {
         let mut to_s = from_s;
         while to_s < 1.1 {
             assert_eq!(turns.to(to_s), history.turn(from_s, to_s, CHANGE_RAD_PER_S2), "from {from_s} to {to_s}");
-            // On the end of a period, within one, and over several.
+            // The next stamp asked for is at the end of a reading's period, within a period, or several periods later.
             to_s = match rng.random_range(0..3) {
                 0 => readings.iter().map(|(time_s, _)| *time_s).find(|time_s| *time_s > to_s).unwrap_or(1.2),
                 1 => to_s + 0.003 * rng.random::<f64>(),
@@ -83,7 +84,7 @@ fn the_turn_is_inside_for_any_two_stamps() {
         readings.iter().for_each(|(time_s, rate)| history.push(*time_s, *rate));
         for _ in 0..200 {
             let from = rng.random_range(100..headings.len() - 1);
-            // Up to half a period beyond the last reading, too.
+            // The later stamp may also lie up to half a period beyond the last gyroscope reading.
             let to = rng.random_range(from..headings.len());
             let (from_s, to_s) = (from as f64 * 1e-4, to as f64 * 1e-4);
             let turn = history.turn(from_s, to_s, CHANGE_RAD_PER_S2).unwrap();
@@ -93,7 +94,8 @@ fn the_turn_is_inside_for_any_two_stamps() {
             n += 1;
         }
     }
-    // Over a second: 2·(0.002 + 0.004) of bias and noise, 0.6 % of what is turned, and twice a chord's bend.
+    // Width over a second: 2·(0.002 + 0.004) rad of bias and noise, 0.6 % of the turned angle, and twice the deviation of a chord from a
+    // bent curve.
     assert!(widest < 0.012 + 0.006 * 4.0 + 0.001, "{widest} rad after {n} turns");
 }
 
@@ -107,7 +109,7 @@ fn a_missing_reading_is_bridged_by_what_the_rate_can_have_become() {
         let kept = readings.iter().enumerate().filter(|(idx, _)| !(lost..lost + 3).contains(idx));
         kept.for_each(|(_, (time_s, rate))| history.push(*time_s, *rate));
         for _ in 0..50 {
-            // Anywhere: across the gap, within it, and on from the last reading.
+            // The two stamps may be anywhere: on both sides of the gap in the readings, within it, or after the last reading.
             let from = rng.random_range(100..4000);
             let to = rng.random_range(from..=4000);
             let turn = history.turn(from as f64 * 1e-4, to as f64 * 1e-4, CHANGE_RAD_PER_S2).unwrap();
@@ -122,7 +124,7 @@ fn a_missing_reading_is_bridged_by_what_the_rate_can_have_become() {
 
 #[test]
 fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
-    // Steady 5 rad/s² from rest: 25/2·t² has turned by t. Readings of 0.1 s average 0.25, 0.75 and 1.25 rad/s.
+    // A steady 5 rad/s² from rest turns by 5/2·t² until t. Readings over periods of 0.1 s average 0.25, 0.75 and 1.25 rad/s.
     let exact = GyroModel {
         bias_rad_per_s: Interval::ZERO,
         scale: Interval::point(1.0),
@@ -139,7 +141,7 @@ fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
         let turn = history.turn(from_s, to_s, 5.0).unwrap();
         assert!(turn.contains(truth), "{truth} is not in {turn:?} from {from_s} to {to_s}");
     }
-    // Between two readings four seconds apart, both 0, the rate may have risen to 1.5 rad/s at 1 rad/s² and come back.
+    // Between two readings of 0 that are four seconds apart the rate may have risen to 1.5 rad/s at 1 rad/s² and come back.
     let mut sparse = GyroHistory::new(GyroModel { period_s: 0.01, ..exact }, 10.0);
     [(1.0, 0.0), (5.0, 0.0)].into_iter().for_each(|(end_s, rate)| sparse.push(end_s, rate));
     let turn = sparse.turn(2.4, 2.6, 1.0).unwrap();
@@ -148,7 +150,7 @@ fn far_from_a_reading_the_rate_can_have_changed_for_as_long() {
 
 #[test]
 fn a_pushed_robot_may_turn_about_within_a_period() {
-    // Half a period at 1.6 rad/s, half at −1.6: read as 0, turned by 8 mrad in the first half.
+    // Half a period at 1.6 rad/s and half at −1.6 rad/s are read as 0, but the first half turned the robot by 8 mrad.
     let reach = Reach { speed_m_per_s: 0.7, turn_rate_rad_per_s: 1.6, acceleration_m_per_s2: 1.0 };
     let exact =
         GyroModel { noise_rad_per_s: 0.0, bias_rad_per_s: Interval::ZERO, scale: Interval::point(1.0), ..model() };
@@ -156,7 +158,7 @@ fn a_pushed_robot_may_turn_about_within_a_period() {
     [0.01, 0.02, 0.03].into_iter().for_each(|end_s| history.push_rate(end_s, 0.0));
     let turn = history.reach_motion(0.01, 0.015, &reach)[2];
     assert!(turn.contains(0.008) && turn.contains(-0.008), "{turn:?}");
-    // Over whole periods the mean is the turn.
+    // Over whole periods the mean rate that was read gives the turn.
     let turn = history.reach_motion(0.01, 0.03, &reach)[2];
     assert!(turn.contains(0.0) && turn.width() < 1e-9, "{turn:?}");
 }
@@ -171,11 +173,11 @@ fn a_duplicate_and_a_latecomer_are_dropped_and_silence_is_no_answer() {
     history.push(0.02, 9.0);
     history.push(0.015, 9.0);
     assert_eq!(history.turn(0.0, 0.02, CHANGE_RAD_PER_S2).unwrap(), before);
-    // 0.02 s at 0.5 rad/s.
+    // The expected turn is that of 0.02 s at 0.5 rad/s.
     assert!(before.contains(0.01) && before.width() < 0.0005, "{before:?}");
 }
 
-/// Wheels of which each may slip by 2 %, rolled straight on for a second, and a gyroscope beside them.
+/// Motion by wheels that roll straight on for a second, of which each may slip by 2 %, and a gyroscope that reads the given rate.
 fn rolled(gyro_rad_per_s: f64) -> Option<localizer::motion::Motion> {
     let wheels = WheelModel {
         radius_m: [Interval::centred(0.1, 0.0001); 2],
@@ -201,10 +203,10 @@ fn rolled(gyro_rad_per_s: f64) -> Option<localizer::motion::Motion> {
 #[test]
 fn wheels_and_gyroscope_are_intersected() {
     let motion = rolled(0.0).unwrap();
-    // The wheels alone: 0.24 m with 2 % on each side over 0.33 m is ±29 mrad; the gyroscope ±(0.002 + 0.004)·0.8 s.
+    // By the wheels alone, 0.24 m with 2 % on each side over a track of 0.33 m gives ±29 mrad; the gyroscope gives ±(0.002 + 0.004)·0.8 s.
     assert!(motion[2].contains(0.0) && motion[2].width() < 2.0 * 0.0051, "{:?}", motion[2]);
     assert!(motion[0].contains(0.24) && motion[0].width() < 0.013, "{:?}", motion[0]);
-    // A narrower heading bounds the way to the side, too: 0.24 m times half of the turn, and what side slip allows.
+    // A narrower heading also bounds the sideways motion: 0.24 m times half of the turn, and what side slip allows.
     assert!(motion[1].contains(0.0) && motion[1].width() < 0.24 * 0.0104 + 0.0035, "{:?}", motion[1]);
 }
 
@@ -223,7 +225,8 @@ fn noise_that_is_bounded_over_spans_widens_the_turn_by_floor_and_rate_alone() {
         angle_rad_per_s: rate_rad_per_s,
         ..model()
     };
-    // A robot at rest whose noise runs up to the floor as fast as one reading's bound allows, goes on at the rate, and comes back.
+    // The robot is at rest. Its gyroscope's accumulated noise rises to the floor as fast as the bound of one reading allows, goes on at the
+    // declared rate, and comes back.
     let wanted =
         |time_s: f64| if time_s < 5.0 { floor_rad + rate_rad_per_s * time_s } else { rate_rad_per_s * (10.0 - time_s) };
     let (mut sum_rad, mut sums, mut history) = (0.0, vec![0.0], GyroHistory::new(model, 20.0));
@@ -241,7 +244,8 @@ fn noise_that_is_bounded_over_spans_widens_the_turn_by_floor_and_rate_alone() {
             assert!(turn.contains(0.0), "{turn:?} from {from_s} to {to_s}");
         }
     }
-    // By hand: floor + 10·rate, and a reading's 0.004·0.01 at either end, to both sides; by readings it would be 0.08.
+    // By hand: floor + 10·rate, and 0.004·0.01 of a reading at either end, to both sides; by the bound of single readings it would be 0.08
+    // rad.
     let width = history.turn(0.0, 10.0, 0.0).unwrap().width();
     let expected = 2.0 * (floor_rad + 10.0 * rate_rad_per_s + 2.0 * 0.004 * PERIOD_S);
     assert!((width - expected).abs() < 1e-9, "{width}, expected {expected}");
@@ -256,7 +260,8 @@ fn a_gap_in_the_readings_costs_the_floor_once_more() {
         (1..=500).filter(|step| !lost.contains(step)).for_each(|step| history.push(step as f64 * PERIOD_S, 0.0));
         history.turn(0.0, 5.0, 0.0).unwrap().width()
     };
-    // What was not read may have turned at the rate beside it: 0.1 rad/s of noise and 0.002 of bias for 0.01 s, to both sides.
+    // During the missing reading the robot may have turned at the rate beside it: 0.1 rad/s of noise and 0.002 rad/s of bias for 0.01 s, to
+    // both sides.
     let (whole, gap) = (width(0..0), width(200..201));
     let beside = 2.0 * (0.1 + 0.002) * PERIOD_S / 0.997;
     let more = 2.0 * 0.0004 + beside;

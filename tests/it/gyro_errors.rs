@@ -1,4 +1,4 @@
-//! The gyroscope's bias and scale, learnt together from turns known from elsewhere: against biases and turns made here.
+//! Tests of the gyroscope's bias and scale, learnt together from turns known from another source: against biases and turns made up here.
 
 use interval::{Interval, contractor::Outcome};
 use localizer::{
@@ -32,13 +32,13 @@ fn the_bias_shrinks_at_rest_and_between_two_headings() {
             let noise = 0.00049 * if step % 3 == 0 { 1.0 } else { -1.0 };
             history.push(0.01 * f64::from(step), scale * rate + bias + noise);
         }
-        // A heading fix at either end tells the turn to 0.004 rad.
+        // A heading fix at either end bounds the gyroscope's true turn to an interval 0.004 rad wide.
         let read = history.sum(0.0, 10.0, 1.0).unwrap();
         let mut errors = GyroErrors::new(&gyro());
         assert_eq!(errors.learn([0.0, 10.0], read, Interval::centred(10.0 * rate, 0.002)), Outcome::Feasible);
         let known = errors.bias_over([10.0, 10.0]);
         assert!(known.contains(bias), "{known:?} at {rate} rad/s");
-        // Noise 0.0005, the turn 0.0002, and scale 0.002·rate, each way.
+        // The gyroscope's bias is known to the noise 0.0005, the turn 0.0002, and the scale error 0.002·rate, all in rad/s, to either side.
         let expected = 2.0 * (0.0005 + 0.0002 * 1.002 + SCALE_TOLERANCE * rate);
         assert!((known.width() - expected).abs() < 1e-5, "{} wide, expected {expected}", known.width());
     }
@@ -56,7 +56,7 @@ fn a_doubt_takes_back_what_was_learnt_of_the_bias() {
     assert_eq!(still(&mut errors, [10.0, 20.0], [0.004, 0.005]), Outcome::Feasible);
     let at = |errors: &GyroErrors, stamp_s: f64| errors.bias_over([stamp_s; 2]);
     assert!(at(&errors, 20.0).is_subset_of(Interval::new(0.0039 - 1e-9, 0.0051 + 1e-9)));
-    // It wanders: 1e-5 rad/s² for 100 s.
+    // The bias wanders by up to 1e-5 rad/s² for 100 s, so that its interval widens.
     assert!(at(&errors, 120.0).contains(0.0029) && !at(&errors, 120.0).contains(0.0028));
     assert!(matches!(still(&mut errors, [20.0, 21.0], [-0.009, -0.008]), Outcome::Empty(_)));
     errors.forget_since(15.0);
@@ -71,10 +71,10 @@ fn what_comes_late_is_taken_back_with_what_was_known_when_it_came() {
     let mut errors = GyroErrors::new(&GyroModel { bias_wander_rad_per_s2: 1e-5, ..gyro() });
     let exact = |bias: [f64; 2], lasts_s: f64| Interval::new(bias[0] * lasts_s, bias[1] * lasts_s);
     assert_eq!(errors.learn([10.0, 20.0], exact([0.002, 0.006], 10.0), Interval::ZERO), Outcome::Feasible);
-    // An image of 8 s, read after 20 s.
+    // The second span ends at an image's stamp of 8 s; the image is evaluated only after 20 s.
     assert_eq!(errors.learn([0.0, 8.0], exact([0.003, 0.008], 8.0), Interval::ZERO), Outcome::Feasible);
     let known = errors.bias_over([20.0; 2]);
-    // By hand: it wanders by up to 1e-5·20 from the beginning of its span to 20 s.
+    // By hand: from the beginning of the span at 0 s to 20 s the bias wanders by up to 1e-5·20 rad/s.
     assert!(known.contains(0.0029) && !known.contains(0.0027) && known.contains(0.0060), "{known:?}");
     errors.forget_since(15.0);
     let declared = errors.bias_over([20.0; 2]);
@@ -85,7 +85,7 @@ fn what_comes_late_is_taken_back_with_what_was_known_when_it_came() {
 fn laps_of_one_sense_hide_the_scale_in_the_bias_and_the_next_lap_pays_for_neither() {
     let exact = GyroModel { noise_rad_per_s: 0.0, ..gyro() };
     let (bias, scale) = (0.003, 0.9985);
-    // Laps of 40 s, a quarter turn in each of four corners; headings are known to 2 mrad either way.
+    // Each lap takes 40 s, with a quarter turn in each of four corners; headings are known to 2 mrad to either side.
     let lap_rad = std::f64::consts::TAU;
     let read = |turn_rad: f64, lasts_s: f64| Interval::point(scale * turn_rad + bias * lasts_s);
     let mut errors = GyroErrors::new(&exact);
@@ -96,17 +96,18 @@ fn laps_of_one_sense_hide_the_scale_in_the_bias_and_the_next_lap_pays_for_neithe
     );
     let next = errors.turn([80.0, 120.0], read(lap_rad, 40.0));
     assert!(next.contains(lap_rad), "{next:?}");
-    // By hand: half of what the two laps were known to, and nothing of the scale, whose 0.2 % are 25 mrad a lap.
+    // By hand: the next lap's turn is known to half of the width for the two laps. The scale, whose 0.2 % are 25 mrad a lap, adds nothing.
     assert!(next.width() < 1.05 * 0.5 * known.width(), "{} rad wide", next.width());
-    // A straight of 10 s: a bias that hid a quarter lap's scale, 2·0.002·π/2, and a quarter of what one lap is known to.
+    // On a straight of 10 s the turn's width is that of a bias that hid a quarter lap's scale error, 2·0.002·π/2, and a quarter of one
+    // lap's width.
     let straight = errors.turn([80.0, 90.0], read(0.0, 10.0));
     let expected = 2.0 * SCALE_TOLERANCE * lap_rad / 4.0 + known.width() / 8.0;
     assert!(straight.contains(0.0), "{straight:?}");
     assert!((straight.width() / expected - 1.0).abs() < 0.02, "{} wide, expected {expected}", straight.width());
 }
 
-/// Heading and sum of readings after each second, and the scale: the bias wanders as fast as allowed, or departs from a constant by what
-/// the floor and the rate of `gyro.angle` allow.
+/// True heading and true sum of gyroscope readings after each second, and the scale. The bias wanders as fast as allowed, or departs from a
+/// constant by what the floor and the rate of `gyro.angle` allow.
 fn drive(rng: &mut ChaCha8Rng, model: &GyroModel) -> (Vec<[f64; 2]>, f64) {
     let scale = 1.0 + SCALE_TOLERANCE * corner(rng);
     let (wander, floor, rate) = (model.bias_wander_rad_per_s2, model.angle_floor_rad, model.angle_rad_per_s);
@@ -117,7 +118,7 @@ fn drive(rng: &mut ChaCha8Rng, model: &GyroModel) -> (Vec<[f64; 2]>, f64) {
         let turn = [0.0, 0.7, -0.2][rng.random_range(0..3)];
         let [heading, sum] = *states.last().unwrap();
         let next = if floor.is_finite() {
-            // A steady departure, and half of the floor to either side of it.
+            // The bias departs steadily from its constant, and the sum by up to half of the floor to either side of that.
             scale * (heading + turn) + (constant + rate * slower) * f64::from(second) + 0.5 * floor * corner(rng)
         } else {
             bias = (bias + wander * corner(rng)).clamp(-BIAS_TOLERANCE_RAD_PER_S, BIAS_TOLERANCE_RAD_PER_S);
@@ -160,6 +161,6 @@ fn biases_and_scales_at_their_corners_and_every_turn_stay_inside() {
         assert!(errors.scale().contains(scale), "round {round}: {scale} is not in {:?}", errors.scale());
     }
     assert!(n_learnt > 50_000);
-    // Unlearnt: a bias of 0.01 and a scale of 0.002 at 0.7 rad/s, both ways.
+    // Without learning, a bias of ±0.01 rad/s and a scale error of ±0.002 at 0.7 rad/s would give twice this width.
     assert!(widest < 0.5 * 2.0 * (BIAS_TOLERANCE_RAD_PER_S + 0.7 * SCALE_TOLERANCE), "{widest} rad/s");
 }

@@ -1,13 +1,13 @@
-//! Interval operations against the ITF1788 cases: results from outside, tight to the last bit.
+//! Tests of the interval operations against the ITF1788 cases: expected results from an outside source, tight to the last bit.
 //!
-//! The data lie beside the project and not in it (`../shared/data/itf1788` from the project's root, in their own format).
+//! The case files lie beside the project and not in it (`../shared/data/itf1788` from the project's root, in their own format).
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use interval::{Interval, Overlap};
 
-/// What a case asks for or expects.
+/// Argument or expected result of a test case.
 #[derive(Clone, Debug, PartialEq)]
 enum Value {
     Interval(Interval),
@@ -23,10 +23,11 @@ struct Case {
     expected: Vec<Value>,
 }
 
-/// Largest allowed excess of a bound over the tight one, in units in the last place.
+/// Largest allowed excess of a computed bound over the tight one, in units in the last place.
 const BASIC: u64 = 1;
 const ELEMENTARY: u64 = 2;
-/// Reverses of periodic functions add a multiple of π to an inverse function, and cos near −1 subtracts it from 2π.
+/// Largest allowed excess, in units in the last place, for reverse operations: reverses of periodic functions add a multiple of π to an
+/// inverse function, and cos near −1 subtracts it from 2π.
 const REVERSE: u64 = 3;
 
 #[test]
@@ -57,7 +58,8 @@ fn every_applicable_case_is_contained_and_nearly_tight() {
     assert!(failures.is_empty(), "{} of {n_run} fail:\n{}", failures.len(), failures.join("\n"));
 }
 
-/// The operation's own answer and the excess it is allowed; `None` when the library does not offer it.
+/// Result of the library's operation and the excess over the tight result that it is allowed; `None` when the library does not offer the
+/// operation.
 fn evaluate(operation: &str, arguments: &[Value]) -> Option<(Vec<Value>, u64)> {
     use Value::{Interval as I, Number as N, Text, Word};
     let interval = |value: Interval, allowed| Some((vec![I(value)], allowed));
@@ -139,13 +141,13 @@ fn evaluate(operation: &str, arguments: &[Value]) -> Option<(Vec<Value>, u64)> {
     }
 }
 
-/// `FirstEmpty` is written `firstEmpty` in the data.
+/// Name of an overlap state as the case files write it, with a small first letter: `FirstEmpty` is `firstEmpty` there.
 fn overlap_name(state: Overlap) -> String {
     let name = format!("{state:?}");
     name[..1].to_ascii_lowercase() + &name[1..]
 }
 
-/// How far the answer is too wide, or `None` when it is wrong.
+/// Number of units in the last place by which a result is wider than the expected one; `None` when the result is wrong.
 fn excess(actual: &[Value], expected: &[Value]) -> Option<u64> {
     if actual.len() != expected.len() {
         return None;
@@ -154,7 +156,7 @@ fn excess(actual: &[Value], expected: &[Value]) -> Option<u64> {
     for pair in actual.iter().zip(expected) {
         let ulps = match pair {
             (Value::Interval(actual), Value::Interval(expected)) if expected.is_empty() => {
-                // Nothing is the only tight answer, and something is no number of units away from it.
+                // The empty interval is the only tight result, and the excess of any other interval cannot be counted in units.
                 actual.is_empty().then_some(0)?
             }
             (Value::Interval(actual), Value::Interval(expected)) if expected.is_subset_of(*actual) => {
@@ -170,7 +172,7 @@ fn excess(actual: &[Value], expected: &[Value]) -> Option<u64> {
     Some(largest)
 }
 
-/// Doubles from `low` up to `high`.
+/// Number of steps from one double to the next between `low` and `high`.
 fn ulps_between(low: f64, high: f64) -> u64 {
     let rank = |x: f64| {
         let bits = x.abs().to_bits() as i64;
@@ -191,7 +193,7 @@ fn read_cases() -> Option<Vec<Case>> {
     Some(paths.iter().flat_map(|path| parse_cases(&std::fs::read_to_string(path).unwrap())).collect())
 }
 
-/// Statements are `operation argument… = result…;` inside `testcase name { … }`.
+/// Parses a case file, in which statements are `operation argument… = result…;` inside `testcase name { … }`.
 fn parse_cases(text: &str) -> Vec<Case> {
     let mut code = String::new();
     let mut rest = text;
@@ -207,7 +209,7 @@ fn parse_cases(text: &str) -> Vec<Case> {
 fn parse_statement(statement: &str) -> Option<Case> {
     let (left, right) = statement.split_once(" = ")?;
     let (operation, arguments) = left.trim().split_once(char::is_whitespace)?;
-    // A signal is a warning beside the result.
+    // A word `signal` after the result announces a warning, which is not compared.
     let expected = parse_values(right.split("signal").next()?)?;
     Some(Case {
         statement: statement.split_whitespace().collect::<Vec<_>>().join(" "),
@@ -217,7 +219,7 @@ fn parse_statement(statement: &str) -> Option<Case> {
     })
 }
 
-/// `None` for values of decorated arithmetic that have no bare counterpart.
+/// Parses arguments or results; `None` for values of decorated arithmetic that have no bare counterpart.
 fn parse_values(text: &str) -> Option<Vec<Value>> {
     let mut values = Vec::new();
     let mut rest = text.trim_start();
@@ -229,7 +231,7 @@ fn parse_values(text: &str) -> Option<Vec<Value>> {
         } else if let Some(inside) = rest.strip_prefix('[') {
             let (bounds, after) = inside.split_once(']')?;
             values.push(Value::Interval(parse_interval(bounds)?));
-            // The decoration, as in [1, 2]_com, says how the value was reached and does not change it.
+            // The decoration, as in `[1, 2]_com`, says how the interval was computed and does not change it.
             rest = after.trim_start_matches(|c: char| c == '_' || c.is_ascii_alphabetic());
         } else {
             let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
@@ -253,7 +255,7 @@ fn parse_interval(bounds: &str) -> Option<Interval> {
     }
 }
 
-/// Decimal or hexadecimal floating point, independent of the library's own reader.
+/// Parses a decimal or hexadecimal floating-point number, independently of the library's own reader.
 fn parse_number(word: &str) -> Option<f64> {
     let lower = word.to_ascii_lowercase();
     let (sign, magnitude) = match lower.strip_prefix('-') {
@@ -275,6 +277,6 @@ fn parse_number(word: &str) -> Option<f64> {
         value += place * f64::from(digit.to_digit(16)?);
     }
     let exponent: i32 = exponent.parse().ok()?;
-    // In two steps: 2⁻¹⁰⁷⁴ cannot be formed as the reciprocal of a double.
+    // The power of two is applied in two steps, because 2⁻¹⁰⁷⁴ cannot be formed as the reciprocal of a double.
     Some(sign * value * 2f64.powi(exponent / 2) * 2f64.powi(exponent - exponent / 2))
 }

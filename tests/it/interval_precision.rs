@@ -1,6 +1,7 @@
-//! Interval functions and random expressions against arithmetic with 160 bits: is the real value inside?
+//! Tests of interval functions and random expressions against arithmetic with 160 bits: the real value must be inside the interval.
 //!
-//! `WHEREIN_INTERVAL_TRIALS` sets the number of function values, and one expression for 20 of them; the experiments set 1.4·10⁷.
+//! `WHEREIN_INTERVAL_TRIALS` sets the number of function values that are tried, and one expression is tried for every 20 of them; the
+//! experiments set 1.4·10⁷.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -11,14 +12,15 @@ use interval::Interval;
 
 type Big = CachedFBig<Zero, 2>;
 
-/// Relative errors of 2⁻¹⁶⁰ are invisible beside the half unit of 2⁻⁵³ by which every interval bound clears the real value.
+/// Bits of the reference arithmetic. Relative errors of 2⁻¹⁶⁰ are invisible beside the half unit of 2⁻⁵³ by which every interval bound
+/// clears the real value.
 const PRECISION: usize = 160;
 
 fn n_trials() -> u64 {
     std::env::var("WHEREIN_INTERVAL_TRIALS").ok().and_then(|text| text.parse().ok()).unwrap_or(20_000)
 }
 
-/// SplitMix64: tests need no better, and the same numbers everywhere.
+/// Random number generator SplitMix64: good enough for tests, and it gives the same numbers on every machine.
 struct Random(u64);
 
 impl Random {
@@ -38,7 +40,7 @@ impl Random {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Ordinary sizes, all exponents, whole numbers, and neighbours of multiples of π/4: where mistakes live.
+    /// Random number, where mistakes are likely: of ordinary size, with any exponent, whole, or next to a multiple of π/4.
     fn number(&mut self) -> f64 {
         match self.below(8) {
             0..4 => 20.0 * self.unit() - 10.0,
@@ -57,7 +59,7 @@ impl Random {
         }
     }
 
-    /// A point, a thin or a wide interval, and a member of it: often an end.
+    /// Random interval, a point, thin or wide, and a member of it that is often one of its ends.
     fn interval_with_member(&mut self) -> (Interval, f64) {
         let a = self.number();
         let b = match self.below(4) {
@@ -92,7 +94,7 @@ fn encloses(enclosure: Interval, real: &Big, cache: &Rc<RefCell<ConstCache>>) ->
 fn functions_enclose_the_real_value() {
     type Function = (&'static str, fn(Interval) -> Interval, fn(&Big) -> Big, fn(f64) -> bool);
     let anywhere: fn(f64) -> bool = |_| true;
-    // Arguments of 2^±1000 make the reference slow and are covered by the ITF1788 cases.
+    // Arguments of 2^±1000 make the reference arithmetic slow, and the ITF1788 cases cover them.
     let moderate: fn(f64) -> bool = |x| x == 0.0 || (1e-60..1e60).contains(&x.abs());
     let unit: fn(f64) -> bool = |x| x.abs() <= 1.0 && (x == 0.0 || x.abs() > 1e-60);
     let functions: [Function; 12] = [
@@ -126,7 +128,7 @@ fn functions_enclose_the_real_value() {
     println!("{n_checked} function values inside");
 }
 
-/// A random expression with its two meanings.
+/// Random expression that can be evaluated with intervals and with real numbers.
 enum Expression {
     Variable(usize),
     Unary(u64, Box<Expression>),
@@ -174,7 +176,7 @@ impl Expression {
         }
     }
 
-    /// `None` where the expression has no value.
+    /// Value of the expression in the reference arithmetic; `None` where the expression has no value.
     fn real(&self, variables: &[Big; 3]) -> Option<Big> {
         let zero = |x: &Big| x.clone() == x.clone() - x.clone();
         Some(match self {
@@ -207,7 +209,7 @@ impl Expression {
                     3 => x / y,
                     4 => x.hypot(&y),
                     _ if zero(&x) && zero(&y) => return None,
-                    // The reference tells −0 from 0, real numbers do not.
+                    // The reference arithmetic distinguishes −0 from 0, which real numbers do not.
                     _ if zero(&x) => (x.clone() - x).atan2(&y),
                     _ => x.atan2(&y),
                 }
@@ -240,7 +242,7 @@ fn random_expressions_enclose_the_real_value() {
 
 #[test]
 fn an_underflow_does_not_cross_zero() {
-    // The product of positive numbers is positive, however small: its reciprocal stays on one side.
+    // A product of positive numbers is positive, however small, so that the interval of its reciprocal stays on one side of zero.
     let tiny = Interval::new(1e-200, 2e-200);
     assert!((tiny * tiny).lo() >= 0.0 && (tiny * -tiny).hi() <= 0.0);
     assert!((tiny * tiny).recip().lo() > 0.0);

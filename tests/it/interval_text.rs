@@ -1,9 +1,9 @@
-//! What is printed reads back as the same interval, and what is read contains what was written.
+//! Tests of intervals as text: a printed interval reads back as the same one, and an interval that is read contains the written numbers.
 
 use interval::{Interval, IntervalBox};
 use proptest::prelude::*;
 
-/// Every double but NaN is as likely as its bits.
+/// Strategy for a bound of an interval: any double but NaN by its bits, or a number of ordinary size, whole or not.
 fn bound() -> impl Strategy<Value = f64> {
     prop_oneof![any::<u64>().prop_map(f64::from_bits), -100.0..100.0f64, (-1000..1000i32).prop_map(f64::from)]
         .prop_filter("a bound is not NaN", |bound| !bound.is_nan())
@@ -30,7 +30,7 @@ proptest! {
 
 #[test]
 fn a_tenth_is_between_two_doubles() {
-    // 0.1 as a double is above one tenth; the interval read must reach below.
+    // The double nearest to 0.1 is above one tenth, so that the interval read from text must reach below it.
     let tenth: Interval = "[0.1]".parse().unwrap();
     assert_eq!((tenth.lo(), tenth.hi()), (0.1f64.next_down(), 0.1));
     let third: Interval = "[1/3, 2/3]".parse().unwrap();

@@ -7,12 +7,13 @@ use sim::{
     subject::{IntervalLocalizer, SubjectOf},
 };
 
-/// What the check says of a run, simulated again where it has to know whose fault a failure is.
+/// Verdict of the judge on a run of the interval localizer. The run is simulated again where the judge has to find out whose fault a
+/// failure is.
 pub(crate) fn verdict_of(scene: &Scene, record: &RunRecord) -> Verdict {
     verdict_of_subject(scene, record, &IntervalLocalizer::boxed)
 }
 
-/// The same of a run by another subject.
+/// Verdict of the judge on a run of another subject, which may be any localizer under test.
 pub(crate) fn verdict_of_subject(scene: &Scene, record: &RunRecord, subject_of: &SubjectOf<'_>) -> Verdict {
     let mut renderer = None;
     let verdict = judge(scene, record, &mut |asked| {
@@ -22,7 +23,7 @@ pub(crate) fn verdict_of_subject(scene: &Scene, record: &RunRecord, subject_of: 
         run_otherwise(scene, record, asked, subject_of, renderer.as_mut(), &mut |_| {})
     });
     let verdict = verdict.unwrap();
-    // What a run measures can be expected of it.
+    // Every metric that a run measures must be in the list of metrics that a scene may state expectations of.
     let unknown: Vec<&String> = verdict.metrics.keys().filter(|name| !METRICS.contains(&name.as_str())).collect();
     assert!(unknown.is_empty(), "{unknown:?}");
     verdict

@@ -11,7 +11,7 @@ use sim::{
     scene::{Scene, Spectrum},
 };
 
-/// A room of 4 m by 3 m whose walls and ceiling are black, so that only direct light is there.
+/// Scene with a room of 4 m by 3 m whose walls and ceiling are black, so that there is only direct light.
 pub(crate) fn black_room(more: &str) -> Scene {
     let text = format!(
         "[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.0\nceiling_albedo = 0.0\n\
@@ -20,7 +20,7 @@ pub(crate) fn black_room(more: &str) -> Scene {
     Scene::parse(&text, "room.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
-/// The floor's illuminance in lux; visible light of 555 nm is its own equivalent.
+/// Illuminance of the floor at a point, in lux; visible light of 555 nm is its own equivalent.
 fn at_floor(map: &LightMap, building: &Building, x_m: f64, y_m: f64) -> f64 {
     let floor = building.panels.iter().position(|panel| panel.part == Part::Floor).unwrap();
     map.at(floor, x_m / 4.0, y_m / 3.0, 0)
@@ -42,11 +42,11 @@ const BULB: &str =
 #[test]
 fn a_bulb_follows_the_inverse_square_and_the_cosine() {
     let (building, _, map) = baked(&black_room(BULB), &[]);
-    // 1256.637 lm all around are 100 cd; straight below at 2 m: 100/4.
+    // A bulb of 1256.637 lm in all directions has 100 cd; straight below it, at a distance of 2 m, the floor has 100/4 lx.
     close(at_floor(&map, &building, 1.0, 1.5), 25.0, 0.01);
-    // 2 m aside: d² = 8, cos = 2/√8.
+    // At 2 m aside from the point below the bulb: d² = 8, cos = 2/√8.
     close(at_floor(&map, &building, 3.0, 1.5), 100.0 / 8.0 * (2.0 / 8_f64.sqrt()), 0.01);
-    // 2.9 m and 1.4 m aside: d² = 4 + 8.41 + 1.96.
+    // At 2.9 m and 1.4 m aside from the point below the bulb: d² = 4 + 8.41 + 1.96.
     close(at_floor(&map, &building, 3.9, 2.9), 100.0 * 2.0 / 14.37_f64.powf(1.5), 0.01);
 }
 
@@ -56,23 +56,23 @@ fn a_panel_gives_what_the_closed_form_of_a_rectangle_says() {
                  lumens = 3000\nspectrum = \"monochrome\"\n";
     let (building, _, map) = baked(&black_room(panel), &[]);
     let luminance = 3000.0 / (PI * 1.2 * 0.6);
-    // Below a corner of a parallel rectangle a × b at height h:
-    // E = L/2·(a/√(a² + h²)·atan(b/√(a² + h²)) + b/√(b² + h²)·atan(a/√(b² + h²))).
+    // Illuminance below a corner of a parallel rectangle a × b at height h: E = L/2·(a/√(a² + h²)·atan(b/√(a² + h²)) + b/√(b² +
+    // h²)·atan(a/√(b² + h²))).
     let corner = |a: f64, b: f64, h: f64| {
         let (along, across) = (a.hypot(h), b.hypot(h));
         0.5 * luminance * (a / along * (b / along).atan() + b / across * (a / across).atan())
     };
     close(at_floor(&map, &building, 2.0, 1.5), 4.0 * corner(0.6, 0.3, 1.5), 0.01);
     close(at_floor(&map, &building, 2.6, 1.8), corner(1.2, 0.6, 1.5), 0.01);
-    // 1 m beyond the panel's end on its axis: the long rectangle less the short one, twice.
+    // The point is 1 m beyond the panel's end on its axis: twice the light of the long rectangle less that of the short one.
     let beyond = 2.0 * (corner(2.2, 0.3, 1.5) - corner(1.0, 0.3, 1.5));
     close(at_floor(&map, &building, 3.6, 1.5), beyond, 0.01);
 }
 
 #[test]
 fn an_upright_surface_sees_only_what_is_before_it() {
-    // A rectangle overhead, half of it behind the surface: E = L/2·(atan(b/h) − h/√(a² + h²)·atan(b/√(a² + h²)))
-    // for each corner rectangle a deep and b wide in front of the surface at depth h below.
+    // A rectangle overhead, half of it behind an upright surface, gives E = L/2·(atan(b/h) − h/√(a² + h²)·atan(b/√(a² + h²))) for each
+    // corner rectangle, a deep and b wide, in front of the surface and h above the point.
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| vector![x, y, 1.5]);
     let (a, b, h) = (1.0_f64, 1.0_f64, 1.5_f64);
     let one = 0.5 * ((b / h).atan() - h / a.hypot(h) * (b / a.hypot(h)).atan());
@@ -96,7 +96,7 @@ fn a_lamp_given_in_lux_gives_them_at_the_floor_below() {
     let window = "[[lamp]]\nkind = \"window\"\nx_m = 2.0\ny_m = 0.0\nheading_deg = 90\n\
                   illuminance_at_floor_lux = 200\nspectrum = \"monochrome\"\n";
     let (building, lighting, map) = baked(&black_room(window), &[]);
-    // 1 m before its wall.
+    // The illuminance is taken 1 m in front of the wall with the window.
     close(at_floor(&map, &building, 2.0, 1.004) * lighting.dimming, 200.0, 0.01);
 }
 
@@ -110,7 +110,7 @@ fn lamps_without_output_give_what_the_light_states() {
 
 #[test]
 fn illuminance_at_the_camera_is_that_on_an_upright_plane_at_its_lens() {
-    // The bulb is 1.12 m ahead of the start less the lens's 0.12 m, and 2 m − 0.25 m above: E = I·cos θ/d².
+    // The bulb is 1.12 m ahead of the start less the lens's 0.12 m, and 2 m − 0.25 m above the lens: E = I·cos θ/d².
     let scene = black_room(&format!(
         "{}[light]\nilluminance_at_camera_lux = 0.1\n[robot.forward_camera]\n[floor.tiles]\n\
          tile_albedo = 0.0\njoint_albedo = 0.0\n",
@@ -124,7 +124,7 @@ fn illuminance_at_the_camera_is_that_on_an_upright_plane_at_its_lens() {
 
 #[test]
 fn shadow_edges_are_where_similar_triangles_put_them() {
-    // The bulb at x = 1, 2 m up; a board 1 m up from x = 1.5 to 1.9: its shadow reaches from x = 2.0 to 2.8.
+    // The bulb is at x = 1 and 2 m up, and a board 1 m up reaches from x = 1.5 to 1.9: its shadow reaches from x = 2.0 to 2.8.
     let board = UprightBox {
         middle_m: [1.7, 1.5],
         heading_rad: 0.0,
@@ -140,7 +140,7 @@ fn shadow_edges_are_where_similar_triangles_put_them() {
         let place = |index: i32| from + (to - from) * f64::from(index) / 2000.0;
         place((0..2000).find(|index| (share(place(*index)) - 0.5).signum() != (share(from) - 0.5).signum()).unwrap())
     };
-    // Nodes are 0.05 m apart.
+    // The nodes of the light map are 0.05 m apart.
     for (edge, expected) in [(crossing(1.85, 2.4), 2.0), (crossing(2.4, 2.95), 2.8)] {
         assert!((edge - expected).abs() < 0.01, "{edge}, expected {expected}");
     }
@@ -149,7 +149,7 @@ fn shadow_edges_are_where_similar_triangles_put_them() {
 #[test]
 fn the_shadow_of_a_person_ends_where_rays_past_head_and_shoulders_meet_the_floor() {
     let (building, lighting, map) = baked(&black_room(BULB), &[]);
-    // The bulb is 2 m up at x = 1. The way over a head 1 m up at x = 1.6 meets the floor at x = 1 + 0.6·2/(2 − 1) = 2.2.
+    // The bulb is 2 m up at x = 1. The ray over a head 1 m up at x = 1.6 meets the floor at x = 1 + 0.6·2/(2 − 1) = 2.2.
     let person = UprightBody {
         middle_m: [1.6, 1.5],
         heading_rad: 0.0,
@@ -162,23 +162,24 @@ fn the_shadow_of_a_person_ends_where_rays_past_head_and_shoulders_meet_the_floor
     let shaded = LightMap { nodes, ..map.clone() };
     let share = |x: f64, y: f64| at_floor(&shaded, &building, x, y) / at_floor(&map, &building, x, y);
     assert!(share(1.95, 1.5) < 0.06, "in the shadow {}", share(1.95, 1.5));
-    // Before the lamp's foot, far from the person's own feet.
+    // Points beyond the lamp's foot and beyond the shadow's end are lit; both are far from the person's feet.
     assert!(share(0.3, 1.5) > 0.99 && share(3.2, 1.5) > 0.99);
     let crossing = |at: &dyn Fn(f64) -> [f64; 2]| {
         let half = |step: &i32| share(at(f64::from(*step) / 1000.0)[0], at(f64::from(*step) / 1000.0)[1]) > 0.5;
         f64::from((0..1000).find(half).unwrap()) / 1000.0
     };
-    // Nodes are 0.05 m apart, and an edge is placed to half of that.
+    // Nodes of the light map are 0.05 m apart, and a shadow's edge is placed to half of that.
     let end = 2.0 + crossing(&|share| [2.0 + share, 1.5]);
     assert!((end - 2.2).abs() < 0.025, "the head's shadow ends at {end}");
-    // Taken to be 0.15 m wide to either side: at x = 2 the ray that passes 0.15 m beside the axis is y = 0.25/√(1 − 0.25²) aside.
+    // The person is taken to be 0.15 m wide to either side of the axis: at x = 2 the ray that passes 0.15 m beside the axis is y = 0.25/√(1
+    // − 0.25²) aside.
     let side = crossing(&|share| [2.0, 1.5 + share]);
     assert!((side - 0.2582).abs() < 0.025, "the shoulder's shadow ends {side} aside");
 }
 
 #[test]
 fn half_a_panel_behind_a_board_gives_half_its_light_below_the_edge() {
-    // A long board under half of the panel, seen from straight below its edge.
+    // A long board is under half of the panel, and the point is straight below the board's edge.
     let panel = Source {
         shape: Shape::Rectangle {
             centre: Point3::new(0.0, 0.0, 2.0),
@@ -205,19 +206,19 @@ fn half_a_panel_behind_a_board_gives_half_its_light_below_the_edge() {
 
 #[test]
 fn view_factors_are_the_published_ones() {
-    // Howell's catalog, C-11, unit cube: 0.1998.
+    // Howell's catalog, C-11, gives 0.1998 for the view factor between opposite faces of a unit cube.
     close(opposite_rectangles_view_factor(1.0, 1.0), 0.19982, 1e-4);
 }
 
 #[test]
 fn light_bounces_as_in_an_integrating_sphere() {
-    // In a cube whose six faces are alike, direct light E on the floor alone: the mean exitance is
-    // ρ·(E/6)/(1 − ρ), whatever the view factors are.
+    // In a cube whose six faces have the same albedo ρ, with direct light E on the floor alone, the mean exitance is ρ·(E/6)/(1 − ρ),
+    // whatever the view factors are.
     let text = "[room]\nwidth_m = 2.6\ndepth_m = 2.6\n[building]\nwall_albedo = 0.4\nceiling_albedo = 0.4\n\
                 skirting_height_m = 0.0\n[start]\nx_m = 1.3\ny_m = 1.3\n[[route.waypoint]]\nx_m = 1.3\ny_m = 1.3\n\
                 [light]\nilluminance_at_floor_lux = 100\n";
     let (building, _, map) = baked(&Scene::parse(text, "cube.toml").unwrap(), &[]);
-    // The sum of direct and bounced illuminance over the room times albedo is the exitance; lamps give Φ in all.
+    // The sum of direct and bounced illuminance over the room, times the albedo, is the exitance; the lamps give the flux Φ in all.
     let mean = |part: Part| {
         let panels = || building.panels.iter().enumerate().filter(|(_, panel)| panel.part == part);
         let sum: f64 = panels()
@@ -229,14 +230,14 @@ fn light_bounces_as_in_an_integrating_sphere() {
         sum / panels().count() as f64
     };
     let mean_illuminance = (mean(Part::Floor) + 4.0 * mean(Part::Wall) + mean(Part::Ceiling)) / 6.0;
-    // The only lamp gives 1000 lm before dimming; every face takes 1 − ρ of what arrives.
+    // The only lamp gives 1000 lm before dimming; every face absorbs 1 − ρ of the light that arrives.
     let area_m2 = 6.0 * 2.6 * 2.6;
     close(mean_illuminance, 1000.0 / (area_m2 * (1.0 - 0.4)), 0.02);
 }
 
 #[test]
 fn light_that_bounces_goes_through_open_doors_and_none_is_lost() {
-    // Two rooms of 3 m by 3 m, the lamp in the first one; without the frames of its doors a room is floor, walls and ceiling.
+    // Two rooms of 3 m by 3 m, with the lamp in the first one; without the frames of its doors a room is floor, walls and ceiling.
     let rooms = |hole: &str| {
         let text = format!(
             "[room]\nwidth_m = 3.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.7\nceiling_albedo = 0.8\n\
@@ -246,7 +247,7 @@ fn light_that_bounces_goes_through_open_doors_and_none_is_lost() {
         );
         baked(&Scene::parse(&text, "two.toml").unwrap_or_else(|error| panic!("failed to {error}")), &[])
     };
-    // What all surfaces of a room take, by what falls on them and what they do not throw back.
+    // Light that all surfaces of a room absorb, from what falls on them and the share that they do not reflect.
     let taken_lm = |(building, _, map): &(Building, Lighting, LightMap), room: usize| -> f64 {
         let panels = building.panels.iter().enumerate();
         let of_room = panels.filter(|(_, panel)| panel.room == room && panel.part != Part::Thing);
@@ -264,7 +265,8 @@ fn light_that_bounces_goes_through_open_doors_and_none_is_lost() {
     let open = rooms("[[building.door]]\nfrom_m = [3.0, 0.5]\nto_m = [3.0, 2.0]\nheight_m = 2.0\nopen = true\n");
     let (first_lm, second_lm) = (taken_lm(&open, 0), taken_lm(&open, 1));
     close(first_lm + second_lm, 1000.0, 0.02);
-    // Walls take on average what bounces there, of which the hole's share leaves; the lamp itself shines through onto the floor, too.
+    // The doorway's share of the light that bounces in the first room leaves it, and the lamp also shines directly through the doorway onto
+    // the floor.
     assert!((100.0..300.0).contains(&second_lm), "{first_lm} and {second_lm} lm");
 }
 
@@ -284,7 +286,7 @@ fn openings_are_as_large_as_doors_and_seams() {
     let found = openings(&format!("{beside}{door}"));
     assert_eq!((found.len(), found[0].rooms, found[0].holes.len()), (1, [0, 1], 1));
     close(found[0].area_m2, 0.9 * 2.0, 1e-9);
-    // Half a metre into the first room: a hole as wide as the second room, from floor to ceiling.
+    // The second room reaches half a metre into the first: the opening is as wide as the second room, from floor to ceiling.
     let joined = openings(&beside.replace("x_m = 4.0", "x_m = 3.5"));
     assert_eq!((joined.len(), joined[0].rooms), (1, [0, 1]));
     close(joined[0].area_m2, 2.0 * 2.5, 1e-5);
@@ -292,7 +294,7 @@ fn openings_are_as_large_as_doors_and_seams() {
 
 #[test]
 fn light_that_bounces_has_no_step_where_rooms_run_into_each_other() {
-    // A room of 7.5 m by 4 m, and the same of two rooms, the lamp in the first.
+    // A room of 7.5 m by 4 m, and the same room made of two, with the lamp in the first part.
     let room = |width_m: f64, more: &str| {
         let text = format!(
             "[room]\nwidth_m = {width_m:?}\ndepth_m = 4.0\n[building]\nskirting_height_m = 0.0\n[start]\nx_m = 1.3\ny_m = 1.3\n\
@@ -315,7 +317,7 @@ fn light_that_bounces_has_no_step_where_rooms_run_into_each_other() {
     for normal in [Vector3::z(), Vector3::y()] {
         let (before, behind) = (bounced(&joined, 3.98, normal, 0), bounced(&joined, 4.02, normal, 1));
         assert!((behind / before - 1.0).abs() < 0.05, "{normal:?}: {before} and {behind} lx at the seam");
-        // Darker away from the lamp, as it should be, about the mean of the whole.
+        // The light is darker away from the lamp, as it should be, and lies around the mean of the undivided room.
         let (near, far) = (bounced(&joined, 1.5, normal, 0), bounced(&joined, 6.5, normal, 1));
         let mean = bounced(&whole, 3.75, normal, 0);
         assert!(near > mean && mean > far && far > 0.3 * near, "{near}, {mean}, {far} lx");
@@ -324,13 +326,14 @@ fn light_that_bounces_has_no_step_where_rooms_run_into_each_other() {
 
 #[test]
 fn photons_of_a_lux_are_those_of_published_conversions() {
-    // A lux of 555 nm is 4.091e15 photons a second and square metre, that is 6.793e-3 µmol.
+    // One lux of light of 555 nm is 4.091e15 photons per second and square metre, that is 6.793e-3 µmol.
     let micromoles = |spectrum: Spectrum| Photons::of(spectrum).visible * 4.0908e15 / 6.02214e17;
-    // Thimijan and Heins (HortScience 18, 1983): 54 lx a µmol for sunlight, 74 for cool white tubes, 50 for incandescent.
+    // Thimijan and Heins (HortScience 18, 1983) give, in lux per µmol/(m²·s): 54 for sunlight, 74 for cool white tubes, 50 for incandescent
+    // lamps.
     close(micromoles(Spectrum::Daylight), 1.0 / 54.0, 0.05);
     close(micromoles(Spectrum::Tube), 1.0 / 74.0, 0.08);
     close(micromoles(Spectrum::Incandescent), 1.0 / 50.0, 0.05);
-    // White diodes lie between tubes and sunlight, and have nothing in the infrared.
+    // White light-emitting diodes lie between tubes and sunlight, and have nothing in the infrared.
     let led = Photons::of(Spectrum::Led);
     assert!((1.0 / 80.0..1.0 / 55.0).contains(&micromoles(Spectrum::Led)) && led.infrared < 0.01);
     assert!(Photons::of(Spectrum::Incandescent).infrared > 1.0);

@@ -1,4 +1,5 @@
-//! A viewer of Foxglove's WebSocket protocol (github.com/foxglove/ws-protocol) of the tests' own looks on while a scene runs.
+//! Tests of the live stream: a viewer of Foxglove's WebSocket protocol (github.com/foxglove/ws-protocol), written for the tests, watches
+//! while a scene runs.
 
 use std::{
     collections::BTreeMap,
@@ -15,10 +16,10 @@ use tungstenite::{Message, WebSocket, client::IntoClientRequest, http::HeaderVal
 
 use crate::command::{blind_scene, folder, outcome, wherein};
 
-/// Messages of a topic: simulated time in nanoseconds, and content.
+/// Messages that were received, by topic: simulated time in nanoseconds, and content.
 type Heard = BTreeMap<String, Vec<(u64, Vec<u8>)>>;
 
-/// Subscribes to everything and listens until the run is over. Also: the announced channels by topic.
+/// Subscribes to every channel and listens until the run is over. Returns the messages, and the announced channels by topic.
 fn listen(mut socket: WebSocket<MaybeTlsStream<TcpStream>>) -> (Heard, BTreeMap<String, Value>) {
     let (mut heard, mut channels, mut topics) = (Heard::new(), BTreeMap::new(), BTreeMap::new());
     while let Ok(message) = socket.read() {
@@ -33,7 +34,7 @@ fn listen(mut socket: WebSocket<MaybeTlsStream<TcpStream>>) -> (Heard, BTreeMap<
                     socket.send(Message::text(wish.to_string())).unwrap();
                 }
             }
-            // Opcode 1: subscription (u32), time (u64), content, all little-endian.
+            // Messages with the opcode 1 hold a subscription (u32), a time (u64) and the content, all little-endian.
             Message::Binary(bytes) if bytes[0] == 1 => {
                 let id = u32::from_le_bytes(bytes[1..5].try_into().unwrap());
                 let time_ns = u64::from_le_bytes(bytes[5..13].try_into().unwrap());
@@ -45,7 +46,7 @@ fn listen(mut socket: WebSocket<MaybeTlsStream<TcpStream>>) -> (Heard, BTreeMap<
     (heard, channels)
 }
 
-/// A run of three seconds as a viewer sees it, which takes three seconds.
+/// Messages and channels of a run of three seconds as a viewer receives them; it takes three seconds.
 fn viewed(place: &Path) -> (Heard, BTreeMap<String, Value>) {
     let mut command = wherein(place, &["run", "scene.toml", "--live=127.0.0.1:0", "--record"]);
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
@@ -68,7 +69,7 @@ fn a_viewer_sees_a_run_in_real_time_with_definitions_and_mounts() {
     let place = folder("live_view");
     let scene = blind_scene(3.0, "").replace("floor_camera = false\n", "");
     fs::write(place.join("scene.toml"), scene + "[floor.tiles]\n").unwrap();
-    // On a machine that is busy for seconds a connection may be lost; a viewer connects again.
+    // On a machine that is busy for seconds a connection may be lost; then the viewer connects again.
     let (mut heard, mut channels) = viewed(&place);
     for _ in 0..4 {
         if heard.get("/estimate").is_some_and(|shown| shown.len() > 250) && heard.len() >= 9 {
@@ -88,7 +89,7 @@ fn a_viewer_sees_a_run_in_real_time_with_definitions_and_mounts() {
         assert!(!heard[topic].is_empty(), "{topic}");
     }
     assert!(!channels.keys().any(|topic| topic.starts_with("/wherein/")), "{channels:?}");
-    // What was shown is what was recorded.
+    // The messages that were shown live are those that were recorded.
     let bytes = fs::read(place.join("renders/scene/0/recording.mcap")).unwrap();
     let recorded: Vec<(u64, Vec<u8>)> = mcap::MessageStream::new(&bytes)
         .unwrap()

@@ -1,9 +1,10 @@
-//! `ceiling_markers`: dot-matrix markers on the ceiling, seen by a camera that looks up.
+//! `ceiling_markers`: a method that bounds the pose by dot-matrix markers on the ceiling, seen by a camera that looks up.
 //!
-//! After Zhou et al., *A high precision visual localization sensor and its working methodology for an indoor mobile robot* (2016). Where
-//! the paper solves for six degrees of freedom from three dots of one marker, here every dot of every marker bounds the planar pose:
-//! the body's and the mount's tilt, the lens, the mount and the ceiling's height are known within declared intervals, and that is worth far more
-//! than what 35 pixels tell of them (erratum I5). [`paper`] has the paper's own way.
+//! The method follows Zhou et al., *A high precision visual localization sensor and its working methodology for an indoor mobile robot*
+//! (2016). Where the paper solves for six degrees of freedom from three dots of one marker, here every dot of every marker bounds the
+//! planar pose: the tilt of the body and of the mount, the lens, the mount's position and the ceiling's height are known within declared
+//! intervals, and that is worth far more than what the 35 pixels of a marker's image tell about them (erratum I5). The paper's own method
+//! is in [`paper`].
 
 mod group;
 mod pairs;
@@ -34,7 +35,7 @@ use group::SeenDot;
 use pose_contractor::Markers;
 use ray::Optics;
 
-/// The declared bounds a ceiling-marker constraint stands on.
+/// Declared bounds that a constraint from ceiling markers relies on.
 pub const RELIES_ON: [Assumption; 16] = [
     bounds::MARKERS_PLACEMENT,
     bounds::MARKERS_ROTATION,
@@ -54,10 +55,11 @@ pub const RELIES_ON: [Assumption; 16] = [
     bounds::REACH_TURN_RATE,
 ];
 
-/// Markers beyond this number, farthest from the middle of the picture, are left out: the choices of wrong ones multiply.
+/// Greatest number of markers of an image that are used. Those farthest from the middle of the picture are left out, because the number of
+/// ways to choose which markers are wrong grows quickly with the number of markers.
 const MOST_MARKERS: usize = 8;
 
-/// The method; see the module.
+/// Method that bounds the pose by coded markers on the ceiling; the module's page says how.
 #[derive(Clone, Debug)]
 pub struct CeilingMarkers {
     map: MarkerMap,
@@ -69,7 +71,8 @@ pub struct CeilingMarkers {
 }
 
 impl CeilingMarkers {
-    /// The method for this robot on this map; `None` if there is no ceiling camera or no marker above it.
+    /// Makes the ceiling-marker method for a robot and a map; `None` if the robot has no ceiling camera, the map has no markers, or a
+    /// marker may be no higher than the camera.
     pub fn new(map: &Map, robot: &RobotModel) -> Option<Self> {
         let (camera, map) = (robot.ceiling_camera.clone()?, map.markers.clone()?);
         let height_m = map.markers.iter().fold(Interval::EMPTY, |hull, marker| hull.hull(marker.height_m));
@@ -91,7 +94,7 @@ impl CeilingMarkers {
         })
     }
 
-    /// What markers found in an image of `stamp_s` say of the pose; `None` when none of them is on the map.
+    /// Constraint on the pose from the markers found in an image with the stamp `stamp_s`; `None` when none of the markers is on the map.
     pub fn constraint(&self, stamp_s: f64, found: Seen) -> Option<Constraint> {
         let Seen { markers, mut rejected_px } = found;
         let (mut dots, mut claims) = (Vec::new(), Vec::new());
@@ -129,7 +132,7 @@ impl CeilingMarkers {
         })
     }
 
-    /// Markers by their distance from the middle, without those whose identity is seen twice.
+    /// Markers found in the image, sorted by their distance from its middle, without markers whose identity was seen twice.
     fn unambiguous<'a>(&self, markers: &'a [SeenMarker], rejected_px: &mut Vec<[f64; 4]>) -> Vec<&'a SeenMarker> {
         let middle = self.camera.centre_px.map(Interval::mid);
         let distance = |marker: &SeenMarker| {
@@ -150,19 +153,20 @@ impl CeilingMarkers {
         kept
     }
 
-    /// World x and y of a dot, but for the placement of its marker.
+    /// Interval of the world x and y of a marker's dot. The placement error of the marker is not included.
     fn dot_in_world_m(&self, placed: &PlacedMarker, place: GridPlace) -> [Interval; 2] {
         let [x, y] = dot_in_marker_m(place).map(Interval::point);
         let rotation = Interval::point(placed.rotation_rad);
         let (cos, sin) = (rotation.cos(), rotation.sin());
         let turned = [x * cos - y * sin, x * sin + y * cos];
-        // The chord of a rotation is shorter than its arc.
+        // The chord of a rotation is shorter than its arc, so the arc bounds a dot's displacement.
         let slack_m = (x.hypot(y) * self.map.rotation_tolerance_rad + self.map.print_m).hi();
         [0, 1].map(|axis| (turned[axis] + placed.centre_m[axis]).inflate(slack_m))
     }
 
-    /// Apparent heading minus heading: the mount's yaw, what it turns when its error comes before its lean, and the heading's own way to be
-    /// told of a body that leans.
+    /// Interval of the apparent heading minus the true heading. It holds the yaw error of the camera's mount, the turn about the vertical
+    /// that the mount's tilt error causes where it acts before the mount's known lean, and the difference between two definitions of a
+    /// leaning body's heading.
     fn yaw_error(&self) -> Interval {
         let yaw = self.camera.yaw_rad - Interval::point(self.camera.yaw_rad.mid());
         let lean_rad = Interval::point(self.camera.lean_rad[0]).hypot(Interval::point(self.camera.lean_rad[1])).hi();
@@ -170,12 +174,14 @@ impl CeilingMarkers {
             .inflate(heading_off_rad(self.robot.body.tilt_rad))
     }
 
-    /// Motion of the picture over an exposure: the ceiling passes against the motion (v, ω × m) of the camera, and turns against ω.
+    /// Motion of the picture during an exposure: the ceiling's image shifts against the velocity (v, ω × m) of the camera, which is mounted
+    /// at m, and turns against the turn rate ω.
     fn motion(&self, twist: &Twist, exposure_s: f64) -> PictureMotion {
         let [forward_m, left_m] = self.camera.position_m.map(Interval::mid);
         let speed = [twist.forward_m_per_s - twist.turn_rad_per_s * left_m, twist.turn_rad_per_s * forward_m];
         let (sin, cos) = self.camera.yaw_rad.mid().sin_cos();
-        // Along the image's own forward (up) and left (right).
+        // Components of the camera's velocity along the image's forward direction (up in the image) and its left direction (right in the
+        // image).
         let (ahead, aside) = (speed[0] * cos + speed[1] * sin, speed[1] * cos - speed[0] * sin);
         let pixels_per_m = 0.5 * (self.view.dot_radius_px[0] + self.view.dot_radius_px[1]) / DOT_RADIUS_M;
         PictureMotion {

@@ -1,13 +1,13 @@
-//! `floor_tiles`: joints of a tiled floor, seen by a camera that looks straight down.
+//! `floor_tiles`: a method that bounds the pose by the joints of a tiled floor, seen by a camera that looks straight down.
 //!
-//! After Lv, Kang and Qin, *FVO: floor vision aided odometry* (2019), in a form without quadrants: a joint whose image has its
-//! normal at ψ (robot frame, counter-clockwise from forward) and distance ρ belongs to the family k with
-//! θ + ψ = k·π/2 + γ, and says of the pose n(k·π/2 + γ)·P ∈ ±(E·ℤ + phase) − n(ψ)·a − ρ. Each axis is contracted on its own; which
-//! tile and which quadrant stay a union of branches. Joints end at the walls: a branch from which most of a line would lie outside
-//! of the room goes.
+//! The method follows Lv, Kang and Qin, *FVO: floor vision aided odometry* (2019), in a form without quadrants: a joint whose image has its
+//! normal at the angle ψ (robot frame, counter-clockwise from forward) and the distance ρ belongs to the family k with θ + ψ = k·π/2 + γ,
+//! and it implies for the pose n(k·π/2 + γ)·P ∈ ±(E·ℤ + phase) − n(ψ)·a − ρ. Each grid axis is contracted on its own. Which tile the robot
+//! is on and in which quadrant its heading lies stay open as a union of branches. Joints end at the walls: a branch from which most points
+//! of a line would lie outside the room is dropped.
 //!
-//! All of this is about the picture of a pinhole with a global shutter: a lens that bends is taken out of the image before lines are
-//! looked for, and what lens and rows leave open widens the bounds of their points.
+//! All of this holds for the picture of a pinhole with a global shutter. The distortion of the lens is taken out of the image before lines
+//! are looked for, and the errors that lens and row-by-row exposure leave widen the bounds of the lines' points.
 
 mod joint;
 mod normals;
@@ -32,7 +32,7 @@ use joint::Joint;
 use optics::Optics;
 use pose_contractor::TileJoints;
 
-/// The declared bounds a floor-tile constraint stands on.
+/// Declared bounds that a constraint from floor joints relies on.
 pub const RELIES_ON: [Assumption; 14] = [
     bounds::FLOOR_TILES_LAYING,
     bounds::FLOOR_TILES_LAYING_ANGLE,
@@ -50,17 +50,17 @@ pub const RELIES_ON: [Assumption; 14] = [
     bounds::ROOM_WALLS,
 ];
 
-/// How joints are found in an image.
+/// Chain of image operations that finds joints in an image of the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Chain {
-    /// Ridge points, one vote for both families, matched filters across each line.
+    /// The project's own chain to find joints: ridge points, one vote for both families of joints, matched filters across each line.
     #[default]
     Direct,
-    /// The paper's: deconvolution, Canny, skeleton, pruning, Hough, clustering.
+    /// The paper's chain to find joints: deconvolution, Canny, skeleton, pruning, Hough, clustering.
     Paper,
 }
 
-/// The method; see the module.
+/// Method that bounds the pose by floor joints; the module's page says how.
 #[derive(Clone, Debug)]
 pub struct FloorTiles {
     geometry: Geometry,
@@ -69,7 +69,7 @@ pub struct FloorTiles {
     chain: Chain,
 }
 
-/// What turns a line in the image into a statement on the pose: declared values only.
+/// Declared values that turn a line in the image into a statement about the pose.
 #[derive(Clone, Debug)]
 struct Geometry {
     robot: RobotModel,
@@ -79,12 +79,12 @@ struct Geometry {
 }
 
 impl Geometry {
-    /// The middle of the picture.
+    /// Middle of the picture in pixels, which is taken as the principal point.
     fn principal_point_px(&self) -> [f64; 2] {
         [self.camera.width_px, self.camera.height_px].map(|size_px| (f64::from(size_px) - 1.0) / 2.0)
     }
 
-    /// A pixel of the pinhole's picture in the camera frame: forward and left of the principal point, in pixels.
+    /// Position of a pixel of the pinhole's picture in the camera frame: forward and left of the principal point, in pixels.
     ///
     /// Image up is forward, image right is right: forward = v₀ − v, left = u₀ − u.
     fn in_camera_px(&self, [u, v]: [f64; 2]) -> [f64; 2] {
@@ -94,7 +94,7 @@ impl Geometry {
 }
 
 impl FloorTiles {
-    /// The method for this robot on this map; `None` if there is no floor camera or no tiled floor.
+    /// Makes the floor-tile method for a robot and a map; `None` if the robot has no floor camera or the map no tiled floor.
     pub fn new(map: &Map, robot: &RobotModel, chain: Chain) -> Option<Self> {
         let (camera, grid) = (robot.floor_camera.clone()?, map.tiles.clone()?);
         let scale = camera.pixels_per_m.mid();
@@ -109,9 +109,10 @@ impl FloorTiles {
         Some(FloorTiles { geometry, optics, view, chain })
     }
 
-    /// What lines found in an image of `stamp_s` say of the pose; `None` when no line is left.
+    /// Constraint on the pose from the lines found in an image with the stamp `stamp_s`; `None` when no line is left.
     ///
-    /// They are told in pixels of a pinhole's picture, each point where that shows it when the raw row that shows it is exposed.
+    /// The lines' points are given in pixels of a pinhole's picture: each where a pinhole camera would show it at the instant at which the
+    /// row of the raw image that shows the point is exposed.
     pub fn constraint(&self, stamp_s: f64, found: FloorLines, prior: &PoseUnion) -> Option<Constraint> {
         let FloorLines { lines, mut rejected_px } = found;
         let straightness_px = self.geometry.grid.straightness_m * self.geometry.camera.pixels_per_m.hi();
@@ -120,15 +121,15 @@ impl FloorTiles {
         for line in lines {
             let mut points = line.points_px.clone();
             let open_px = self.optics.left_open_px(&line.points_px, line.share_wrong, &self.geometry);
-            // What declared errors may put anywhere says nothing.
+            // A line with a point that the declared errors may put anywhere says nothing about the pose.
             let Some(open_px) = open_px else { continue };
             points.iter_mut().zip(&open_px).for_each(|(point, open_px)| point[2] += straightness_px + open_px);
             let most_open_px = open_px.into_iter().fold(0.0, f64::max);
             let set = line_fit::enclose(&points, line.share_wrong);
             let joint = set.and_then(|set| Joint::new(set, &line, most_open_px, &self.geometry));
             let Some(joint) = joint else { continue };
-            // Eq. (20): the paper drops a line that no heading of the odometric prior explains. The direct chain's lines are
-            // orthogonal and at the pitch already; one that contradicts the prior then speaks against the prior.
+            // Eq. (20): the paper drops a line that no heading of the odometric prior explains. Lines of the direct chain are already known
+            // to be orthogonal and at the tiles' pitch, so that a line which contradicts the prior is evidence against the prior.
             if self.chain == Chain::Paper && !joint.agrees(prior, &self.geometry) {
                 rejected_px.push(ends(&line.points_px));
                 continue;
@@ -149,15 +150,15 @@ impl FloorTiles {
             claims,
             quota: Quota::of_each(self.view.q_items),
             rejected_px: rejected_px.into_iter().map(|segment| self.optics.segment_as_taken(segment)).collect(),
-            // Joints of one family leave the place along them open, but those of a doubt's many images do not.
+            // The joints of one family leave the position along them open, but the joints in the many images of a period of doubt do not.
             decides: true,
             alone_heading_rad: None,
         })
     }
 
-    /// Motion of the picture over the exposure, or any other time, at its centre, in pixels right and down.
+    /// Motion of the picture at its centre during an exposure, or any other time, in pixels right and down.
     ///
-    /// The floor passes under the camera against the camera's own motion (v, ω·a_f); image up is forward, image right is right.
+    /// The floor passes under the camera against the camera's own velocity (v, ω·a_f); image up is forward, image right is right.
     fn blur_px(&self, twist: &Twist, exposure_s: f64) -> [f64; 2] {
         let [forward_m, left_m] = self.geometry.camera.position_m.map(Interval::mid);
         let speed = [twist.forward_m_per_s - twist.turn_rad_per_s * left_m, twist.turn_rad_per_s * forward_m];
@@ -188,7 +189,7 @@ impl Method for FloorTiles {
     }
 }
 
-/// First and last point of a line, as a segment.
+/// First and last point of a line in the image, as a segment.
 fn ends(points_px: &[[f64; 3]]) -> [f64; 4] {
     match (points_px.first(), points_px.last()) {
         (Some(first), Some(last)) => [first[0], first[1], last[0], last[1]],

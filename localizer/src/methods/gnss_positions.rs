@@ -1,13 +1,16 @@
-//! `gnss_positions`: positions of an antenna on the robot, as a receiver of satellite navigation tells them.
+//! `gnss_positions`: a method that bounds the pose by positions of an antenna on the robot, as a satellite navigation receiver reports
+//! them.
 //!
-//! **Constraint.** a = t + R(θ) b: a is the antenna in the world, within the receiver's declared error of what it tells, b the antenna on the
-//! robot, within how well it was measured and how far the body's lean takes it. One position bounds x and y, and with a lever arm b ≠ 0 the
-//! heading to an arc.
+//! **Constraint.** a = t + R(θ) b. Here a is the antenna in the world, within the receiver's declared error of the reported position, and b
+//! is the antenna on the robot, within the accuracy to which it was measured and the shift that the body's lean causes. One position bounds
+//! x and y, and with a lever arm b ≠ 0 bounds the heading to an arc.
 //!
-//! Positions of the last seconds are held. By the motion (m, δ) since then an earlier antenna lies, seen from the robot now, at R(−δ)(b − m), and in
-//! the world where it was told to be: another landmark of the same rigid motion. So the way between positions tells the heading.
+//! Positions of the last seconds are held. With the motion (m, δ) since a held position, the antenna of that time lies at R(−δ)(b − m) as
+//! seen from the robot at the latest stamp, and in the world where the receiver reported it: another landmark of the same rigid motion. In
+//! this way the path between positions tells the heading.
 //!
-//! A receiver says of each position whether its ambiguities are resolved (*fixed*) or not (*floating*), and each of the two has a bound of its own.
+//! A receiver says of each position whether its ambiguities are resolved (*fixed*) or not (*floating*), and each of the two grades has a
+//! bound of its own.
 
 use std::collections::VecDeque;
 
@@ -23,44 +26,44 @@ use crate::{
     robot::RobotModel,
 };
 
-/// The name of the device whose readings these are.
+/// Name of the satellite navigation receiver as a device whose readings the method uses.
 pub const DEVICE: &str = "gnss";
 
-/// The bounds that every constraint stands on, beside that of its grade.
+/// Declared bounds that every constraint relies on, besides the bound of its position's grade (fixed or floating).
 const RELIES_ON: [Assumption; 5] =
     [bounds::GNSS_ANTENNA, bounds::GNSS_STAMP, bounds::BODY_TILT, bounds::REACH_SPEED, bounds::REACH_TURN_RATE];
 
-/// A receiver as the localizer is told of it.
+/// Satellite navigation receiver as the localizer knows it, by declared values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReceiverModel {
-    /// The antenna in the robot frame: forward and left, `gnss.antenna`.
+    /// Position of the antenna in the robot frame: forward and left, `gnss.antenna`.
     pub position_m: [Interval; 2],
-    /// Its height above the floor.
+    /// Height of the receiver's antenna above the floor.
     pub height_m: f64,
     /// Greatest error of either coordinate of a fixed position, `gnss.fixed`.
     pub fixed_m: f64,
     /// Greatest error of either coordinate of a floating position, `gnss.floating`.
     pub floating_m: f64,
-    /// Greatest error of a stamp, `gnss.stamp`.
+    /// Greatest error of a position's stamp, `gnss.stamp`.
     pub stamp_error_s: f64,
 }
 
-/// A position as a receiver tells it.
+/// Position that a satellite navigation receiver reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Position {
     /// World x and y of the antenna.
     pub at_m: [f64; 2],
-    /// Whether its ambiguities are resolved.
+    /// Whether the carrier-phase ambiguities of the position are resolved.
     pub is_fixed: bool,
 }
 
 impl Position {
-    /// The numbers of a [`Reading::Other`].
+    /// Numbers that encode the position in a [`Reading::Other`].
     pub fn numbers(&self) -> Vec<f64> {
         vec![self.at_m[0], self.at_m[1], f64::from(u8::from(self.is_fixed))]
     }
 
-    /// The position that numbers tell; `None` if they tell none.
+    /// Position that the numbers of a reading encode; `None` if they encode none.
     pub fn of(numbers: &[f64]) -> Option<Position> {
         let &[x_m, y_m, grade] = numbers else { return None };
         let is_told = x_m.is_finite() && y_m.is_finite() && [0.0, 1.0].contains(&grade);
@@ -68,42 +71,42 @@ impl Position {
     }
 }
 
-/// Positions are held so long apart: ones next to each other say the same.
+/// Least time between two positions that are held: positions next to each other say the same.
 const APART_S: f64 = 0.3;
-/// So many are held. The memory of motion is some 3 s long.
+/// Greatest number of positions that are held. The memory of motion is some 3 s long.
 const MOST_HELD: usize = 10;
-/// Floating positions are off alike for so long, by reflections and by the air, that they are no witnesses of each other. They wander
-/// within seconds to minutes; scenes draw theirs anew every 5 s.
+/// Time for which floating positions have similar errors, by reflections and by the atmosphere, so that they are no independent witnesses.
+/// The errors wander within seconds to minutes; scenes draw them anew every 5 s.
 const FLOATING_ALIKE_S: f64 = 5.0;
 
-/// The method; see the module.
+/// Method that bounds the pose by positions of a satellite navigation receiver; the module's page says how.
 #[derive(Clone, Debug)]
 pub struct GnssPositions {
     receiver: ReceiverModel,
     robot: RobotModel,
     held: VecDeque<Held>,
-    /// The stamp of the last floating position that was a witness.
+    /// Stamp of the last floating satellite position that counted as an independent witness.
     floating_witness_s: f64,
 }
 
-/// A position of the last seconds.
+/// Satellite position of the last seconds that is held to be used with later ones.
 #[derive(Clone, Debug)]
 struct Held {
     stamp_s: f64,
     grade: Assumption,
     in_world_m: [Interval; 2],
-    /// The antenna then, in the frame of the robot at the stamp to come.
+    /// Position of the antenna at the held position's stamp, in the frame of the robot at the stamp of the next reading.
     in_robot_m: [Interval; 2],
 }
 
 impl GnssPositions {
-    /// The method for this receiver on this robot.
+    /// Makes the positioning method for a satellite navigation receiver on a robot.
     pub fn new(receiver: ReceiverModel, robot: &RobotModel) -> Self {
         GnssPositions { receiver, robot: robot.clone(), held: VecDeque::new(), floating_witness_s: f64::NEG_INFINITY }
     }
 
-    /// The antenna in the robot frame, seen from above: a body that leans by up to φ takes it by up to h·sin φ to any side, and foreshortens
-    /// its lever arm b by up to |b|·(1 − cos φ).
+    /// Interval of the antenna's place in the robot frame, seen from above: a body that leans by up to φ shifts it by up to h·sin φ to any
+    /// side, and foreshortens its lever arm b by up to |b|·(1 − cos φ).
     fn antenna_m(&self) -> [Interval; 2] {
         let lean = Interval::new(0.0, self.robot.body.tilt_rad);
         let [forward, left] = self.receiver.position_m;
@@ -113,7 +116,7 @@ impl GnssPositions {
         [forward + beside, left + beside]
     }
 
-    /// How far the antenna may get in the time by which a stamp may be wrong.
+    /// Greatest distance that the antenna may move within the greatest error of a stamp, as an interval around 0.
     fn moved_m(&self) -> Interval {
         let [forward, left] = self.antenna_m();
         let lever = Interval::point(forward.magnitude()) + Interval::point(left.magnitude());
@@ -134,7 +137,7 @@ impl Method for GnssPositions {
 
     fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
         let antenna_m = self.antenna_m();
-        // One that the memory of motion does not reach is given up, and so is one that came later than this.
+        // A held position that the memory of motion does not reach is dropped, and so is one with a stamp that is not before the new one.
         self.held.retain_mut(|held| {
             let Some(moved) = motion(held.stamp_s, stamp_s).filter(|moved| held.stamp_s < stamp_s && !moved.is_empty())
             else {
@@ -181,17 +184,17 @@ impl Method for GnssPositions {
             by_itself: (landmarks.len() > 1).then(|| Box::new(RigidPlanar::new(&landmarks[..1])) as Box<_>),
             on_pose: Box::new(RigidPlanar::new(&landmarks)),
             relies_on,
-            // A position is no matter of vision: what is wrong of it is beyond its bound.
+            // Claims are about what vision sees. A position has none: it is wrong only where its error exceeds the declared bound.
             claims: Vec::new(),
             quota: Quota::of_each(0),
-            // Alone it leaves the heading open, but those of a doubt's many positions do not.
+            // A single position leaves the heading open, but the many positions during a doubt do not.
             decides: !is_alike,
             rejected_px: Vec::new(),
             alone_heading_rad: None,
         })
     }
 
-    /// What is held is carried by motion that is doubted now.
+    /// Drops all held positions, because they were carried by motion that is doubted.
     fn forget_since(&mut self, _since_s: f64) {
         self.held.clear();
     }

@@ -1,52 +1,56 @@
-//! What leans do that is not linear in them: to headings, to directions, and to what a camera that looks down sees.
+//! Nonlinear effects of leans of the body and of a camera's mount: on headings, on directions, and on what a camera that looks down sees.
 //!
-//! A lean is a turn about a level axis, T(a). Everything here holds for any leans that the function takes, not for small ones alone.
+//! A lean is a turn about a level axis, written T(a). Every bound here holds for leans of any size that its function accepts, not for small
+//! ones alone.
 
 use interval::Interval;
 
-/// Greatest difference between two ways to tell the heading of a body that leans by up to `lean_rad`: the direction of its forward axis
-/// seen from above, as in Rz(heading)·Ry(pitch)·Rx(roll), and the turn about the vertical that a lean alone is left of.
+/// Greatest difference between two definitions of the heading of a body that leans by up to `lean_rad`: the direction of its forward axis
+/// seen from above, as in Rz(heading)·Ry(pitch)·Rx(roll), and the turn about the vertical that remains when the posture's lean T(a) is
+/// taken off.
 ///
-/// A lean by λ about an axis at α from forward turns forward, seen from above, by δ with tan δ = (1 − cos λ)·sin 2α /
-/// (1 + cos λ + (1 − cos λ)·cos 2α), at most (1 − cos λ)/(2·√cos λ): about λ²/4. Half a turn from a quarter turn of lean on.
+/// A lean by λ about an axis at the angle α from forward turns the forward axis, seen from above, by δ with tan δ = (1 − cos λ)·sin 2α / (1
+/// + cos λ + (1 − cos λ)·cos 2α), which is at most (1 − cos λ)/(2·√cos λ): about λ²/4. From a lean of a quarter turn on, the bound is half
+/// a turn.
 pub(super) fn heading_off_rad(lean_rad: f64) -> f64 {
     let cos = Interval::point(lean_rad).cos();
     if cos.lo() <= 0.0 { Interval::PI.hi() } else { ((1.0 - cos) / (cos.sqrt() * 2.0)).atan().hi() }
 }
 
-/// Greatest turn about the vertical in two leans, one after the other, that are together by up to `lean_rad`: T(a)·T(b) = Rz(δ)·T(c).
+/// Greatest turn about the vertical in two successive leans whose angles add up to at most `lean_rad`: |δ| in T(a)·T(b) = Rz(δ)·T(c).
 ///
-/// In quaternions tan(δ/2) = r·sin α/(1 − r·cos α) with r = tan(|a|/2)·tan(|b|/2) and α between the axes, at most r/√(1 − r²), so that
-/// sin(δ/2) ≤ r; of one sum r is greatest where both are alike: about lean²/8. |c| ≤ |a| + |b| as the vertical's way is no shorter.
+/// In quaternions tan(δ/2) = r·sin α/(1 − r·cos α) with r = tan(|a|/2)·tan(|b|/2) and α the angle between the axes. That is at most r/√(1 −
+/// r²), so that sin(δ/2) ≤ r. For a given sum of the two angles r is greatest where they are equal: about lean²/8. The lean c obeys |c| ≤
+/// |a| + |b|, as the path of the vertical axis through both leans is no shorter than the direct one.
 pub(super) fn twist_of_two_rad(lean_rad: f64) -> f64 {
     let half = (Interval::point(lean_rad) * 0.25).tan();
     if half.hi() >= 1.0 { Interval::PI.hi() } else { (half.sqr().asin() * 2.0).hi() }
 }
 
-/// Greatest turn about the vertical in a lean by up to `lean_rad` about an axis that is itself tipped by up to `tipped_rad` from level:
+/// Greatest turn about the vertical in a rotation by up to `lean_rad` about an axis that is itself tipped by up to `tipped_rad` from level:
 /// tan(δ/2) = tan(lean/2)·sin(tip).
 pub(super) fn twist_of_tipped_rad(lean_rad: f64, tipped_rad: f64) -> f64 {
     let half = (Interval::point(lean_rad) * 0.5).tan() * Interval::point(tipped_rad).sin().abs();
     (half.atan() * 2.0).hi()
 }
 
-/// What mount and body, leaning, do to the plane through an optical centre and a line on the floor below it.
+/// Bounds on how leans of the camera's mount and of the body move the plane through the optical centre and a line on the floor below.
 ///
-/// The line's image tells the plane's normal (cos ψ, sin ψ, ρ) but for the leans, with ρ the distance of the line from the point below
-/// the camera over the height. A turn of the camera turns the normal: what is left of it in the level plane tells the line's direction,
-/// its elevation ε, tan ε = ρ, the distance.
+/// The image of the line gives, apart from the leans, the plane's normal (cos ψ, sin ψ, ρ), with ρ the distance of the line from the point
+/// below the camera over the camera's height. A rotation of the camera rotates the normal: the level part of the normal tells the line's
+/// direction, and the normal's elevation ε, tan ε = ρ, the distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LeaningPlane {
-    /// Greatest |ρ| as seen.
+    /// Greatest |ρ| of the line as seen: its distance from the point below the camera over the camera's height.
     slope: Interval,
     mount: Lean,
     body: Lean,
-    /// Greatest elevation of the normal after the mount's lean, and after both.
+    /// Greatest elevation of the plane's normal: `mounted_rad` after the mount's lean, `leaning_rad` after the leans of mount and body.
     mounted_rad: Interval,
     leaning_rad: Interval,
 }
 
-/// The greatest of some leans.
+/// Greatest angle of a lean, with its sine and cosine.
 #[derive(Clone, Copy, Debug)]
 struct Lean {
     angle_rad: Interval,
@@ -60,10 +64,12 @@ impl Lean {
         Lean { angle_rad, sin: angle_rad.sin(), cos: angle_rad.cos() }
     }
 
-    /// Greatest turn, seen from above, of a vector at an elevation of up to ε with tan ε = `slope`; `None` where it may be any.
+    /// Greatest turn, seen from above, of a vector at an elevation of up to ε with tan ε = `slope`; `None` where the lean may turn it by
+    /// any angle.
     ///
-    /// With the axis at α from the vector's direction: across it the vector comes to lie by sin λ·tan ε·cos α and (1 − cos λ)·sin α·cos α
-    /// at most, along it at cos λ − sin λ·tan ε at least, of its own level length.
+    /// Let the lean be by λ about an axis at the angle α from the vector's direction. In units of its own level length, the leaning
+    /// vector's part across its old direction is at most sin λ·tan ε·cos α plus (1 − cos λ)·sin α·cos α, and its part along it is at least
+    /// cos λ − sin λ·tan ε.
     fn turn(&self, slope: Interval) -> Option<Interval> {
         let along = self.cos - self.sin * slope;
         (along.lo() > 0.0).then(|| ((self.sin * slope + (1.0 - self.cos) * 0.5) / along).atan())
@@ -71,7 +77,8 @@ impl Lean {
 }
 
 impl LeaningPlane {
-    /// Of a line as far out as `slope` of the height; `None` where the leans may turn it beyond the horizon.
+    /// Bounds for a line as far from the point below the camera as `slope` times the camera's height; `None` where the leans may turn the
+    /// plane through the line beyond the horizon.
     pub(super) fn new(slope: f64, mount_rad: f64, body_rad: f64) -> Option<Self> {
         let (slope, mount, body) = (Interval::point(slope), Lean::of(mount_rad), Lean::of(body_rad));
         let mounted_rad = slope.atan() + mount.angle_rad;
@@ -80,17 +87,17 @@ impl LeaningPlane {
         (leaning_rad.cos().lo() > 0.0 && leaning_rad.hi() < Interval::PI.lo() * 0.5).then_some(plane)
     }
 
-    /// Greatest turn of the line, seen from above, against its image.
+    /// Greatest angle, seen from above, between the floor line and the direction that its image gives.
     pub(super) fn turn_rad(&self) -> Option<f64> {
         Some((self.mount.turn(self.slope)? + self.body.turn(self.mounted_rad.tan())?).hi())
     }
 
-    /// Greatest shift of the line against what its image tells, along its own normal: n(ψ′)·P − n(ψ′)·a − ρ·h for a camera h above a
-    /// body that leans about its origin, the camera a from it, and rises or sinks by up to `heave_m`.
+    /// Greatest shift of the floor line, along its own normal, against what its image gives: n(ψ′)·P − n(ψ′)·a − ρ·h. The camera is at the
+    /// height h and at the level distance a from the origin of a body that leans about that origin and rises or sinks by up to `heave_m`.
     ///
-    /// With the normal N after the mount's lean and N′ after both, of elevations e and e′, the line lies at (N·(a, h) + N′·z heave)/|N′
-    /// level|. Less n(ψ′)·a and ρ·h that is (N − N′)·a, at most |a|·(sin e·sin λ + cos e·(1 − cos λ))/cos e′ for a body's lean of λ; then
-    /// h·(tan e − tan ε), and h·sin e·(1/cos e′ − 1/cos e), which grow with e and e′; and tan e′·heave.
+    /// Let the plane's normal be N after the mount's lean and N′ after both leans, with elevations e and e′. The line lies at (N·(a, h) +
+    /// N′·z heave)/|N′ level|. Less n(ψ′)·a and ρ·h that leaves (N − N′)·a, at most |a|·(sin e·sin λ + cos e·(1 − cos λ))/cos e′ for a
+    /// body's lean of λ; then h·(tan e − tan ε), and h·sin e·(1/cos e′ − 1/cos e), which grow with e and e′; and tan e′·heave.
     pub(super) fn shift_m(&self, height_m: f64, arm_m: f64, heave_m: f64) -> f64 {
         let (sin, cos) = (self.mounted_rad.sin(), self.mounted_rad.cos());
         let leaning_cos = self.leaning_rad.cos();
@@ -101,21 +108,23 @@ impl LeaningPlane {
     }
 }
 
-/// What leans of mount and body do to a point of the floor that a camera sees, at most.
+/// Bounds on how far leans of the camera's mount and of the body shift a point of the floor that the camera sees.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LeaningSight {
-    /// Distance from the point below the camera, with the mount's lean.
+    /// Greatest distance of the floor point from the point below the camera, with the mount's lean included.
     pub(super) distance_m: Interval,
-    /// How far the mount's lean shifts it.
+    /// Greatest shift of the floor point by the mount's lean.
     pub(super) by_mount_m: Interval,
     body: Lean,
     height_m: f64,
 }
 
 impl LeaningSight {
-    /// Of a point that a camera without errors sees up to `distance_m` from the point below it; `None` where it may see the horizon.
+    /// Bounds for a floor point that a camera without errors sees up to `distance_m` from the point below the camera; `None` where the
+    /// leaning camera may see the horizon.
     ///
-    /// A ray turned by up to μ at ε from the vertical meets the floor within h·(tan(ε + μ) − tan ε) of where it did.
+    /// A ray at the angle ε from the vertical, turned by up to μ, meets the floor within h·(tan(ε + μ) − tan ε) of where it met the floor
+    /// before.
     pub(super) fn new(distance_m: f64, height_m: f64, mount_rad: f64, body_rad: f64) -> Option<Self> {
         let (nominal_m, body) = (Interval::point(distance_m), Lean::of(body_rad));
         let off_rad = (nominal_m / height_m).atan() + Interval::point(mount_rad);
@@ -126,11 +135,13 @@ impl LeaningSight {
         Some(LeaningSight { distance_m, by_mount_m: distance_m - nominal_m, body, height_m })
     }
 
-    /// How far lean and heave of the body shift the point along a direction in which it lies `along_m` from the point below the camera;
-    /// it is up to `arm_m` from the robot origin. A heading told by the forward axis turns it, besides, by [`heading_off_rad`].
+    /// Greatest shift of a floor point by the body's lean and heave, along a direction in which the point lies `along_m` from the point
+    /// below the camera. The point is up to `arm_m` from the robot origin. A heading defined by the forward axis adds a turn of up to
+    /// [`heading_off_rad`], which is included.
     ///
-    /// With the body the point q comes to q′, |q′ − q| ≤ |q|·(1 − cos λ) seen from above and |q|·sin λ + heave high, and from there along its
-    /// ray back to the floor: the ray goes h·cos λ − p·sin λ down, at least, while it goes along + h·sin λ + p·(1 − cos λ) aside, at most.
+    /// With the body the point q moves to q′: seen from above |q′ − q| ≤ |q|·(1 − cos λ), and q′ is up to |q|·sin λ + heave high. From
+    /// there it is carried along its ray back to the floor: while the ray falls by at least h·cos λ − p·sin λ, it moves sideways by at most
+    /// along + h·sin λ + p·(1 − cos λ).
     pub(super) fn by_body_m(&self, along_m: f64, arm_m: f64, heave_m: f64) -> f64 {
         let Lean { angle_rad, sin, cos } = self.body;
         let bent = 1.0 - cos;
@@ -154,7 +165,7 @@ mod tests {
         Rotation3::new(Vector3::new(course.cos(), course.sin(), 0.0) * size)
     }
 
-    /// The turn about the vertical that a lean alone is left of.
+    /// Turn about the vertical that remains of a rotation when its lean about a level axis is taken off.
     fn twist_rad(turn: Rotation3<f64>) -> f64 {
         let turn = UnitQuaternion::from_rotation_matrix(&turn);
         let twist = 2.0 * turn.k.atan2(turn.w);

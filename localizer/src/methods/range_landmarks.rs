@@ -1,19 +1,26 @@
-//! Paper 3: where am I, by coded landmarks whose places nobody has told me?
+//! `range_landmarks`, after paper 3: bounds the pose by coded landmarks whose places no map gives.
 //!
-//! **Constraint.** A landmark at a in the world and at b in the robot frame has a = t + R(θ)·b, Eq. (16) turned around. The world
-//! frame is that of the start pose: the first reading says where the landmarks are, and each later pose is solved against the
-//! landmarks, never against the pose before. What a landmark's place is known by only ever shrinks, so that poses stay as narrow
-//! as their own view allows, however long the way.
-//! **Sound.** A landmark's box is the intersection of t + R(θ)·b over boxes that contain the true t, θ and b.
-//! **Wrong correspondences.** At most `q_items` sightings of a reading are taken for the wrong landmark: the pose is what all but
-//! so many allow. A landmark learns by windows of `wrong_spacing + 1` consecutive uses of its code, of which at most one is wrong,
-//! hence from their 1-relaxed intersection. A use that says nothing, because the landmark may be at infinity, counts as one that allows
-//! every place; a reading that is not learnt from ends all windows. Consecutive is what was taken one after the other, in whatever order it
-//! arrives (`in_order`). With a `wrong_spacing` of 0 every use may be wrong, and no landmark is ever learnt.
-//! **Contradiction.** What was learnt and what is learnt now have a place in common, whichever of the matches are wrong, as long as the
-//! declared bounds hold. Where they have none, nothing of the reading is learnt, and the localizer is told.
-//! **Loop closure.** Key frames keep raw sightings and the motion from one to the next. A sweep contracts the pose of each against
-//! all landmarks and against its neighbours, and the landmarks by the poses: what is known at the end of a loop reaches its middle.
+//! **Constraint.** A landmark at a in the world and at b in the robot frame has a = t + R(θ)·b, Eq. (16) turned around. The world frame is
+//! that of the start pose: the first reading says where the landmarks are, and each later pose is solved against the landmarks, never
+//! against the pose before. The box of a landmark's place only ever shrinks, so that poses stay as narrow as their own view of the
+//! landmarks allows, however long the drive.
+//!
+//! **Soundness.** A landmark's box is the intersection of t + R(θ)·b over boxes that contain the true t, θ and b.
+//!
+//! **Wrong correspondences.** At most `q_items` sightings of a reading are attributed to the wrong landmark: the pose set is what all but
+//! that many sightings allow. The place of a landmark is learnt from windows of `wrong_spacing + 1` consecutive sightings with its code, of
+//! which at most one is wrong, hence from their 1-relaxed intersection. A sighting that says nothing, because the landmark may be at
+//! infinity, counts as one that allows every place; a reading that is not learnt from ends all windows. Consecutive means measured one
+//! after the other, in whatever order the readings arrive (`in_order`). With a `wrong_spacing` of 0 every sighting may be wrong, and no
+//! landmark is ever learnt.
+//!
+//! **Contradiction.** As long as the declared bounds hold, the place learnt before and the place learnt from the latest window overlap,
+//! whichever of the matches are wrong. Where they do not overlap, nothing of the reading is learnt, and the localizer is notified.
+//!
+//! **Loop closure.** Key frames keep raw sightings and the motion from each frame to the next. A sweep contracts the pose of each frame by
+//! all landmarks and by its neighbouring frames, and the landmarks by the poses: what is known at the end of a loop reaches the loop's
+//! middle.
+//!
 //! **Source.** M. Mustafa et al., CSCS 2015, section IV; multi-frame contraction against the first frame as its section II asks.
 
 mod atlas;
@@ -42,7 +49,7 @@ use keyframes::KeyFrames;
 pub use sight::{Seen, Sensor};
 pub use solver::{Freedom, PoseFromLandmarks, Solver};
 
-/// The declared bounds that a reading of landmarks stands on.
+/// Declared bounds that a constraint from range landmarks relies on.
 const RELIES_ON: [Assumption; 14] = [
     bounds::RANGE_CAMERA_FOCAL,
     bounds::RANGE_CAMERA_BASELINE,
@@ -60,7 +67,7 @@ const RELIES_ON: [Assumption; 14] = [
     bounds::RANGE_LANDMARKS_WRONG_SPACING,
 ];
 
-/// Localization by coded landmarks that no map names.
+/// Method that localizes the robot by coded landmarks which are on no map and whose places are learnt.
 pub struct RangeLandmarks {
     sensor: Sensor,
     q_items: usize,
@@ -68,32 +75,32 @@ pub struct RangeLandmarks {
     solver: Solver,
     atlas: Atlas,
     keyframes: KeyFrames,
-    /// The reading last constrained, as long as it is not learnt from.
+    /// Reading of landmarks for which a constraint was made last, until it is learnt from.
     latest: Option<Latest>,
-    /// Readings that wait for those taken before them.
+    /// Readings of landmarks that wait until all readings measured before them have been handled.
     in_order: InOrder,
-    /// Whether something contradicted what was known since this was last asked.
+    /// Whether, since the localizer last inquired, a reading contradicted what was known about the landmarks.
     contradicts: bool,
-    /// What was seen lately, to make constraints anew from.
+    /// Landmarks seen in recent readings, with their stamps, from which constraints can be made anew.
     recent: VecDeque<(f64, Vec<Seen>)>,
     n_learnt: usize,
 }
 
-/// A reading just constrained.
+/// Reading for which a constraint has just been made.
 struct Latest {
     stamp_s: f64,
     arrived_s: f64,
     seen: Vec<Seen>,
 }
 
-/// How long readings are kept for constraints to be made anew: longer than the localizer remembers stamps.
+/// Time for which readings are kept so that their constraints can be made anew: longer than the localizer remembers stamps.
 const RECENT_S: f64 = 4.0;
 
-/// Readings between two sweeps over the key frames.
+/// Number of readings between two sweeps over the key frames.
 const SWEEP_EVERY: usize = 10;
 
 impl RangeLandmarks {
-    /// The method for this robot; `None` if it has no range camera.
+    /// Makes the range-landmark method for a robot; `None` if the robot has no range camera.
     pub fn new(robot: &RobotModel, freedom: Freedom, solver: Solver) -> Option<Self> {
         let camera = robot.range_camera.as_ref()?;
         Some(RangeLandmarks {
@@ -111,20 +118,20 @@ impl RangeLandmarks {
         })
     }
 
-    /// A reading that is not learnt from leaves a gap in what was consecutive.
+    /// Records that the latest reading is not learnt from, which leaves a gap in the sequence of consecutive readings.
     fn miss_latest(&mut self) {
         if let Some(latest) = self.latest.take() {
             self.in_order.push(latest.stamp_s, None);
         }
     }
 
-    /// A gap in what was consecutive.
+    /// Ends all windows of consecutive sightings with a landmark's code, because a reading is missing from the sequence.
     fn interrupt(&mut self) {
         self.atlas.interrupt();
         self.keyframes.interrupt();
     }
 
-    /// Learns from the next reading in the order in which they were taken.
+    /// Learns landmarks from the next reading in the order of measurement.
     fn take_in(&mut self, stamp_s: f64, learnt: Learnt, motion: MotionBetween) {
         let place = |seen: &Seen| (seen.landmark, in_world(&learnt.posterior, seen));
         let places: Vec<_> = learnt.seen.iter().map(place).collect();
@@ -141,7 +148,7 @@ impl RangeLandmarks {
         }
     }
 
-    /// Landmark boxes in the world beside those in the robot frame, for each sighting of a known landmark.
+    /// Pairs of a landmark's box in the world and its box in the robot frame, for each sighting of a landmark whose place is known.
     fn pairs(&self, seen: &[Seen]) -> Vec<([Interval; 2], [Interval; 2])> {
         let bounded = seen.iter().filter(|seen| seen.is_bounded());
         bounded.filter_map(|seen| Some((self.atlas.place(seen.landmark)?, seen.in_robot_m))).collect()
@@ -229,7 +236,7 @@ impl Method for RangeLandmarks {
     }
 }
 
-/// Where a landmark is, seen from any branch.
+/// Hull of a landmark's places in the world, as seen from every branch of a union of pose boxes.
 fn in_world(poses: &PoseUnion, seen: &Seen) -> [Interval; 2] {
     poses.branches.iter().fold([Interval::EMPTY; 2], |hull, pose| {
         let place = seen.in_world(pose);

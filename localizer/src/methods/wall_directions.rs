@@ -1,12 +1,15 @@
-//! `wall_directions`: heading modulo quarter turns from level edges of walls, ceilings, doors and shelves, seen by a camera that looks ahead.
+//! `wall_directions`: a method that bounds the heading modulo quarter turns by level edges of walls, ceilings, doors and shelves, seen by a
+//! camera that looks ahead.
 //!
-//! After Yi, Lee and Cho, *A new localization system … using afocal optical flow sensor based sensor fusion* (2018), with sets in place
-//! of points. An edge whose ends are claimed to a bound and whose level direction is seen at φ says θ ∈ α + k·π/2 − φ for
-//! one of the building's directions α and some k: nearest-k without a gate, as every k that the prior allows stays. At most q of
-//! an image's edges may run along none of the directions, and few of the last [`IMAGES_APART`] images may have more such edges: how many
-//! is declared ([`Quotas`]). How robot and camera lean turns all edges of an image, each by another angle: where the building's edges are sharp
-//! the lean is solved for with them, and the edges of the last [`IMAGES`] images count together, so many of them wrong and in so many images.
-//! Directions that no map tells of are learnt as intervals, as wide as the heading was when they were seen.
+//! The method follows Yi, Lee and Cho, *A new localization system … using afocal optical flow sensor based sensor fusion* (2018), with sets
+//! in place of points. An edge whose ends are claimed to a bound, and whose level direction is seen at φ, implies θ ∈ α + k·π/2 − φ for one
+//! of the building's directions α and some k. This is the paper's nearest k, but without a gate, as every k that the prior allows is kept.
+//!
+//! At most q of an image's edges may run along none of the directions, and only few of the last [`IMAGES_APART`] images may have more such
+//! edges: how many is declared ([`Quotas`]). The lean of robot and camera turns all edges of an image, each by another angle. Where the
+//! building's edges are sharp, the lean is solved for together with the heading, and the edges of the last [`IMAGES`] images are counted
+//! together: a declared number of them may be wrong, in a declared number of images. Directions that no map gives are learnt as intervals,
+//! as wide as the interval of the heading was when they were seen.
 
 mod agreement;
 mod distinct;
@@ -40,7 +43,7 @@ use crate::{
     vision::forward::{self, EdgeLine, Picture, vanishing::Equalisation},
 };
 
-/// The declared bounds that a constraint stands on.
+/// Declared bounds that a constraint from wall directions relies on.
 pub const RELIES_ON: [Assumption; 9] = [
     bounds::FORWARD_CAMERA_FOCAL,
     bounds::FORWARD_CAMERA_PRINCIPAL_POINT,
@@ -52,68 +55,71 @@ pub const RELIES_ON: [Assumption; 9] = [
     bounds::WALL_DIRECTIONS_DIRECTION,
     bounds::WALL_DIRECTIONS_ASKEW,
 ];
-/// Images that are held together, carried by the motion between them.
+/// Number of images whose edges are held together, carried by the robot's motion between the images.
 pub const IMAGES: usize = 20;
-/// Where an image's edges do not tell the lean together, so many are held.
+/// Number of images that are held where the edges of an image do not determine the lean together.
 pub const IMAGES_APART: usize = 10;
-/// Fewer level edges of an image say nothing: where a view shows one or two, it shows them for many images, and if they are wrong, all
-/// are wrong together.
+/// Least number of level edges for an image to be used: where a view shows one or two edges, it shows them for many images, and if they are
+/// wrong, all those images are wrong together.
 const FEWEST_LINES: usize = 3;
-/// Fewer edges of all images held say nothing together.
+/// Least number of edges in all images held for the edges to be counted together.
 const FEWEST_HELD: usize = 20;
-/// Where edges count image by image fewer of them may be wrong: their ends are claimed to as many times their bound, 0.12 px and 3 σ.
+/// Factor on the bound of an edge's ends where edges count image by image, as fewer of them may then be wrong: the bound is then 0.12 px
+/// and 3 σ.
 const APART_BOUNDS: f64 = 1.2;
-/// Share of an edge's motion across itself during the exposure by which its ends may be off: other edges blur into it.
+/// Share of an edge's motion across itself during the exposure by which its ends may be off, because other edges blur into the edge.
 const BLUR_SHARE: f64 = 0.25;
-/// An edge that would turn the robot by more beyond what the prior allows is clutter: no claim is made of it.
+/// Greatest distance between the prior's headings and the heading that an edge implies: an edge that implies a heading farther off is
+/// clutter, and no claim is made of it.
 const CLUTTER_RAD: f64 = 0.0524;
-/// Where fewer than [`FEWEST_LINES`] edges are as near as that, a prior that is wrong itself shows in edges up to this far off,
+/// Greatest distance between the prior's headings and the headings that edges may imply where fewer than [`FEWEST_LINES`] edges are within
+/// [`CLUTTER_RAD`]: there the prior itself may be wrong.
 const FAR_RAD: f64 = 0.1745;
-/// if they are so many.
+/// Least number of edges that imply headings within [`FAR_RAD`] of the prior's for these edges to be used.
 const FEWEST_FAR: usize = 5;
-/// An image from where the last one held was taken shows the same edges, the wrong ones too, and says nothing new: the robot has to
-/// have moved so far,
+/// Distance that the robot must have moved since the last image held for a new image to be used: an image from the same place shows the
+/// same edges, the wrong ones too, and says nothing new.
 const NEW_PLACE_M: f64 = 0.03;
-/// or to have turned so far.
+/// Angle that the robot may instead have turned since the last image held for a new image to be used.
 const NEW_PLACE_RAD: f64 = 0.05;
-/// A new direction needs as many edges that agree.
+/// Least number of agreeing edges from which a new direction of the building is learnt.
 const FEWEST_TO_LEARN: usize = 5;
-/// A direction is learnt when it is known so well, and no known one is as near.
+/// Greatest width of a direction of the building that is learnt, and least distance from every direction that is known.
 const NEW_DIRECTION_RAD: f64 = 0.087;
-/// A direction that no map tells is surely learnt where it is farther from every known one than this: than how well it has to be known, and how far
-/// apart from others. A nearer one may be taken for the known one.
+/// Distance from every known direction beyond which a direction that no map gives is surely learnt: the width to which it has to be known
+/// plus the least distance between directions. A direction nearer than that may be taken for the known one.
 pub const LEARNT_APART_RAD: f64 = 2.0 * NEW_DIRECTION_RAD;
 
-/// How the method looks at images, and whether it learns.
+/// Settings of the wall-direction method: how images are evaluated, and whether directions are learnt.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setup {
-    /// What finds level edges.
+    /// Chain of image operations that finds level edges.
     pub chain: Chain,
-    /// Whether an image's edges tell the body's lean together.
+    /// Whether the lean of the body is solved for from the edges of an image together.
     pub solves_lean: bool,
-    /// Whether long edges on the floor run along walls.
+    /// Whether long edges on the floor run along walls of this building.
     pub floor_edges: bool,
-    /// Whether the building may have directions that the map does not tell.
+    /// Whether the building may have directions that the map does not give.
     pub learns: bool,
-    /// Whether images end a doubt, as when no other method tells more than they do.
+    /// Whether images of walls may end a doubt; meant for a localizer in which no other method tells more than these images.
     pub decides: bool,
-    /// How many edges may be wrong.
+    /// Quotas of image edges that may be wrong.
     pub quotas: Quotas,
 }
 
-/// What finds level edges in an image.
+/// Chain of image operations that finds level edges in an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Chain {
-    /// Ours: [`forward::detect`].
+    /// The project's own chain to find level edges: [`forward::detect`].
     #[default]
     Direct,
-    /// The paper's, up to the segments that agree with its vanishing points.
+    /// The paper's chain, up to the segments that agree with the vanishing points that it finds.
     Paper,
-    /// The same with CLAHE.
+    /// The paper's chain with CLAHE, which equalises the histogram tile by tile.
     PaperByTiles,
 }
 
-/// The method; see the module.
+/// Method that bounds the heading by directions of walls; the module's page says how.
 #[derive(Clone, Debug)]
 pub struct WallDirections {
     camera: ForwardCameraModel,
@@ -122,7 +128,7 @@ pub struct WallDirections {
     solves_lean: bool,
     floor_edges: bool,
     quotas: Quotas,
-    /// An edge whose direction is known no better, were the lean known, says nothing.
+    /// Greatest width of the direction of an image edge, for a known lean, with which the edge is used.
     widest_rad: f64,
     body_tilt_rad: f64,
     stamp_turn_rad: f64,
@@ -130,9 +136,9 @@ pub struct WallDirections {
     learns: bool,
     seen: VecDeque<Seen>,
     certificates: Certificates,
-    /// Directions from robot forward, in the latest image, of edges that run along no wall known.
+    /// Directions from robot forward, in the latest image, of edges that run along no known wall.
     strange_rad: Vec<Interval>,
-    /// When that was.
+    /// Stamp of the latest image of the forward camera.
     latest_s: f64,
 }
 
@@ -140,12 +146,12 @@ pub struct WallDirections {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Direction {
     direction_rad: Interval,
-    /// Stamp of the image that it was learnt from; the map's are known from the beginning.
+    /// Stamp of the image from which the direction was learnt; directions of the map are known from the beginning.
     since_s: f64,
 }
 
 impl WallDirections {
-    /// The method for this robot on this map; `None` without a camera that looks ahead.
+    /// Makes the wall-direction method for a robot and a map; `None` without a camera that looks ahead.
     pub fn new(map: &Map, robot: &RobotModel, setup: Setup) -> Option<Self> {
         let directions_rad = &map.wall_directions_rad;
         let walls = Self::with(robot.forward_camera?, &robot.body, &robot.reach, directions_rad, setup.learns);
@@ -155,7 +161,7 @@ impl WallDirections {
         Some(WallDirections { chain, solves_lean, floor_edges, quotas, widest_rad, decides, ..walls })
     }
 
-    /// The method for a camera, with the directions that the map tells; `learns` says whether the building may have more.
+    /// Makes the wall-direction method for a camera, with the directions that the map gives; `learns` says whether the building may have more.
     pub fn with(
         camera: ForwardCameraModel,
         body: &BodyModel,
@@ -183,17 +189,18 @@ impl WallDirections {
         }
     }
 
-    /// The same for a building where long edges on the floor run along walls, with a lean that an image's edges tell together.
+    /// Wall-direction method for a building where long edges on the floor run along walls, with the lean solved for from the edges of an
+    /// image together.
     pub fn with_floor_edges_and_lean(self) -> Self {
         WallDirections { floor_edges: true, solves_lean: true, ..self }
     }
 
-    /// The same where other numbers of edges may be wrong.
+    /// Wall-direction method with other quotas of image edges that may be wrong.
     pub fn with_quotas(self, quotas: Quotas) -> Self {
         WallDirections { quotas, ..self }
     }
 
-    /// What edges found in an image of `stamp_s` say of the pose; `None` when they are too few.
+    /// Constraint on the heading from the edges found in an image with the stamp `stamp_s`; `None` when the edges are too few.
     pub fn constraint(&mut self, stamp_s: f64, lines: &[EdgeLine], prior: &PoseUnion) -> Option<Constraint> {
         let directions_rad = self.directions_rad();
         let edges = self.sorted(lines, prior.hull()[2], &directions_rad);
@@ -212,7 +219,7 @@ impl WallDirections {
         };
         let Told { agreement, is_upright } = posture::told(&planes(&edges.level), &planes(&edges.upright), &view);
         let n_level = agreement.len();
-        // Headings that all but q of the image's own edges allow.
+        // Headings that all but q of this image's own edges allow.
         let own =
             agreement.get((n_level - self.quotas.wrong_of_image(n_level)).saturating_sub(1)).into_iter().flatten();
         let alone = if n_level < FEWEST_LINES { Interval::EMPTY } else { own.fold(Interval::EMPTY, |a, b| a.hull(*b)) };
@@ -223,7 +230,8 @@ impl WallDirections {
         if !alone.is_empty() {
             self.seen.push_back(Seen { stamp_s, agreement, moved: still() });
         } else if !(self.learns && self.strange_rad.len() >= FEWEST_TO_LEARN) {
-            // Too few edges, or edges that agree on no heading near the prior's: more of them are wrong than declared, and it shows.
+            // The edges are too few, or agree on no heading near the prior's. In the second case more of them are wrong than declared, and
+            // it is recorded for how many images that is so.
             return self.certificates.are_too_many.then(|| self.silent(stamp_s, edges.rejected_px));
         }
         if self.seen.len() > if self.solves_lean { IMAGES } else { IMAGES_APART } {
@@ -236,10 +244,10 @@ impl WallDirections {
         Some(Constraint {
             method: self.name(),
             stamp_s,
-            // Images that say nothing yet agree with anything: they end no doubt.
+            // Images that rule out no heading agree with anything, so they end no doubt.
             decides: self.decides && held.says_something(),
             on_pose: Box::new(held),
-            // One image may be spoilt.
+            // A single image may have too many wrong edges, so that it says nothing without the other images held.
             by_itself: Some(Box::new(WallHeadings::silent())),
             relies_on: RELIES_ON.to_vec(),
             claims: level.chain(upright).collect(),
@@ -249,12 +257,12 @@ impl WallDirections {
         })
     }
 
-    /// Of so many images in a row at most so many have too many wrong edges.
+    /// Length of a sequence of images, and the greatest number of images in it that may have too many wrong edges.
     fn most_spoilt(&self) -> [usize; 2] {
         if self.solves_lean { [IMAGES, self.quotas.spoilt_images] } else { [IMAGES_APART, self.quotas.images] }
     }
 
-    /// A constraint that says nothing, so that a contradiction is asked for.
+    /// Constraint that rules nothing out, which makes the localizer inquire whether there is a contradiction.
     fn silent(&self, stamp_s: f64, rejected_px: Vec<[f64; 4]>) -> Constraint {
         Constraint {
             method: self.name(),
@@ -270,7 +278,7 @@ impl WallDirections {
         }
     }
 
-    /// What the images held say together.
+    /// Headings that the images held allow together.
     fn headings_held(&self) -> WallHeadings {
         if self.solves_lean {
             return WallHeadings::of_edges(self.seen.iter().map(|seen| seen.now().collect()).collect(), &self.quotas);
@@ -282,7 +290,7 @@ impl WallDirections {
         WallHeadings::of_images(self.seen.iter().map(of_image).collect(), &self.quotas)
     }
 
-    /// Whether the robot stands elsewhere than at the last image held.
+    /// Whether the robot is at another place than at the last image held.
     fn is_new_place(&self) -> bool {
         self.seen.back().is_none_or(|last| {
             let [forward_m, left_m, turned_rad] = [0, 1, 2].map(|axis| last.moved[axis].mid());
@@ -290,7 +298,7 @@ impl WallDirections {
         })
     }
 
-    /// The building's directions as known now, modulo quarter turns.
+    /// Known directions of the building, modulo quarter turns.
     pub fn directions_rad(&self) -> Vec<Interval> {
         self.directions.iter().map(|direction| direction.direction_rad).collect()
     }
@@ -310,7 +318,7 @@ impl Method for WallDirections {
     }
 
     fn carry_to(&mut self, stamp_s: f64, motion: MotionBetween) {
-        // Each is carried at once from where it was taken; one that the memory of motion does not reach is given up.
+        // Each image is carried in one step from its own stamp; an image that the memory of motion does not reach is dropped.
         self.seen.retain_mut(|seen| {
             let moved = if seen.stamp_s == stamp_s { Some(still()) } else { motion(seen.stamp_s, stamp_s) };
             let is_known = moved.is_some_and(|moved| !moved.is_empty());
@@ -334,7 +342,7 @@ impl Method for WallDirections {
             Chain::Paper => by_paper(Equalisation::Whole),
             Chain::PaperByTiles => by_paper(Equalisation::ByTiles),
         };
-        // Turning moves the image sideways, by the focal length times the angle in its middle.
+        // A turn of the robot during the exposure moves the image sideways: in the image's middle by the focal length times the angle.
         let moved_px = self.camera.focal_px.mid() * (twist.turn_rad_per_s * exposure_s).abs();
         for line in &mut lines {
             let [[_, v0], [_, v1]] = line.ends_px;
@@ -349,7 +357,8 @@ impl Method for WallDirections {
         if !self.learns || self.strange_rad.len() < FEWEST_TO_LEARN || heading.is_empty() {
             return;
         }
-        // α = θ + φ up to quarter turns: as wide as the heading and the edges together, never less.
+        // A direction of the building is α = θ + φ up to quarter turns. Its interval is as wide as the heading and the edges together,
+        // never narrower.
         let quarter = Interval::PI * 0.5;
         let any = Interval::new(-0.1, quarter.hi() + 0.1);
         let turned: Vec<Vec<Interval>> =
@@ -368,7 +377,7 @@ impl Method for WallDirections {
 
     fn forget_since(&mut self, since_s: f64) {
         self.directions.retain(|direction| direction.since_s <= since_s);
-        // What was carried by motion that is doubted now is where nobody knows.
+        // The images held were carried by motion that is doubted, so that their headings are not known.
         self.seen.clear();
         self.certificates = Certificates::default();
     }
@@ -387,7 +396,8 @@ impl Method for WallDirections {
     }
 }
 
-/// The direction that all sets are, but for quarter turns; `None` where they are several, and nobody knows which.
+/// Direction on which all given sets agree up to quarter turns; `None` where they give several directions and it is not known which is
+/// right.
 fn one_direction(sets: &[Interval]) -> Option<Interval> {
     let quarter = Interval::PI * 0.5;
     let (&first, others) = sets.split_first()?;

@@ -1,8 +1,8 @@
-//! Dots that share their errors: a rigid motion and a common shift.
+//! Group of marker dots that share errors: a contractor for a rigid motion with a common shift.
 //!
-//! What shifts all dots of a group alike says nothing against the heading. So each first-order model is split into the group's common
-//! part c = Σ Ḡₖ φₖ and what each dot differs from it: `dot = z + R(θ) bᵢ` with z = (x, y) + R(θ) c. A tilt of 0.1° shifts a marker at
-//! 2.6 m by 4.5 mm and turns it by less than 0.05°.
+//! An error that shifts all dots of a group alike says nothing about the heading. Each first-order model of a dot is therefore split into
+//! the group's common part c = Σ Ḡₖ φₖ and the part by which the dot differs from it: `dot = z + R(θ) bᵢ` with z = (x, y) + R(θ) c. A tilt
+//! of 0.1° shifts a marker at 2.6 m by 4.5 mm and turns it by less than 0.05°.
 
 use interval::{Interval, IntervalBox, contractor::Contractor};
 
@@ -11,28 +11,30 @@ use crate::rigid_motion::{LinearPose, RigidPlanar};
 use super::pairs;
 use super::ray::{BODY_TILT, DOT_HEIGHT, MOUNT_TILT, N_PARAMETERS, PIXEL, Sight};
 
-/// A dot as seen and where it is in the world, but for what the group shares.
+/// Dot of a marker as the camera sees it, with its place in the world. The errors that all dots of the group share are not included.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeenDot {
     pub(super) sight: Sight,
     pub(super) in_world_m: [Interval; 2],
 }
 
-/// Dots with a common shift.
+/// Group of dots with a common shift.
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     motion: RigidPlanar,
-    /// Apparent headings, up to whole turns, that the pairs of dots allow.
+    /// Apparent headings (robot heading plus camera yaw error), up to whole turns, that the pairs of dots allow.
     heading: Option<Interval>,
-    /// Common slopes of the parameters with their half-widths: boxes, and pairs that lie in a disc.
+    /// Derivatives of the dots' places by the shared error parameters, averaged over the group, with the parameters' half-widths: `boxes`
+    /// holds parameters that vary each for itself, `discs` pairs of parameters (a tilt's two components) that lie together in a disc.
     boxes: Vec<([f64; 2], f64)>,
     discs: Vec<([[f64; 2]; 2], f64)>,
-    /// Shift in the world frame, in any direction.
+    /// Radius of the marker's placement error: a shift in any direction of the world frame.
     placement_m: f64,
 }
 
 impl Group {
-    /// One marker's dots when `is_one_marker`: they share their height and, as a disc, their placement.
+    /// Makes a group of the dots of one marker when `is_one_marker`, otherwise of several markers. The dots of one marker share the error
+    /// of their height and, as a disc, the error of the marker's placement.
     pub(super) fn new(dots: &[SeenDot], is_one_marker: bool, placement_m: f64) -> Group {
         let own = |parameter: usize| is_own(parameter, is_one_marker);
         let mut common = [[0.0; 2]; N_PARAMETERS];
@@ -58,10 +60,10 @@ impl Group {
         }
     }
 
-    /// Half-widths of the common shift along world x and y, for any apparent heading of the interval.
+    /// Half-widths of the dots' common shift along world x and y, for any apparent heading in the interval.
     fn shift_m(&self, heading: Interval) -> [f64; 2] {
         let (cos, sin) = (heading.cos(), heading.sin());
-        // Rows of R(θ): along world x and along world y.
+        // The two rows of the rotation matrix R(θ) give the shift along world x and along world y.
         [[cos, -sin], [sin, cos]].map(|row| {
             let along = |slope: &[f64; 2]| row[0] * slope[0] + row[1] * slope[1];
             let mut shift = Interval::point(self.placement_m);
@@ -75,7 +77,8 @@ impl Group {
         })
     }
 
-    /// Boxes of (x, y, apparent heading) that a box leaves: one for each whole turn.
+    /// Boxes of (x, y, apparent heading) that remain of a given box when the group's dots are used; one box for each whole turn of the
+    /// heading.
     pub(super) fn branches(&self, pose: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
         let pose_contractor = LinearPose { motion: self.motion.clone(), n_slices: 0 };
         let shifted = self.shifted(pose, pose[2]);
@@ -90,7 +93,7 @@ impl Group {
         kept.filter(|branch| !branch.is_empty()).collect()
     }
 
-    /// The same for a thin slice of heading, in one pass.
+    /// Contracts a box of (x, y, apparent heading) by the group's dots in a single pass, for a thin slice of heading.
     pub(super) fn pass(&self, pose: &IntervalBox<3>) -> IntervalBox<3> {
         let mut shifted = self.shifted(pose, pose[2]);
         self.motion.contract(&mut shifted);
@@ -107,19 +110,21 @@ impl Group {
     }
 }
 
-/// Whether an error is each dot's own: that of its pixel, and the height of its marker where there are several.
+/// Whether an error parameter is each dot's own and not shared by the group: the error of the dot's pixel, and, where the group has several
+/// markers, the height of the dot's marker.
 pub(super) fn is_own(parameter: usize, is_one_marker: bool) -> bool {
     PIXEL.contains(&parameter) || (parameter == DOT_HEIGHT && !is_one_marker)
 }
 
-/// Where a dot is in the apparent frame, less the common part of the parameters' effects.
+/// Place of a dot in the apparent frame, without the common part of the error parameters' effects.
 fn differing(sight: &Sight, common: &[[f64; 2]; N_PARAMETERS]) -> [Interval; 2] {
     [0, 1].map(|axis| {
         let slope = |k: usize| sight.slopes[axis][k] - common[k][axis];
         let in_box = |k: &usize| !BODY_TILT.contains(k) && !MOUNT_TILT.contains(k);
         let place =
             (0..N_PARAMETERS).filter(in_box).fold(sight.middle_m[axis], |sum, k| sum + slope(k) * sight.deviations[k]);
-        // A tilt lies in a disc: along one axis it does at most its radius times the length of its slopes.
+        // The two components of a tilt lie in a disc: along one axis they shift the dot by at most the disc's radius times the length of
+        // the slopes.
         [BODY_TILT, MOUNT_TILT].into_iter().fold(place, |sum, [a, b]| {
             let reach = slope(a).hypot(slope(b)) * sight.deviations[a].magnitude();
             sum.inflate(reach.hi())

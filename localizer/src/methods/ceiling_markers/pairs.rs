@@ -1,8 +1,9 @@
-//! The heading from pairs of dots that share their errors.
+//! Heading from pairs of marker dots that share their errors.
 //!
-//! The vector from one dot to another in the apparent frame, b, and in the world, w, are turned against each other by the heading:
-//! θ = arg w − arg b. What the image and the marker share, its height above all, changes b along itself and hardly across, so that it
-//! costs the angle next to nothing; as an error of each dot alone it would cost as much as the pixels do. No shift enters.
+//! Take the vector from one dot to another, b in the apparent frame and w in the world. The heading is the angle between the two: θ = arg w
+//! − arg b. Errors that the dots share, above all the height of the marker, change b along its own direction and hardly across, so they
+//! cost the angle next to nothing; as errors of each dot alone they would cost as much as the pixel errors do. A shift of all dots does not
+//! enter at all.
 
 use interval::Interval;
 
@@ -11,10 +12,12 @@ use super::{
     ray::{BODY_TILT, MOUNT_TILT, N_PARAMETERS},
 };
 
-/// Pairs nearer than this share of the longest say nothing that others do not say better.
+/// Share of the longest distance between two marker dots. A pair of dots nearer to each other than that is left out: it tells nothing about
+/// the heading that longer pairs do not tell better.
 const SHORTEST: f64 = 0.5;
 
-/// Apparent headings that all long pairs allow, up to whole turns; `None` when no pair decides, empty when they contradict each other.
+/// Apparent headings that all long pairs of dots allow, up to whole turns; `None` when no pair decides, empty when pairs contradict each
+/// other.
 pub(super) fn heading(dots: &[SeenDot], is_one_marker: bool) -> Option<Interval> {
     let pairs = || (0..dots.len()).flat_map(|second| (0..second).map(move |first| (&dots[first], &dots[second])));
     let length_m = |(first, second): (&SeenDot, &SeenDot)| {
@@ -30,7 +33,7 @@ pub(super) fn heading(dots: &[SeenDot], is_one_marker: bool) -> Option<Interval>
     known
 }
 
-/// What two intervals of headings, each narrower than half a turn, have in common after `other` is moved by whole turns next to `known`.
+/// Intersection of two intervals of headings, each narrower than half a turn, after `other` is moved by whole turns to lie next to `known`.
 pub(super) fn same_turn(known: Interval, other: Interval) -> Interval {
     let turns = ((known.mid() - other.mid()) / std::f64::consts::TAU).round();
     known.intersect(other + turns * (2.0 * Interval::PI))
@@ -39,7 +42,7 @@ pub(super) fn same_turn(known: Interval, other: Interval) -> Interval {
 fn heading_of_pair(first: &SeenDot, second: &SeenDot, is_one_marker: bool) -> Option<Interval> {
     let in_world = [0, 1].map(|axis| second.in_world_m[axis] - first.in_world_m[axis]);
     let middle = [0, 1].map(|axis| second.sight.middle_m[axis] - first.sight.middle_m[axis]);
-    // Along b and across it.
+    // Coordinate frame with one axis along the vector b from one marker dot to another, and one axis across it.
     let frame = Frame::along(middle.map(Interval::mid))?;
     let [mut along, mut across] = frame.components(middle);
     let grow = |sum: Interval, by: Interval| sum.inflate(by.hi());
@@ -70,7 +73,7 @@ fn heading_of_pair(first: &SeenDot, second: &SeenDot, is_one_marker: bool) -> Op
     Some(world_frame.angle() + turn(world_along, world_across)? - frame.angle() - turn(along, across)?)
 }
 
-/// Axes along and across a vector of any length: angles need no unit.
+/// Coordinate axes along and across a vector. The vector need not have unit length, as only angles are computed from the components.
 struct Frame([Interval; 2]);
 
 impl Frame {
@@ -85,7 +88,7 @@ impl Frame {
 
     fn angle(&self) -> Interval {
         let Frame([x, y]) = self;
-        // Away from the cut of the arc tangent: the opposite vector, half a turn later.
+        // Where the vector points towards the cut of the arc tangent, the opposite vector is used and half a turn is added.
         if x.hi() < 0.0 { (-*y).atan2(-*x) + Interval::PI } else { y.atan2(*x) }
     }
 }

@@ -1,4 +1,5 @@
-//! The paper's own way, as a baseline: nearest marker, three direction dots, P3P, offset of the mount.
+//! The paper's own method to locate a robot by ceiling markers, as a baseline: it takes the marker nearest to the middle of the picture and
+//! its three direction dots, solves P3P, and subtracts the offset of the camera's mount.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -15,23 +16,25 @@ use crate::{
     },
 };
 
-/// Of the solutions, those that lean by at most so much more than the most upright one are told apart by all dots.
+/// Greatest excess of a P3P solution's lean over that of the most upright solution for both to count as equally upright. Among such
+/// solutions the one whose reprojection fits all dots best is taken.
 const AS_UPRIGHT_RAD: f64 = 0.03;
 
-/// A pose without bounds.
+/// Pose that the paper's method computes from one marker, without error bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaperFix {
-    /// Of the robot origin, heading in (−π, π].
+    /// Pose of the robot origin, with the heading in (−π, π].
     pub pose: Pose,
-    /// World position of the camera.
+    /// World position of the camera in metres.
     pub camera_m: [f64; 3],
-    /// The marker read.
+    /// Identity of the marker that was read.
     pub marker: MarkerId,
-    /// P(S), Eq. (3).
+    /// Confidence P(S) of the marker that was read, Eq. (3) of the paper.
     pub confidence: f64,
 }
 
-/// Reads the marker nearest to the middle of the picture and solves Eqs. (10) to (15), then Eq. (17); `None` without a marker of the map.
+/// Locates the robot by the marker nearest to the middle of the picture: solves Eqs. (10) to (15), then Eq. (17) of the paper. `None` when
+/// no marker of the map is found.
 pub fn locate(image: &image::GrayImage, map: &MarkerMap, robot: &RobotModel) -> Option<PaperFix> {
     let camera = robot.ceiling_camera.as_ref()?;
     let seen = paper::detect(image, dot_radius_px(map, camera))?;
@@ -49,7 +52,7 @@ pub fn locate(image: &image::GrayImage, map: &MarkerMap, robot: &RobotModel) -> 
     let centre_m = -(solution.rotation.transpose() * solution.translation_m);
     let forward = world_from_body(solution) * Vector3::x();
     let heading_rad = forward.y.atan2(forward.x);
-    // Eq. (17), with the direction of the offset and not its length alone (erratum I8).
+    // The offset of the camera is subtracted as in Eq. (17), but with its direction and not its length alone (erratum I8).
     let [ahead, aside] = camera.position_m.map(Interval::mid);
     let (sin, cos) = heading_rad.sin_cos();
     let pose = Pose {
@@ -60,13 +63,13 @@ pub fn locate(image: &image::GrayImage, map: &MarkerMap, robot: &RobotModel) -> 
     Some(PaperFix { pose, camera_m: centre_m.into(), marker: seen.id, confidence: seen.confidence })
 }
 
-/// Radius of a dot that is overhead.
+/// Radius in the image, in pixels, of a marker dot that is straight above the camera, for the lowest marker of the map.
 pub(crate) fn dot_radius_px(map: &MarkerMap, camera: &CeilingCameraModel) -> f64 {
     let heights = map.markers.iter().map(|placed| placed.height_m.mid() - camera.height_m.mid());
     camera.focal_px[0].mid() * DOT_RADIUS_M / heights.fold(f64::INFINITY, f64::min)
 }
 
-/// Sum of squared distances, in focal lengths, between all dots and where a solution puts them.
+/// Sum of squared distances, in focal lengths, between all dots of the marker as seen and as a solution for the camera pose projects them.
 fn misfit(pose: &CameraPose, seen: &PaperMarker, placed: &PlacedMarker, camera: &CeilingCameraModel) -> f64 {
     let squares = seen.dots_px.iter().map(|(place, pixel)| {
         let point = pose.rotation * in_world_m(placed, *place) + pose.translation_m;
@@ -75,7 +78,7 @@ fn misfit(pose: &CameraPose, seen: &PaperMarker, placed: &PlacedMarker, camera: 
     squares.sum()
 }
 
-/// Eq. (12).
+/// Ray of a pixel in the camera frame, Eq. (12) of the paper.
 fn ray(camera: &CeilingCameraModel, pixel: [f64; 2]) -> Vector3<f64> {
     let [x, y] = [0, 1].map(|axis| (pixel[axis] - camera.centre_px[axis].mid()) / camera.focal_px[axis].mid());
     Vector3::new(x, y, 1.0)
@@ -88,12 +91,12 @@ pub(crate) fn in_world_m(placed: &PlacedMarker, place: GridPlace) -> Vector3<f64
     Vector3::new(centre_x + cos * x - sin * y, centre_y + sin * x + cos * y, placed.height_m.mid())
 }
 
-/// Nominal posture of the camera.
+/// Nominal orientation of the ceiling camera in the body frame.
 pub(crate) fn body_from_camera(camera: &CeilingCameraModel) -> Matrix3<f64> {
     let [forward, left] = camera.lean_rad;
     let lean = Rotation3::new(Vector3::new(-left, forward, 0.0));
     let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), camera.yaw_rad.mid());
-    // Columns: image right is left, image down is backward, the optical axis is up.
+    // The columns of the matrix say: image right is the robot's left, image down is backward, and the optical axis points up.
     let upright = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
     yaw.matrix() * lean.matrix() * upright
 }

@@ -1,28 +1,29 @@
-//! All markers of one image as a contractor on the pose.
+//! Contractor on the robot's pose, made from all markers of one image.
 
 use interval::contractor::{Contractor, Outcome};
 use interval::{Interval, IntervalBox};
 
 use super::group::{Group, SeenDot};
 
-/// At least all but `q_items` of the markers are what the map says.
+/// Contractor on the pose that assumes that all but at most `q_items` of the seen markers are what the map says.
 ///
-/// Sound: some choice of all but q markers is right, so the pose is in one of the boxes that the choices leave; each is kept.
-/// Each choice is contracted by every marker alone (its dots share height and placement) and by all together (their distances tell the
-/// heading), and then slice by slice of heading, so that heading and position stay together.
+/// It is sound: some choice of all but q markers is right, so the pose is in one of the boxes that the choices leave, and each of them is
+/// kept. For each choice a box is contracted by every marker alone (whose dots share height and placement), by all markers together (whose
+/// distances tell the heading), and then slice by slice of heading, so that the dependence between heading and position is kept.
 pub(super) struct Markers {
     choices: Vec<Vec<Group>>,
-    /// Error of the apparent heading: yaw of the mount.
+    /// Error of the apparent heading, that is the yaw error of the camera's mount.
     yaw_error: Interval,
-    /// How far the pose at the stamp may be from the pose of the exposure: metres, radians.
+    /// Greatest difference between the pose at the image's stamp and the pose at its exposure, in metres and in radians.
     stamp: [f64; 2],
 }
 
-/// Slices of heading: within one, heading and position no longer know of each other.
+/// Number of slices into which an interval of headings is cut. Within one slice the dependence between heading and position is lost.
 const SLICES: usize = 24;
 
 impl Markers {
-    /// `dots` are the dots of each marker, with `placement_m` apart; `None` when `q_items` leaves no marker.
+    /// Makes the contractor of an image's markers. `dots` holds the dots of each marker without the placement error, which is
+    /// `placement_m`; `None` when leaving out `q_items` markers leaves none.
     pub(super) fn new(
         dots: &[Vec<SeenDot>],
         placement_m: f64,
@@ -45,14 +46,14 @@ impl Markers {
         Some(Markers { choices: choices.collect(), yaw_error, stamp })
     }
 
-    /// Boxes of (x, y, apparent heading) at the exposure that a choice of markers leaves.
+    /// Boxes of (x, y, apparent heading) at the exposure that remain of a given box when one choice of markers is taken to be right.
     fn choice(groups: &[Group], pose: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
         let mut branches = vec![*pose];
-        // The group of all dots has the longest baselines, and is last.
+        // The group of the dots of all markers has the longest baselines; it is the last of the groups and is applied first.
         for group in groups.iter().rev() {
             branches = branches.iter().flat_map(|branch| group.branches(branch)).collect();
         }
-        // What one marker says of the heading, the others have not yet used.
+        // In a second pass every group of dots uses what each single marker told about the heading.
         for group in groups.iter().rev() {
             branches = branches.iter().flat_map(|branch| group.branches(branch)).collect();
         }
@@ -60,10 +61,10 @@ impl Markers {
     }
 }
 
-/// The hull of what the slices of heading leave.
+/// Hull of the boxes that remain when a box is contracted slice by slice of its heading.
 fn sliced(groups: &[Group], pose: &IntervalBox<3>) -> IntervalBox<3> {
     if !pose[2].width().is_finite() {
-        // Of headings without an end no slice is any narrower.
+        // A slice of an interval of headings without an end would be no narrower than the interval, so there is nothing to cut.
         return groups.iter().fold(*pose, |part, group| if part.is_empty() { part } else { group.pass(&part) });
     }
     let step = pose[2].width() / SLICES as f64;
@@ -71,7 +72,7 @@ fn sliced(groups: &[Group], pose: &IntervalBox<3>) -> IntervalBox<3> {
     for slice in 0..SLICES {
         let lo = pose[2].lo() + slice as f64 * step;
         let hi = if slice + 1 == SLICES { pose[2].hi() } else { lo + step };
-        // A hair of overlap, so that no heading falls between two slices by rounding.
+        // Slices overlap by a hair, so that rounding lets no heading fall between two of them.
         let heading = Interval::new(lo, hi.max(lo)).inflate(1e-12).intersect(pose[2]);
         let mut part = IntervalBox::new([pose[0], pose[1], heading]);
         for group in groups {
@@ -119,7 +120,7 @@ impl Contractor<3> for Markers {
     }
 }
 
-/// All subsets of `size` of the numbers below `n`, each rising.
+/// All subsets with `size` elements of the numbers below `n`, each in rising order.
 fn subsets(n: usize, size: usize) -> Vec<Vec<usize>> {
     let all = (0u32..1 << n).filter(|bits| bits.count_ones() as usize == size);
     all.map(|bits| (0..n).filter(|number| bits & (1 << number) != 0).collect()).collect()

@@ -1,14 +1,16 @@
-//! From a pixel to a place on the ceiling, with every declared error as a parameter.
+//! Map from a pixel to a place on the ceiling, with every declared error as a parameter.
 //!
-//! Frame `apparent`: the robot frame made level (its x is the robot's heading seen from above), turned by the unknown error δ of the
-//! camera's yaw; its origin is the robot origin. With T(a) the rotation by a tilt a about a horizontal axis, m the optical centre,
-//! Z the dot's height above the robot origin and (f, l, up) = (−y, x, 1) the ray of the pixel's (x, y) for an upright camera:
+//! The place is given in the frame `apparent`: the robot frame made level (its x axis is the robot's heading seen from above), turned by
+//! the unknown error δ of the camera's yaw; its origin is the robot origin. With T(a) the rotation by a tilt a about a horizontal axis, m
+//! the optical centre, Z the dot's height above the robot origin and (f, l, up) = (−y, x, 1) the ray of the pixel's (x, y) for an upright
+//! camera:
 //!
 //! ```text
 //! c = T(body) m      d = T(body) Rz(yaw) T(mount) Lean (−y, x, 1)      dot = c + d·(Z − c_up)/d_up      (its two level components)
 //! ```
 //!
-//! A tilt by the angle α is written as Cayley's vector a = tan(α/2)·axis: T(a) v = v + 2 (a × v + a × (a × v))/(1 + |a|²), free of trigonometry.
+//! A tilt by the angle α is written as Cayley's vector a = tan(α/2)·axis: T(a) v = v + 2 (a × v + a × (a × v))/(1 + |a|²), free of
+//! trigonometry.
 
 use interval::{Dual, Interval};
 
@@ -17,7 +19,8 @@ use crate::{
     vision::distortion,
 };
 
-/// Parameters: what is unknown of one dot (its pixel), of the image (optics and posture), and of the marker (its height).
+/// Number of error parameters: the unknowns of one dot (its pixel), of the image (optics and posture of the camera), and of the marker (its
+/// height). The constants below are the indices of the parameters.
 pub(super) const N_PARAMETERS: usize = 14;
 pub(super) const PIXEL: [usize; 2] = [0, 1];
 pub(super) const CENTRE: [usize; 2] = [2, 3];
@@ -30,7 +33,8 @@ pub(super) const DOT_HEIGHT: usize = 13;
 
 type Number = Dual<N_PARAMETERS>;
 
-/// Everything of the image, with the pixel and the dot's height still open.
+/// Known values of the camera and the body that are the same for all dots of an image; only a dot's pixel and height are still to be filled
+/// in.
 #[derive(Clone, Debug)]
 pub(super) struct Optics {
     parameters: [Interval; N_PARAMETERS],
@@ -41,14 +45,14 @@ pub(super) struct Optics {
     heave_m: f64,
 }
 
-/// Where the dot of a pixel is in the apparent frame, to first order in the parameters' deviations from their middles.
+/// Place in the apparent frame of the dot seen at a pixel, to first order in the deviations of the error parameters from their middles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight {
-    /// At the middles of all parameters.
+    /// Place of the dot when every error parameter has its middle value.
     pub(super) middle_m: [Interval; 2],
-    /// Derivatives over the whole box of parameters, for each of the two components.
+    /// Derivatives of the dot's place (two components) by every error parameter, valid over the whole box of parameters.
     pub(super) slopes: [[Interval; N_PARAMETERS]; 2],
-    /// Deviations of the parameters, each around 0.
+    /// Deviations of the error parameters from their middles, as intervals around 0.
     pub(super) deviations: [Interval; N_PARAMETERS],
 }
 
@@ -58,7 +62,7 @@ impl Optics {
         let yaw_error = camera.yaw_rad - Interval::point(camera.yaw_rad.mid());
         let (sin, cos) = (yaw_error.sin(), yaw_error.cos());
         let [forward, left] = camera.position_m;
-        // The optical centre in the frame that is turned by the yaw's error: Rz(−δ) m.
+        // The camera's optical centre m, expressed in the frame that is turned by the camera's yaw error δ, is Rz(−δ) m.
         let position = [forward * cos + left * sin, left * cos - forward * sin];
         let tilt = |angle_rad: f64| {
             let half = (Interval::point(angle_rad) * 0.5).tan().hi();
@@ -83,10 +87,11 @@ impl Optics {
         }
     }
 
-    /// The sight of a pixel `[u, v, bound]` on a ceiling of this height; `None` if the ray does not go up, or the lens folds there.
+    /// First-order model of the place on a ceiling of this height that a pixel `[u, v, bound]` sees; `None` if the pixel's ray does not go
+    /// up, or the lens model folds there.
     pub(super) fn sight(&self, [u, v, bound_px]: [f64; 3], height_m: Interval) -> Option<Sight> {
         let mut parameters = self.parameters;
-        // The calibration's error is of the image as taken, as the pixel's is.
+        // The lens calibration's error shifts pixels of the image as taken, like a pixel's own error does, so that the two add up.
         parameters[PIXEL[0]] = Interval::centred(u, bound_px).inflate(self.distortion_px);
         parameters[PIXEL[1]] = Interval::centred(v, bound_px).inflate(self.distortion_px);
         parameters[DOT_HEIGHT] = height_m.inflate(self.heave_m);
@@ -128,9 +133,9 @@ impl Optics {
     }
 }
 
-/// T(a) v for a horizontal Cayley vector a.
+/// Vector v after the tilt T(a), with a a horizontal Cayley vector.
 fn tilted(v: [Number; 3], [a, b]: [Number; 2]) -> [Number; 3] {
-    // a × v for a = (a, b, 0).
+    // The cross product a × v for a = (a, b, 0).
     let cross = |v: &[Number; 3]| [b * v[2], -(a * v[2]), a * v[1] - b * v[0]];
     let once = cross(&v);
     let twice = cross(&once);
@@ -144,7 +149,7 @@ fn square(a: Number) -> Number {
     Number { value: a.value.sqr(), ..product }
 }
 
-/// Rotation that leans the upright axis by these angles towards forward and left: by the vector (−left, forward, 0).
+/// Rotation matrix that leans the upright axis by the given angles towards forward and towards left: rotation vector (−left, forward, 0).
 fn lean_matrix([forward, left]: [f64; 2]) -> [[Interval; 3]; 3] {
     let vector = [Interval::point(-left), Interval::point(forward), Interval::ZERO];
     let angle = (vector[0].sqr() + vector[1].sqr()).sqrt();
@@ -153,7 +158,7 @@ fn lean_matrix([forward, left]: [f64; 2]) -> [[Interval; 3]; 3] {
     if angle.hi() < 1e-300 {
         return identity;
     }
-    // Rodrigues: I + sin α [n] + (1 − cos α) [n]².
+    // Formula of Rodrigues: I + sin α [n] + (1 − cos α) [n]².
     let [x, y, z] = vector.map(|component| component / angle);
     let cross = [[Interval::ZERO, -z, y], [z, Interval::ZERO, -x], [-y, x, Interval::ZERO]];
     let (sin, versine) = (angle.sin(), Interval::ONE - angle.cos());

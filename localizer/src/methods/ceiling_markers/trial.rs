@@ -1,4 +1,5 @@
-//! The paper's own experiments on synthetic pictures: angle test and position test (Tables 2 and 3), with both methods side by side.
+//! The paper's two experiments with ceiling markers, on synthetic pictures: angle test and position test (Tables 2 and 3). The interval
+//! method and the paper's own method are run on the same pictures.
 
 use std::time::Instant;
 
@@ -24,15 +25,16 @@ use crate::{
 };
 
 const TILT_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
-/// The camera stands 0.2 m above the floor and 2.6 m below the ceiling.
+/// Height of the camera above the floor: 0.2 m, which is 2.6 m below the ceiling.
 const CAMERA_M: f64 = 0.2;
 const CEILING_M: f64 = 2.8;
-/// Of a pixel at mid grey.
+/// Electrons that a pixel at mid grey collects.
 const ELECTRONS: f64 = 8000.0;
 
-/// A bench: no mount's offset, focal lengths known to 0.1 px, heights to 1 mm.
+/// Model of a robot on a test bench: the camera's mount has no offset, focal lengths are known to 0.1 px and heights to 1 mm.
 ///
-/// A wrong centre of the picture looks like a tilt of the mount: what calibrates the mount to 0.05° leaves next to nothing of it.
+/// An error of the picture's centre looks like a tilt of the mount: a calibration that knows the mount's tilt to 0.05° leaves next to
+/// nothing of it.
 fn bench() -> RobotModel {
     let radius = Interval::point(0.1);
     RobotModel {
@@ -72,7 +74,7 @@ fn bench() -> RobotModel {
     }
 }
 
-/// The marker whose dot O is the world's origin: the world is defined by it, so that it is where it is.
+/// Map with a single marker, whose dot O is the world's origin. The marker defines the world frame, so its placement has no error.
 fn paper_map() -> MarkerMap {
     MarkerMap {
         coding: Coding::Hexads,
@@ -88,13 +90,13 @@ fn paper_map() -> MarkerMap {
     }
 }
 
-/// A tilt uniform in the disc of its bound.
+/// Rotation by a tilt that is drawn uniformly from the disc of its bound.
 fn tilt(random: &mut Random) -> Rotation3<f64> {
     let (course, size) = (random.between(0.0, std::f64::consts::TAU), TILT_RAD * random.unit().sqrt());
     Rotation3::new(Vector3::new(course.cos(), course.sin(), 0.0) * size)
 }
 
-/// The true camera of a robot at a pose, with every error of the bench drawn.
+/// True ceiling camera of a robot at a given pose, with every error of the test bench drawn at random.
 fn eye(pose: [f64; 3], random: &mut Random) -> Eye {
     let mut eye = Eye::upright(0.0);
     let body = Rotation3::from_axis_angle(&Vector3::z_axis(), pose[2]) * tilt(random);
@@ -113,7 +115,7 @@ fn eye(pose: [f64; 3], random: &mut Random) -> Eye {
     eye
 }
 
-/// Sums over the poses of a test.
+/// Sums of errors, box widths and computing times over the poses of one test.
 #[derive(Default)]
 struct Table {
     poses: f64,
@@ -204,7 +206,8 @@ fn the_papers_two_tests_come_out_within_3_mm_and_a_tenth_of_a_degree() {
         assert!(table.milliseconds[0] <= 5.0, "{:?}", table.milliseconds);
     }
     assert!((angles.width_m + positions.width_m) / (angles.poses + positions.poses) <= 0.012);
-    // The paper's way reads the same pictures, and is worse by an order of magnitude: free tilt is ill-conditioned at 2.6 m (erratum I5).
+    // The paper's method reads a marker in all of the same pictures. It is worse by an order of magnitude, because a pose with free tilt is
+    // ill-conditioned at 2.6 m (erratum I5).
     assert!(angles.paper_read + positions.paper_read == (angles.poses + positions.poses) as usize);
 }
 
@@ -229,7 +232,8 @@ fn an_error_before_the_lean_turns_by_no_more_than_the_heading_allows_for() {
         let about = random.between(-3.2, 3.2);
         let error = Rotation3::new(Vector3::new(about.cos(), about.sin(), 0.0) * tilt_rad);
         let leaning = Rotation3::new(Vector3::new(-course.sin(), course.cos(), 0.0) * lean);
-        // Lean after error is a turn about the vertical after a tilt, after the lean: what of the quaternion is about the vertical.
+        // A tilt error that acts before the known lean equals the lean, then a tilt, then a turn about the vertical. The turn's angle is
+        // read from the vertical component of the quaternion.
         let turned = nalgebra::UnitQuaternion::from_rotation_matrix(&(leaning * error * leaning.inverse()));
         let turn_rad = 2.0 * turned.k.atan2(turned.w);
         assert!(allowed.contains(turn_rad), "{turn_rad} {allowed:?}");

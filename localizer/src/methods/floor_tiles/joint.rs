@@ -1,4 +1,4 @@
-//! One line of an image as a statement on heading and position.
+//! One line of an image of the floor as a statement about the robot's heading and position.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,31 +14,31 @@ use super::{
     Geometry,
 };
 
-/// A line in the camera frame (forward, left; metres on the floor), with every declared error of the optics around it.
+/// Line seen on the floor, in the camera frame (forward, left; metres on the floor), with every declared error of the optics around it.
 ///
-/// The feasible set of its normal angle ψ and its offset from the centroid stays that of the image: only its hull would lose
-/// how the two go together.
+/// The feasible set of the line's normal angle ψ and its offset from the centroid is kept as found in the image: its hull alone would lose
+/// the dependence between angle and offset.
 #[derive(Clone, Debug)]
 pub(super) struct Joint {
     set: LineSet,
-    /// Centroid in the camera frame, in pixels: forward and left of the principal point.
+    /// Centroid of a floor line's points in the camera frame, in pixels: forward and left of the principal point.
     centroid_px: [f64; 2],
-    /// Hull of the normal angle in the camera frame, as seen.
+    /// Interval hull of a floor line's normal angle in the camera frame, as seen in the image.
     angle_rad: Interval,
-    /// Points of the line in the robot frame, and how many of them may be no joint's.
+    /// Points of the line in the robot frame, and the number of them that may belong to no joint.
     points_m: Vec<[f64; 2]>,
     n_wrong: usize,
-    /// A point is off by no more.
+    /// Greatest error of the floor position of any of the line's points.
     slack_m: f64,
-    /// Greatest turn of the line by tilts of mount and body, and within the stamp's error.
+    /// Greatest turn of the line by tilts of mount and body, and by the robot's turning within the stamp's error.
     tilt_angle_rad: f64,
-    /// Greatest shift of the line along its normal by tilts, heave and stamp.
+    /// Greatest shift of the line along its normal by tilts and heave, and by the robot's motion within the stamp's error.
     shift_m: f64,
 }
 
 impl Joint {
-    /// The statement of a fitted line, what lens and shutter leave open at most of one of its points; `None` when the line passes so far
-    /// out that its tilt bound makes no sense.
+    /// Makes the statement of a fitted line. `most_open_px` bounds the error that lens and shutter leave at any of the line's points.
+    /// `None` when the line passes so far out that the bound on its turn by tilts is no longer useful.
     pub(super) fn new(set: LineSet, line: &FloorLine, most_open_px: f64, geometry: &Geometry) -> Option<Self> {
         let camera = &geometry.camera;
         let centroid_px = geometry.in_camera_px(set.centroid_px);
@@ -56,11 +56,12 @@ impl Joint {
         (joint.tilt_angle_rad < FRAC_PI_2 / 4.0).then_some(joint)
     }
 
-    /// Bounds of what mount tilt, body tilt, heave and stamp do to the line ([`LeaningPlane`]); `None` where they may do anything.
+    /// Sets the bounds on the effects of mount tilt, body tilt, heave and stamp error on the line ([`LeaningPlane`]); `None` where these
+    /// errors may move the line anywhere.
     ///
-    /// Within the stamp's error the robot goes and turns: the line's distance from its origin changes by the way alone, that of the
-    /// camera's place by the turn. Under a rolling shutter each row has a posture of its own: there the bounds of the points account for
-    /// that of the body ([`body_shift_m`]).
+    /// Within the stamp's error the robot moves and turns. The line's distance from the robot origin changes only by the distance
+    /// travelled, the camera's distance from the line also by the turn. Under a rolling shutter each row has its own posture of the body;
+    /// there the bounds of the line's points account for that posture ([`body_shift_m`]).
     fn account_for_posture(&mut self, geometry: &Geometry) -> Option<()> {
         let (camera, body, reach) = (&geometry.camera, &geometry.robot.body, &geometry.robot.reach);
         let is_rolling = camera.row_time_s > 0.0;
@@ -77,13 +78,13 @@ impl Joint {
         Some(())
     }
 
-    /// Hull of ψ, the normal angle in the robot frame.
+    /// Interval hull of ψ, the line's normal angle in the robot frame.
     pub(super) fn robot_angle(&self, geometry: &Geometry) -> Interval {
         (self.angle_rad + geometry.camera.yaw_rad).inflate(self.tilt_angle_rad)
     }
 
-    /// The families k with k·π/2 + γ ∈ θ + ψ, give or take the laying angle: inclusive range, empty when first > last. Of an unbounded
-    /// heading it is all that there are.
+    /// Families k of tile joints with k·π/2 + γ ∈ θ + ψ, within the laying angle's tolerance, as an inclusive range that is empty when
+    /// first > last. For an unbounded heading these are all families.
     pub(super) fn families(&self, heading: Interval, geometry: &Geometry) -> (i64, i64) {
         let turned =
             (heading + self.robot_angle(geometry) - geometry.grid.rotation_rad).inflate(geometry.grid.laying_angle_rad);
@@ -94,12 +95,12 @@ impl Joint {
         (quarter.lo().ceil() as i64, quarter.hi().floor() as i64)
     }
 
-    /// θ = k·π/2 + γ − ψ: the headings that make this line a joint of family `family`.
+    /// Headings that make this line a joint of the family `family`: θ = k·π/2 + γ − ψ.
     pub(super) fn heading(&self, family: i64, geometry: &Geometry) -> Interval {
         (family_angle(family, geometry) - self.robot_angle(geometry)).inflate(geometry.grid.laying_angle_rad)
     }
 
-    /// Whether some heading of the prior makes the line a joint.
+    /// Whether for some heading of the prior the line can be a tile joint.
     pub(super) fn agrees(&self, prior: &PoseUnion, geometry: &Geometry) -> bool {
         prior.branches.iter().any(|branch| {
             let (first, last) = self.families(branch[2], geometry);
@@ -107,7 +108,7 @@ impl Joint {
         })
     }
 
-    /// Whether more of the line's points than may be wrong lie outside of the room from every pose of the box.
+    /// Whether, seen from every pose of the box, more of the line's points lie outside the room than may be wrong.
     pub(super) fn leaves_room(&self, pose: &IntervalBox<3>, geometry: &Geometry) -> bool {
         let (cos, sin) = (pose[2].cos(), pose[2].sin());
         let outside = self.points_m.iter().filter(|&&[forward_m, left_m]| {
@@ -119,8 +120,8 @@ impl Joint {
         outside.count() > self.n_wrong
     }
 
-    /// σ·(n(ψ)·a + n(ψ_camera)·c + offset), what lies between the robot origin and the joint along the grid axis of the family:
-    /// grid coordinate of the joint minus that of the robot origin. Empty when no line of the feasible set fits the heading.
+    /// Distance from the robot origin to the joint along the grid axis of the family, σ·(n(ψ)·a + n(ψ_camera)·c + offset): the grid
+    /// coordinate of the joint minus that of the robot origin. Empty when no line of the feasible set fits the heading.
     pub(super) fn ahead(&self, family: i64, heading: Interval, geometry: &Geometry) -> Interval {
         let camera = &geometry.camera;
         let robot_angle = (family_angle(family, geometry) - heading)
@@ -135,7 +136,8 @@ impl Joint {
         if family.rem_euclid(4) < 2 { ahead } else { -ahead }
     }
 
-    /// n(ψ)·c + offset in pixels, over the part of the feasible set with ψ in `angle`, slice by slice so that offset and angle stay together.
+    /// Distance n(ψ)·c + offset of the line in pixels, over the part of the feasible set with ψ in `angle`. The angle is cut into slices,
+    /// so that the dependence between offset and angle is kept.
     fn distance(&self, angle: Interval) -> Interval {
         const SLICES: usize = 4;
         let step = angle.width() / SLICES as f64;
@@ -143,7 +145,7 @@ impl Joint {
         for slice in 0..SLICES {
             let lo = angle.lo() + slice as f64 * step;
             let hi = if slice + 1 == SLICES { angle.hi() } else { lo + step };
-            // A hair of overlap, so that no angle falls between two slices by rounding.
+            // Slices of the angle overlap by a hair, so that rounding lets no angle fall between two of them.
             let part = Interval::new(lo, hi.max(lo)).inflate(1e-12);
             let image = image_angle(part, self.set.direction_rad);
             let Some([offset_lo, offset_hi]) = self.set.offset_at(image.lo(), image.hi()) else { continue };
@@ -158,25 +160,25 @@ impl Joint {
     }
 }
 
-/// Where a pixel `[forward, left]` of the principal point, known to `bound_px`, shows a point of the floor that a camera without errors of
-/// mount and posture stands over.
+/// Point of the floor that a pixel shows, with bounds on the point's place. The pixel is given as `[forward, left]` of the principal point
+/// and known to `bound_px`.
 pub(super) struct FloorPoint {
     pub(super) sight: LeaningSight,
-    /// Distance from the robot origin, at most, for a body that stands level.
+    /// Greatest distance of the floor point from the robot origin, for a body that stands level.
     pub(super) arm_m: f64,
-    /// How far it is, then, from where nominal values put it.
+    /// Greatest distance of the floor point from its place by nominal values, for a body that stands level.
     off_m: f64,
 }
 
 impl FloorPoint {
-    /// `None` where the declared leans may let the camera see the horizon there.
+    /// Makes the floor point of a pixel; `None` where the declared leans may let the camera see the horizon at the pixel.
     pub(super) fn of(pixel_px: [f64; 2], bound_px: f64, geometry: &Geometry) -> Option<Self> {
         let camera = &geometry.camera;
         let reach_px = Interval::point(pixel_px[0]).hypot(Interval::point(pixel_px[1])) + bound_px;
         let distance_m = (reach_px / camera.pixels_per_m.lo()).hi();
         let sight = LeaningSight::new(distance_m, camera.height_m, camera.tilt_rad, geometry.robot.body.tilt_rad)?;
         let mount_m = camera.position_m.map(|at| Interval::point(at.radius()));
-        // The chord of a turn is shorter than its arc.
+        // The chord of a turn is shorter than its arc, so the arc bounds a floor point's shift by the yaw error.
         let by_yaw_m = sight.distance_m * camera.yaw_rad.magnitude();
         let by_scale_m = reach_px / camera.pixels_per_m.lo() - reach_px / camera.pixels_per_m.mid();
         let by_bound_m = Interval::point(bound_px) / camera.pixels_per_m.lo();
@@ -187,7 +189,7 @@ impl FloorPoint {
     }
 }
 
-/// A point of the line is off by no more, at the stamp, for all declared errors together.
+/// Greatest error of the floor position of any of the line's points at the stamp, for all declared errors together.
 fn room_slack_m(line: &FloorLine, open_px: f64, geometry: &Geometry) -> Option<f64> {
     let (camera, body, reach) = (&geometry.camera, &geometry.robot.body, &geometry.robot.reach);
     line.points_px.iter().try_fold(0.0_f64, |most_m, &[u, v, bound_px]| {
@@ -199,24 +201,25 @@ fn room_slack_m(line: &FloorLine, open_px: f64, geometry: &Geometry) -> Option<f
     })
 }
 
-/// What tilt and heave of the body shift a point across a line, at most: it lies `along_m` from the point below the camera, across the line.
+/// Greatest shift of a floor point across a line by tilt and heave of the body. `along_m` is the point's distance, across the line, from
+/// the point below the camera.
 pub(super) fn body_shift_m(along_m: f64, point: &FloorPoint, geometry: &Geometry) -> f64 {
     point.sight.by_body_m(along_m, point.arm_m, geometry.robot.body.heave_m)
 }
 
-/// k·π/2 + γ.
+/// Angle of the normals of a family of joints in the world frame: k·π/2 + γ.
 fn family_angle(family: i64, geometry: &Geometry) -> Interval {
     Interval::PI * 0.5 * (family as f64) + geometry.grid.rotation_rad
 }
 
-/// Normal angle in the camera frame (forward, left) of a normal at `image` in pixels (right, down).
+/// Normal angle of a line in the camera frame (forward, left), computed from its normal angle `image` in pixels (right, down).
 ///
-/// forward and left are minus down and minus right, so n = (cos α, sin α) in (u, v) is −(sin α, cos α) in (forward, left): ψ = −π/2 − α.
+/// Forward is minus down and left is minus right, so n = (cos α, sin α) in (u, v) is −(sin α, cos α) in (forward, left): ψ = −π/2 − α.
 fn camera_angle(image: Interval) -> Interval {
     -(image + Interval::PI * 0.5)
 }
 
-/// The inverse of [`camera_angle`], on the turn of the circle nearest to `near`.
+/// Inverse of [`camera_angle`]: the normal angle in pixels, moved by whole turns next to `near`.
 fn image_angle(camera: Interval, near: f64) -> Interval {
     let angle = -(camera + Interval::PI * 0.5);
     let turns = ((near - angle.mid()) / (2.0 * PI)).round();

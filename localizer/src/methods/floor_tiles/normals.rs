@@ -1,27 +1,28 @@
-//! Which normals a line may have that is near enough to most of some points.
+//! Bound on the normals of all lines that pass near enough to most of a number of given points.
 
 use interval::Interval;
 
-/// Unit normals in (u, v): those within an angle of one, or any.
+/// Set of unit normals in (u, v): all normals within an angle of a middle one, or any normal.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Normals {
     middle: [Interval; 2],
-    /// Greatest turn from the middle, up to a quarter turn: a normal and its opposite are one.
+    /// Greatest turn of a normal from the middle one, up to a quarter turn, as a normal and its opposite count as the same.
     off_rad: f64,
 }
 
 impl Normals {
-    /// Every normal.
+    /// Set of all unit normals in the image plane.
     pub(super) fn any() -> Normals {
         Normals { middle: [Interval::ONE, Interval::ZERO], off_rad: Interval::PI.hi() * 0.5 }
     }
 
-    /// Those of every line that passes all but a share of the points `[u, v, bound]`, listed along it, within their bounds.
+    /// Normals of every line that passes all but a share of the points `[u, v, bound]` within their bounds. The points are listed along the
+    /// line.
     ///
-    /// Of the first n + 1 points one is right at least, with n that may be wrong, and so is one of the last n + 1: the line runs from the one
-    /// to the other.
+    /// With n points that may be wrong, at least one of the first n + 1 points is right, and so is one of the last n + 1: the line runs
+    /// from the neighbourhood of the one to that of the other.
     pub(super) fn of(points_px: &[[f64; 3]], share_wrong: f64) -> Normals {
-        // A hair more than the product, so that rounding can only allow one more wrong point.
+        // The number of points that may be wrong is a hair more than the product, so that rounding can only allow one more.
         let n_right = (share_wrong * points_px.len() as f64 + 1e-9).floor() as usize + 1;
         let Some(last) = points_px.len().checked_sub(n_right).filter(|&last| last >= n_right) else {
             return Normals::any();
@@ -36,7 +37,8 @@ impl Normals {
             return Normals::any();
         }
         let normal = [-way[1] / length_px, way[0] / length_px];
-        // In coordinates along and across the way between the middles: a foot of the line near each of the points.
+        // Places at which the line passes each of the points, in coordinates along and across the direction from the middle of the first
+        // points to the middle of the last.
         let feet = |part: &[[f64; 3]]| {
             part.iter().fold([Interval::EMPTY; 2], |[along, across], &[u, v, bound_px]| {
                 let (u, v) = (Interval::point(u) - u0, Interval::point(v) - v0);
@@ -54,17 +56,18 @@ impl Normals {
         Normals { middle: normal, off_rad: ((to_across - from_across).abs() / along).atan().hi() }
     }
 
-    /// The greatest length that a symmetric matrix `[a, mixed, b]` gives one of the normals.
+    /// Greatest length of the product of a symmetric matrix `[a, mixed, b]` with one of the normals.
     pub(super) fn longest(&self, [a, mixed, b]: [Interval; 3]) -> f64 {
         self.most(|[u, v]| (a * u + mixed * v).hypot(mixed * u + b * v))
     }
 
-    /// The greatest distance of a place from the origin along one of the normals, either way.
+    /// Greatest distance of a place from the origin along one of the normals, in either direction.
     pub(super) fn farthest(&self, [x, y]: [Interval; 2]) -> f64 {
         self.most(|[u, v]| (x * u + y * v).abs())
     }
 
-    /// The greatest value of a seminorm: of n·cos δ + t·sin δ, t a quarter turn from n, it is no greater than of n and sin δ times that of t.
+    /// Greatest value of a seminorm over the normals. For n·cos δ + t·sin δ, with t a quarter turn from n, the seminorm is at most its
+    /// value for n plus sin δ times its value for t.
     fn most(&self, seminorm: impl Fn([Interval; 2]) -> Interval) -> f64 {
         let [u, v] = self.middle;
         let aside = Interval::point(self.off_rad).min(Interval::PI * 0.5).sin().abs();
@@ -88,7 +91,8 @@ mod tests {
             let points: Vec<[f64; 3]> = (0..40)
                 .map(|step| {
                     let along = -40.0 + 2.0 * f64::from(step);
-                    // A fifth is off by up to 3 px more, one end all of it: they pull the middle aside.
+                    // One fifth of the points, all at one end of the line, are off by up to 3 px more than their bound and pull the middle
+                    // aside.
                     let off = if step < 8 {
                         bound_px + random.between(0.0, 3.0)
                     } else {
@@ -104,7 +108,8 @@ mod tests {
             assert!(off_rad <= normals.off_rad + 1e-9, "{off_rad} {normals:?}");
             widest = widest.max(normals.off_rad);
         }
-        // By hand: of 3 px of bound, a foot at one end lies from −6 to 9 px, at the other from −6 to 6, 46 px less 6 apart.
+        // By hand, for bounds of 3 px: the foot of the line lies from −6 to 9 px across at one end and from −6 to 6 px at the other, and
+        // the feet are at least 46 − 6 px apart along the line.
         assert!(widest < (16.0_f64 / 40.0).atan(), "{widest}");
     }
 
@@ -114,7 +119,8 @@ mod tests {
         for points in [&points[..0], &points[..1], &points[1..]] {
             assert!(Normals::of(points, 0.0).off_rad > 1.57, "{points:?}");
         }
-        // By hand: a matrix of 2 and 1 is 2 long at most, allowed for as the sum; a place 3 away is seen 3 away along some normal.
+        // By hand: the diagonal matrix of 2 and 1 gives a normal a length of at most 2, which is bounded by the sum 3; a place at a
+        // distance of 3 has the distance 3 along some normal.
         assert!((2.0..3.001).contains(&Normals::any().longest([Interval::point(2.0), Interval::ZERO, Interval::ONE])));
         assert!((3.0..4.3).contains(&Normals::any().farthest([Interval::point(3.0), Interval::ZERO])));
     }

@@ -1,4 +1,4 @@
-//! What lens and shutter put between the image as taken and the picture that a pinhole would take at one instant.
+//! Effects of lens and shutter: the difference between the floor image as taken and the picture that a pinhole would take at one instant.
 
 use image::GrayImage;
 
@@ -19,13 +19,13 @@ use super::{
     normals::Normals,
 };
 
-/// The way from the image as taken to the pinhole's picture, where lines are looked for and fitted, and back.
+/// Map from the image as taken to the pinhole's picture, in which lines are looked for and fitted, and back.
 #[derive(Clone, Debug)]
 pub(super) struct Optics {
     size_px: [u32; 2],
     focal_px: f64,
     distortion: [f64; 5],
-    /// `None` for a lens that does not bend.
+    /// Map that takes the lens distortion out; `None` for a lens without distortion.
     straightening: Option<Straightening>,
 }
 
@@ -37,10 +37,10 @@ impl Optics {
         Optics { size_px, focal_px, distortion: camera.distortion, straightening }
     }
 
-    /// Lines found in an image, in the pixels of the pinhole's picture at the time of each point's row.
+    /// Lines found in an image of the floor, in pixels of the pinhole's picture at the exposure of each point's row.
     ///
-    /// They are looked for in the picture that the motion from row to row, as the wheels tell it, would leave straight. Were it another, joints
-    /// would be bent and fewer of them found, but a point found is always told where its row shows it.
+    /// Lines are looked for in a picture that is straightened with the motion from row to row that the wheels report. If the true motion is
+    /// another, joints are bent and fewer of them are found, but a point that is found is always given where its own row shows it.
     pub(super) fn look(
         &self,
         image: &GrayImage,
@@ -56,13 +56,13 @@ impl Optics {
         }
     }
 
-    /// By how much lens and shutter may have put each point of a line, `[u, v, bound]` in the pinhole's picture of which a share may be no
-    /// joint's, off across it; `None` where declared errors may put one anywhere.
+    /// Greatest error that lens and shutter may leave at each point of a line, across the line. The points are `[u, v, bound]` in the
+    /// pinhole's picture, and a share of them may belong to no joint; `None` where declared errors may put a point anywhere.
     ///
-    /// The lens: its calibration's error, stretched as the straightening stretches, and what another focal length of the declared scale
-    /// would have bent otherwise. The shutter: what the floor may have moved between the row's exposure and the stamp, and the body's
-    /// posture, which may be another in each row. Across is across the true line: first any direction is one, and then those that so wide
-    /// bounds leave.
+    /// The lens contributes its calibration's error, stretched as the straightening stretches the image, and the difference in distortion
+    /// that another focal length within the declared scale makes. The shutter contributes what the floor may have moved between the row's
+    /// exposure and the stamp, and the body's posture, which may differ from row to row. Across means across the true line: at first its
+    /// direction may be any, and then only the directions are allowed that remain with the wide bounds of that first step.
     pub(super) fn left_open_px(
         &self,
         points_px: &[[f64; 3]],
@@ -86,9 +86,11 @@ impl Optics {
         open_px(&Normals::of(&wide_px, share_wrong))
     }
 
-    /// With the true f and D(x) the lens's, the image is at raw = f·D(x) + d, |d| within the calibration's error, and the pinhole of the
-    /// declared scale shows f·x = f·D⁻¹((raw − d)/f). By the mean value theorem that is off f₀·D⁻¹(raw/f₀) by at most |n·J⁻¹|·|d| +
-    /// |f − f₀|·|n·(x − J⁻¹·D(x))| across a line of normal n, for x and J = ∂D(x) of the box of all that x may be.
+    /// Greatest error that the lens leaves at a point, across any line whose normal is one of the given normals.
+    ///
+    /// With the true f and D(x) the lens's distortion, the image is at raw = f·D(x) + d, with |d| within the calibration's error, and the
+    /// pinhole of the declared scale shows f·x = f·D⁻¹((raw − d)/f). By the mean value theorem that differs from f₀·D⁻¹(raw/f₀) by at most
+    /// |n·J⁻¹|·|d| + |f − f₀|·|n·(x − J⁻¹·D(x))| across a line of normal n, for x and J = ∂D(x) over the box of all values that x may have.
     fn lens_px(&self, &[u, v, _]: &[f64; 3], normals: &Normals, geometry: &Geometry) -> Option<f64> {
         let camera = &geometry.camera;
         let Some(lens) = &self.straightening else { return Some(camera.distortion_px) };
@@ -104,7 +106,8 @@ impl Optics {
         Some((by_lens_px + Interval::point(normals.farthest(shift)) * off_px).hi())
     }
 
-    /// A point at q in the robot frame at its row's instant is at R q + t at the stamp, |t| ≤ speed·Δt and |R q − q| ≤ turn rate·Δt·|q|.
+    /// Greatest error that the row-by-row exposure leaves at a point, across any line whose normal is one of the given normals. A point at
+    /// q in the robot frame at its row's exposure is at R q + t at the stamp, with |t| ≤ speed·Δt and |R q − q| ≤ turn rate·Δt·|q|.
     fn rows_px(&self, &[u, v, bound_px]: &[f64; 3], normals: &Normals, geometry: &Geometry) -> Option<f64> {
         let (camera, reach) = (&geometry.camera, &geometry.robot.reach);
         if camera.row_time_s <= 0.0 {
@@ -115,17 +118,18 @@ impl Optics {
         let [forward_px, left_px] = geometry.in_camera_px([u, v]);
         let point = FloorPoint::of([forward_px, left_px], bound_px, geometry)?;
         let moved_m = rows * camera.row_time_s * (reach.speed_m_per_s + reach.turn_rate_rad_per_s * point.arm_m);
-        // n·p with n = (cos, sin) in (u, v), which are minus left and minus forward; bounds hold for either sign.
+        // The product n·p has n = (cos, sin) in (u, v), whose axes are minus left and minus forward; the bounds hold for either sign.
         let along_px = normals.farthest([left_px, forward_px].map(Interval::point)) + bound_px;
         let posture_m = body_shift_m(along_px / camera.pixels_per_m.lo(), &point, geometry);
         Some((moved_m + posture_m) * camera.pixels_per_m.hi())
     }
 
-    /// Points of a line, of which a share may be no joint's, where the image as taken shows them: each with a bound within which the joint's
-    /// image there is within the point's own in the pinhole's picture. `None` where the lens may fold.
+    /// Points of a line, moved to where the image as taken shows them; a share of the points may belong to no joint. Each point gets a
+    /// bound such that a joint whose image as taken is within it is within the point's own bound in the pinhole's picture. `None` where the
+    /// lens may fold.
     ///
-    /// A raw step e, the step J⁻¹e in the pinhole's picture, is n·J⁻¹e ≤ |J⁻¹n|·|e| across a line of normal n. As these are told by points
-    /// that may be as far off as e is long, lines are first allowed for that pass within any |J⁻¹|·|e|.
+    /// A step e in the raw image is the step J⁻¹e in the pinhole's picture, and n·J⁻¹e ≤ |J⁻¹n|·|e| across a line of normal n. Because a
+    /// line is only known to pass such points within e, all lines are first allowed that pass the points within any |J⁻¹|·|e|.
     pub(super) fn as_taken(&self, points_px: Vec<[f64; 3]>, share_wrong: f64) -> Option<Vec<[f64; 3]>> {
         let Some(lens) = &self.straightening else { return Some(points_px) };
         let slopes = |&[u, v, bound_px]: &[f64; 3]| lens.slopes_over([u, v].map(|at| Interval::centred(at, bound_px)));
@@ -142,7 +146,7 @@ impl Optics {
         Some(told.collect())
     }
 
-    /// The ends of a segment where the image as taken shows them.
+    /// Segment with its ends moved to where the image as taken shows them.
     pub(super) fn segment_as_taken(&self, segment: [f64; 4]) -> [f64; 4] {
         let Some(lens) = &self.straightening else { return segment };
         let [from, to] = [[segment[0], segment[1]], [segment[2], segment[3]]].map(|end| lens.raw_px(end));
@@ -150,7 +154,7 @@ impl Optics {
     }
 }
 
-/// The inverse of a symmetric matrix `[a, mixed, b]`, as such.
+/// Inverse of a symmetric matrix `[a, mixed, b]`, in the same form.
 fn inverse([a, mixed, b]: [Interval; 3]) -> [Interval; 3] {
     let determinant = a * b - mixed.sqr();
     [b / determinant, -mixed / determinant, a / determinant]
@@ -165,7 +169,7 @@ mod tests {
     };
     use crate::vision::synthetic::Random;
 
-    /// The middle of the picture, and a place 0.6 focal lengths right of it.
+    /// Middle of the picture, and the u coordinate of a place 0.6 focal lengths to the right of the middle.
     const MIDDLE_PX: [f64; 2] = [319.5, 239.5];
     const ASIDE_PX: f64 = MIDDLE_PX[0] + 0.6 * SCALE * HEIGHT_M;
     const BARREL: [f64; 5] = [-0.25, 0.0, 0.0, 0.0, 0.0];
@@ -174,30 +178,33 @@ mod tests {
         method(&known_robot(0.0, distortion, distortion_px, row_time_s), Chain::Direct)
     }
 
-    /// A line's points about a place, 120 px along u or along v, the one in the middle that of the place.
+    /// Points of a line through a given place, up to 60 px to either side of it along u or along v; the point in the middle is the place
+    /// itself.
     fn line(along: [f64; 2], [u, v]: [f64; 2]) -> Vec<[f64; 3]> {
         let at = |step: i32| 20.0 * f64::from(step);
         (-3..=3).map(|step| [u + at(step) * along[0], v + at(step) * along[1], 0.3]).collect()
     }
 
-    /// What is left open at the point in the middle, all of them right.
+    /// Error left open at the middle point of a line when all of the line's points are right.
     fn opened_px(method: &FloorTiles, points_px: &[[f64; 3]]) -> f64 {
         method.optics.left_open_px(points_px, 0.0, &method.geometry).expect("in the picture")[points_px.len() / 2]
     }
 
     #[test]
     fn bounds_shrink_across_a_line_as_its_image_does_and_errors_grow_as_much() {
-        // By hand, at x = 0.6 and y = 0: ∂u/∂x = 1 + 3·k1·x² = 0.73, ∂v/∂y = 1 + k1·x² = 0.91.
+        // Slopes of the lens by hand, at x = 0.6 and y = 0: ∂u/∂x = 1 + 3·k1·x² = 0.73, ∂v/∂y = 1 + k1·x² = 0.91.
         let method = without_errors(BARREL, 0.5, 0.0);
         for (along, slope) in [([0.0, 1.0], 0.73), ([1.0, 0.0], 0.91)] {
             let points_px = line(along, [ASIDE_PX, MIDDLE_PX[1]]);
             let told = method.optics.as_taken(points_px.clone(), 0.0).expect("in the picture")[3];
             let raw_u = MIDDLE_PX[0] + 0.6 * (1.0 - 0.25 * 0.36) * SCALE * HEIGHT_M;
             assert!((told[0] - raw_u).abs() < 1e-9 && (told[1] - MIDDLE_PX[1]).abs() < 1e-9, "{told:?}");
-            // No more than that: what is near enough to a point as taken is near enough in the pinhole's picture.
+            // The bound in the raw image is no more than bound times slope: a joint near enough to a point as taken is near enough in the
+            // pinhole's picture.
             assert!((0.97..=1.0).contains(&(told[2] / (0.3 * slope))), "{told:?}");
             let open_px = opened_px(&method, &points_px);
-            // The line may be turned by as much as its points are off, towards where the lens stretches more.
+            // The error left open is slightly larger than the lens error: the line may be turned by as much as its points are off, towards
+            // directions in which the lens stretches more.
             assert!((1.0..1.05).contains(&(open_px / (0.5 / slope))), "{open_px}");
         }
         let segment = method.optics.segment_as_taken([MIDDLE_PX[0], MIDDLE_PX[1], ASIDE_PX, MIDDLE_PX[1]]);
@@ -206,7 +213,8 @@ mod tests {
 
     #[test]
     fn another_focal_length_of_the_declared_scale_is_left_open() {
-        // Nothing is open across a line through the middle. Across u at x = 0.6: x − D/D' = 0.6 − 0.546/0.73 focal lengths a share.
+        // By hand: a wrong focal length leaves nothing open across a line through the middle. Across u at x = 0.6 the error, as a multiple
+        // of the focal length's error, is x − D/D' = 0.6 − 0.546/0.73.
         let robot = known_robot(1.0, BARREL, 0.0, 0.0);
         let method = method(&robot, Chain::Direct);
         let open_px = opened_px(&method, &line([0.0, 1.0], [ASIDE_PX, MIDDLE_PX[1]]));
@@ -237,7 +245,7 @@ mod tests {
             let at = [random.between(-0.5, 0.5), random.between(-0.4, 0.4)];
             let (sin, cos) = random.between(-3.2, 3.2).sin_cos();
             let course = random.between(-3.2, 3.2) * corner(&mut random);
-            // Where the pinhole shows points of a line, and where the straightened picture does.
+            // Places of a line's points in the pinhole's picture, and in the picture that is straightened with the lens as believed.
             let shown = (-3..=3).map(|step| {
                 let ray = [at[0] - 0.06 * f64::from(step) * sin, at[1] + 0.06 * f64::from(step) * cos];
                 let bent = believed.bent(ray[0], ray[1]);
@@ -260,13 +268,14 @@ mod tests {
 
     #[test]
     fn a_row_leaves_open_what_the_floor_may_move_until_the_stamp() {
-        // By hand: 100.3 rows of 30 µs below the middle, at 0.7 m/s and 1.6 rad/s about the origin, from which the point is
-        // (−0.15 − 100/SCALE, 0.03) = (−0.225, 0.03), 0.2270 m and 0.3 px, 0.2 mm, away: 3.009 ms · 1.0636 m/s = 3.200 mm.
+        // By hand: the point is 100.3 rows of 30 µs below the middle. The robot moves at 0.7 m/s and turns at 1.6 rad/s about its origin,
+        // from which the point at (−0.15 − 100/SCALE, 0.03) = (−0.225, 0.03) is 0.2270 m and 0.3 px, 0.2 mm, away: 3.009 ms · 1.0636 m/s =
+        // 3.200 mm.
         let method = without_errors([0.0; 5], 0.0, 30e-6);
         let points_px = line([1.0, 0.0], [MIDDLE_PX[0], MIDDLE_PX[1] + 100.0]);
         let open_px = opened_px(&method, &points_px);
         assert!((open_px - 3.200e-3 * SCALE).abs() < 2e-3, "{open_px}");
-        // Behind a barrel the same point is in a row nearer to the middle: 0.3·(1 − 0.25·0.09) of the focal length.
+        // Behind a barrel lens the same point is in a row nearer to the middle: at 0.3·(1 − 0.25·0.09) of the focal length.
         let method = without_errors(BARREL, 0.0, 30e-6);
         let bent_px = opened_px(&method, &points_px);
         assert!((bent_px / open_px - 98.05 / 100.3).abs() < 1e-4, "{bent_px} {open_px}");
@@ -274,7 +283,8 @@ mod tests {
 
     #[test]
     fn a_row_leaves_open_the_posture_of_its_own() {
-        // By hand: 0.075 m from the point below the camera, 0.3 of the height, the slope of the sight: times the arm and the tilt.
+        // By hand: the point is 0.075 m from the point below the camera, 0.3 of the camera's height. This slope of the ray multiplies the
+        // rise of the point, which is arm times tilt plus heave.
         let [rolling, rolling_level] =
             [1.0, 0.0].map(|factor| method(&known_robot(factor, [0.0; 5], 0.0, 1e-9), Chain::Direct));
         let points_px = line([1.0, 0.0], [MIDDLE_PX[0], MIDDLE_PX[1] + 100.0]);

@@ -1,22 +1,22 @@
-//! All joints of one image as a contractor on the pose.
+//! Contractor on the robot's pose, made from all joints of one image of the floor.
 
 use interval::contractor::{Contractor, Outcome};
 use interval::{Interval, IntervalBox};
 
 use super::{Geometry, joint::Joint};
 
-/// At least all but `q_items` of the lines are joints of the grid.
+/// Contractor on the pose that assumes that all but at most `q_items` of the seen lines are joints of the tile grid.
 ///
-/// Sound: heading and grid position are cut into slices of heading, each slice keeps what all but q lines allow, and the hull of the
-/// slices is returned; nothing between two tiles or two quadrants is kept by [`Contractor::branches`]. Optimal up to the slices'
-/// width for one line of each family.
+/// It is sound: the heading is cut into slices, each slice keeps the grid positions that all but q lines allow, and the hull of the slices
+/// is returned; [`Contractor::branches`] keeps nothing between two tiles or two quadrants. It is optimal up to the slices' width for one
+/// line of each family.
 pub(super) struct TileJoints {
     joints: Vec<Joint>,
     geometry: Geometry,
     q_items: usize,
 }
 
-/// A pose box in the grid frame, of which only a slice of heading is looked at.
+/// Box of poses in the grid frame, with only a slice of heading.
 #[derive(Clone, Copy)]
 struct GridBox {
     position: [Interval; 2],
@@ -28,10 +28,10 @@ impl TileJoints {
         TileJoints { joints, geometry, q_items }
     }
 
-    /// Headings that all but q lines allow, as disjoint intervals inside `heading`.
+    /// Headings that all but q lines of the image allow, as disjoint intervals inside `heading`.
     fn headings(&self, heading: Interval) -> Vec<Interval> {
         let mut found = Vec::new();
-        // With q lines wrong, one of any q + 1 lines is right: their headings together miss no truth.
+        // With at most q lines wrong, one of any q + 1 lines is right: the union of the headings that they allow holds the true heading.
         if !is_cut(heading) {
             return vec![heading];
         }
@@ -45,7 +45,7 @@ impl TileJoints {
         disjoint(found)
     }
 
-    /// Places along grid axis `axis` that all but q lines allow, as disjoint intervals inside the box.
+    /// Robot positions along the grid axis `axis` that all but q lines of the image allow, as disjoint intervals inside the box.
     fn places(&self, grid: &GridBox, axis: usize) -> Vec<Interval> {
         let lines: Vec<Interval> =
             self.joints.iter().filter_map(|joint| self.ahead(joint, grid.heading, axis)).collect();
@@ -59,13 +59,13 @@ impl TileJoints {
         disjoint(found)
     }
 
-    /// What lies between robot origin and joint along `axis`, when the line is of that axis's family at every heading of the slice.
+    /// Distance from the robot origin to the joint along `axis`, if the line belongs to that axis's family at every heading of the slice.
     fn ahead(&self, joint: &Joint, heading: Interval, axis: usize) -> Option<Interval> {
         let (first, last) = joint.families(heading, &self.geometry);
         (first == last && first.rem_euclid(2) as usize == axis).then(|| joint.ahead(first, heading, &self.geometry))
     }
 
-    /// E·i + phase ± laying − ahead, for every joint i that meets `place`.
+    /// Positions of the robot origin along a grid axis, E·i + phase ± laying − ahead, for every joint i that gives one inside `place`.
     fn periods(&self, ahead: Interval, place: Interval, axis: usize) -> Vec<Interval> {
         let grid = &self.geometry.grid;
         let origin = (Interval::point(grid.phase_m[axis]) - ahead).inflate(grid.laying_m);
@@ -74,7 +74,7 @@ impl TileJoints {
         }
         let index = (place - origin) / grid.edge_m[axis];
         let (first, last) = (index.lo().ceil(), index.hi().floor());
-        // Beyond 10¹⁵ a double cannot count joints any more.
+        // Beyond 10¹⁵ a double cannot count single joints any more.
         if !(first.abs() < 1e15 && last.abs() < 1e15) || last - first > MOST_PERIODS {
             return vec![place];
         }
@@ -83,7 +83,7 @@ impl TileJoints {
             .collect()
     }
 
-    /// Contracts one slice; `None` when more than q lines contradict it.
+    /// Contracts a box with one slice of heading; `None` when more than q lines of the image contradict the slice.
     fn slice(&self, grid: &GridBox) -> Option<GridBox> {
         let mut wrong = 0;
         let mut allowed: [Vec<Interval>; 2] = [Vec::new(), Vec::new()];
@@ -94,7 +94,7 @@ impl TileJoints {
                 continue;
             }
             if first < last {
-                // The slice is too wide to tell the family: the line says nothing yet.
+                // The slice of headings is too wide to tell which family of joints the line belongs to, so that the line says nothing yet.
                 continue;
             }
             let axis = first.rem_euclid(2) as usize;
@@ -109,7 +109,7 @@ impl TileJoints {
         (!position[0].is_empty() && !position[1].is_empty()).then_some(GridBox { position, heading: grid.heading })
     }
 
-    /// Contracts a world box slice by slice; empty when no slice is left.
+    /// Contracts a world box slice by slice of its heading; empty when no slice is left.
     fn slices(&self, domain: &IntervalBox<3>, grid: &GridBox) -> IntervalBox<3> {
         if !is_cut(grid.heading) {
             return self.slice(grid).map_or(IntervalBox::EMPTY, |kept| self.to_world(&kept, domain));
@@ -128,19 +128,19 @@ impl TileJoints {
         hull
     }
 
-    /// Whether all but q lines can be joints of this room, seen from the box.
+    /// Whether all but q lines can be joints of this room when they are seen from poses of the box.
     fn joints_stay_in_room(&self, domain: &IntervalBox<3>) -> bool {
         self.joints.iter().filter(|joint| joint.leaves_room(domain, &self.geometry)).count() <= self.q_items
     }
 
-    /// Position of a world box in the grid frame: turned by −γ.
+    /// Position of a world box in the grid frame, which is turned by γ: the position is turned by −γ.
     fn to_grid(&self, domain: &IntervalBox<3>) -> [Interval; 2] {
         let angle = Interval::point(self.geometry.grid.rotation_rad);
         let (cos, sin) = (angle.cos(), angle.sin());
         [domain[0] * cos + domain[1] * sin, domain[1] * cos - domain[0] * sin]
     }
 
-    /// A grid box in the world frame, inside `domain`: turned by γ.
+    /// Box of the grid frame in the world frame (turned by γ), restricted to `domain`.
     fn to_world(&self, grid: &GridBox, domain: &IntervalBox<3>) -> IntervalBox<3> {
         let angle = Interval::point(self.geometry.grid.rotation_rad);
         let (cos, sin) = (angle.cos(), angle.sin());
@@ -149,24 +149,26 @@ impl TileJoints {
     }
 }
 
-/// Headings are looked at in slices of this: what a line of 0.4 m, seen to 0.3 px, leaves open in heading is a few of them.
+/// Width of the slices of heading. A line of 0.4 m, seen to 0.3 px, leaves an interval of headings open that is a few slices wide.
 const SLICE_RAD: f64 = 0.001;
-/// More slices than this are not worth their time; wider headings are narrowed by the next contraction.
+/// Greatest number of slices of one interval of headings. More are not worth their time; wider headings are narrowed by the next
+/// contraction.
 const MOST_SLICES: f64 = 16.0;
-/// A place that spans more tiles than this is not cut into branches.
+/// Greatest number of tiles that a position interval may span to be cut into branches.
 const MOST_PERIODS: f64 = 200.0;
-/// More branches than this from one box say that the box is too wide to be cut: it keeps its place.
+/// Greatest number of branches from one box. If there would be more, the box is too wide to be cut and its position is left as it is.
 const MOST_BRANCHES: usize = 512;
 
-/// Whether headings are cut into families and slices: not when they are of more turns than matter, nor so far away that doubles there are
-/// farther apart than slices. Such headings come from recovery, which knows nothing of how often the robot has turned.
+/// Whether headings are cut into families and slices. They are not when the interval spans more turns than matter, or lies so far from zero
+/// that doubles there are farther apart than slices. Such headings come from recovery, which does not know how often the robot has turned.
 fn is_cut(heading: Interval) -> bool {
     heading.width() < WIDEST_RAD && heading.magnitude() < FARTHEST_RAD
 }
 
-/// A dozen and more turns: what a robot may have turned since its heading was last known fits in.
+/// Widest interval of headings that is cut, a little more than fifteen turns: what a robot may have turned since its heading was last known
+/// is less.
 const WIDEST_RAD: f64 = 100.0;
-/// Doubles are 10⁻⁷ apart here.
+/// Greatest heading that is cut: doubles of this size are 10⁻⁷ apart.
 const FARTHEST_RAD: f64 = 1e9;
 
 impl Contractor<3> for TileJoints {
@@ -201,7 +203,7 @@ impl Contractor<3> for TileJoints {
     }
 }
 
-/// The points of `place` that all but `left` of the intervals contain: their hull.
+/// Hull of the points of the interval `place` that all but `left` of the given intervals contain.
 fn all_but(left: usize, intervals: &[Interval], place: Interval) -> Interval {
     if left >= intervals.len() {
         return place;
@@ -222,7 +224,7 @@ fn all_but(left: usize, intervals: &[Interval], place: Interval) -> Interval {
     if lo > hi { Interval::EMPTY } else { Interval::new(lo, hi).intersect(place) }
 }
 
-/// The union of some intervals, as disjoint intervals in rising order.
+/// Union of some intervals, as disjoint intervals in rising order.
 fn disjoint(mut intervals: Vec<Interval>) -> Vec<Interval> {
     intervals.retain(|interval| !interval.is_empty());
     intervals.sort_by(|a, b| a.lo().total_cmp(&b.lo()));

@@ -1,4 +1,5 @@
-//! A robot at known places over a known grid, its camera behind a lens that bends: pictures and judgement by formulas of the trial's own.
+//! Test bench with a robot at known poses over a known tile grid, its floor camera behind a lens with distortion. Pictures are made, and
+//! claims and boxes are checked, by formulas of the bench's own.
 
 mod lens;
 mod rows;
@@ -22,17 +23,18 @@ pub(super) const HEIGHT_M: f64 = 0.25;
 pub(super) const SCALE: f64 = 640.0 / 0.48;
 const MOUNT_M: [f64; 2] = [-0.15, 0.03];
 const TILT_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
-/// A wide lens: its corner is 1.2 focal lengths from the middle.
+/// Coefficients of a wide barrel lens: the picture's corner is 1.2 focal lengths from the middle.
 const BARREL: [f64; 5] = [-0.25, 0.06, 0.001, 0.0, 0.0];
 const PINCUSHION: [f64; 5] = [0.12, -0.02, -0.001, 0.001, 0.0];
 const ROW_TIME_S: f64 = 30e-6;
 
-/// A robot whose mount, scale and posture are known as well as usual.
+/// Model of a robot whose camera mount, image scale and posture are known with the usual bounds.
 fn robot(distortion: [f64; 5], distortion_px: f64, row_time_s: f64) -> RobotModel {
     known_robot(1.0, distortion, distortion_px, row_time_s)
 }
 
-/// The same with these bounds times a factor: with 0, nothing hides an error of the lens.
+/// Model of a robot whose bounds on camera mount, image scale and posture are the usual ones times a factor: with 0, nothing hides an error
+/// of the lens.
 pub(super) fn known_robot(factor: f64, distortion: [f64; 5], distortion_px: f64, row_time_s: f64) -> RobotModel {
     let tilt_rad = factor * TILT_RAD;
     let radius = Interval::point(0.1);
@@ -86,22 +88,22 @@ pub(super) fn method(robot: &RobotModel, chain: Chain) -> FloorTiles {
     FloorTiles::new(&map, robot, chain).unwrap_or_else(|| panic!("a tiled map and a floor camera"))
 }
 
-/// The true camera, over joints at the whole multiples of 0.30 m along x and y.
+/// True floor camera, over joints at the whole multiples of 0.30 m along x and y.
 #[derive(Clone, Copy)]
 pub(super) struct Eye {
     lens: [f64; 5],
     pub(super) focal_px: f64,
     mount_m: [f64; 2],
     yaw_rad: f64,
-    /// Forward, left and turning, while the rows are exposed one after the other.
+    /// Speeds of the robot forward, left and turning, while the rows are exposed one after the other.
     speed: [f64; 3],
     row_time_s: f64,
-    /// What the wheels say of it.
+    /// Motion of the robot as the wheels report it.
     twist: Twist,
 }
 
 impl Eye {
-    /// Without any error.
+    /// Floor camera without any error.
     pub(super) fn exact(lens: [f64; 5]) -> Self {
         Eye {
             lens,
@@ -114,7 +116,7 @@ impl Eye {
         }
     }
 
-    /// With every error at a corner of its bound.
+    /// Floor camera with every error at a corner of its bound.
     fn with(lens: [f64; 5]) -> Self {
         Eye {
             lens,
@@ -125,7 +127,7 @@ impl Eye {
         }
     }
 
-    /// Brown and Conrady's formula term by term.
+    /// Distorted image of the point (x, y) at depth 1, by Brown and Conrady's formula term by term.
     pub(super) fn bent(&self, x: f64, y: f64) -> [f64; 2] {
         let [k1, k2, p1, p2, k3] = self.lens;
         let r = x.hypot(y);
@@ -136,8 +138,8 @@ impl Eye {
         ]
     }
 
-    /// The point at depth 1 that is seen at a pixel of the distorted image. The distortion is inverted by Newton's method with derivatives by finite
-    /// differences, which ends when the residual is below 1e-12.
+    /// The point at depth 1 that is seen at a pixel of the distorted image. The distortion is inverted by Newton's method with derivatives
+    /// by finite differences, which ends when the residual is below 1e-12.
     pub(super) fn ray(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         const STEP: f64 = 1e-6;
         let seen = [(u - MIDDLE_PX[0]) / self.focal_px, (v - MIDDLE_PX[1]) / self.focal_px];
@@ -158,7 +160,7 @@ impl Eye {
         panic!("no point at {u}, {v}");
     }
 
-    /// Where a ray meets the floor from a pose: image up is forward, image right is right.
+    /// World position at which a ray meets the floor, for a robot at a given pose: image up is forward, image right is right.
     fn on_floor(&self, [x, y]: [f64; 2], [x_m, y_m, heading_rad]: [f64; 3]) -> [f64; 2] {
         let (sin, cos) = self.yaw_rad.sin_cos();
         let (ahead, left) = (-y * HEIGHT_M, -x * HEIGHT_M);
@@ -168,21 +170,22 @@ impl Eye {
         [x_m + cos * forward_m - sin * left_m, y_m + sin * forward_m + cos * left_m]
     }
 
-    /// The rays of four places within each pixel.
+    /// Rays of four places within each pixel, row by row.
     fn rays(&self) -> Vec<[[f64; 2]; 4]> {
         let rows = (0..SIZE_PX[1]).flat_map(|v| (0..SIZE_PX[0]).map(move |u| [f64::from(u), f64::from(v)]));
         let parts = [[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]];
         rows.map(|[u, v]| parts.map(|[du, dv]| self.ray([u + du, v + dv]))).collect()
     }
 
-    /// The pose at which a row is exposed, of a robot that is at another at the stamp.
+    /// Pose of the robot when a row is exposed, from its pose at the stamp.
     fn pose_at_row(&self, pose: [f64; 3], v: f64) -> [f64; 3] {
         if self.row_time_s > 0.0 { moved(pose, self.speed, (v - MIDDLE_PX[1]) * self.row_time_s) } else { pose }
     }
 
-    /// Four samples a pixel, a little light and dark, photon noise of 10 000 electrons at mid grey.
+    /// Picture of the floor with four samples a pixel, a slight brightness gradient, and the photon noise of 10 000 electrons at mid grey.
     fn picture(&self, rays: &[[[f64; 2]; 4]], pose: [f64; 3], random: &mut Random) -> GrayImage {
-        // Straight ahead, and a step along either axis: what a ray meets is affine in it.
+        // Floor points of the ray straight ahead and of rays one step along either image axis: where a ray meets the floor is affine in the
+        // ray.
         let affine: Vec<[[f64; 2]; 3]> = (0..SIZE_PX[1])
             .map(|v| {
                 let pose = self.pose_at_row(pose, f64::from(v));
@@ -198,7 +201,7 @@ impl Eye {
                     let at = (from[axis] + x * (right[axis] - from[axis]) + y * (down[axis] - from[axis])) / 0.30;
                     (at - at.round()).abs() * 0.30
                 });
-                // Each sample is the mean of a pixel of the floor's own scale.
+                // Each sample is the mean over an area of the floor as large as one pixel.
                 let cover = off_m.map(|off| (0.5 - SCALE * (off - 0.002)).clamp(0.0, 1.0));
                 grey += 32.0 - 18.0 * cover[0].max(cover[1]);
             }
@@ -210,7 +213,8 @@ impl Eye {
         })
     }
 
-    /// Of a raw point: for both families, the nearest joint and the distance of its image, to first order.
+    /// Nearest joint of each of the two families to what a raw image point shows, with the distance of the joint's image in pixels, to
+    /// first order.
     fn joints(&self, [u, v]: [f64; 2], pose: [f64; 3]) -> [(i64, f64); 2] {
         let place = |u: f64, v: f64| self.on_floor(self.ray([u, v]), self.pose_at_row(pose, v));
         let (here, right, down) = (place(u, v), place(u + 1e-3, v), place(u, v + 1e-3));
@@ -221,7 +225,7 @@ impl Eye {
         })
     }
 
-    /// Whether some joint is within the bounds of all but the share of a claim's points.
+    /// Whether a claim is true: whether the points that some joint passes within their bounds are all but the claim's share.
     fn is_true(&self, points_px: &[[f64; 3]], share_wrong: f64, pose: [f64; 3]) -> bool {
         let mut near = std::collections::BTreeMap::<(usize, i64), usize>::new();
         for &[u, v, bound_px] in points_px {
@@ -234,7 +238,7 @@ impl Eye {
     }
 }
 
-/// A pose after some time at a constant speed forward, left and turning.
+/// Pose after some time at constant speeds forward, left and turning.
 fn moved(pose: [f64; 3], speed: [f64; 3], time_s: f64) -> [f64; 3] {
     let [forward, left, turning] = speed.map(|speed| speed * time_s);
     let (sin, cos) = (pose[2] + 0.5 * turning).sin_cos();

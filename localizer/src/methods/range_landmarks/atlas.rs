@@ -1,4 +1,4 @@
-//! Landmarks as learnt so far: boxes in the world that only ever shrink, except when what was learnt is unlearnt.
+//! Atlas of the landmarks learnt: boxes in the world that only ever shrink, except when what was learnt is taken back.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -7,47 +7,50 @@ use interval::{Interval, IntervalBox};
 
 use crate::reading::LandmarkId;
 
-/// Former places of a landmark at most. Beyond, every second one goes: less can then be kept when something is unlearnt.
+/// Greatest number of former boxes that are kept of a landmark. Beyond it every second box is dropped, so that more is lost when learning
+/// is taken back.
 const MOST_FORMER: usize = 256;
 
-/// Where landmarks are.
+/// Places of all landmarks, as learnt from readings.
 #[derive(Clone, Debug)]
 pub(super) struct Atlas {
     entries: BTreeMap<LandmarkId, Entry>,
-    /// Uses of one code of which at most one is wrong; `None` when none is ever wrong.
+    /// Number of consecutive sightings with one landmark's code of which at most one is wrong; `None` when none is ever wrong.
     window: Option<usize>,
 }
 
 #[derive(Clone, Debug, Default)]
 struct Entry {
-    /// Box of world x and y; none before enough has been seen.
+    /// Box of the landmark's world x and y; `None` before enough has been seen.
     place: Option<[Interval; 2]>,
-    /// Places of the uses of its code since the last full window; no use between them is left out.
+    /// Places at which the sightings with the landmark's code put it, since the last full window; no sighting in between is left out.
     waiting: Vec<[Interval; 2]>,
-    /// What `place` was before a stamp changed it.
+    /// Former boxes of the landmark, each with the stamp of the reading that changed it.
     before: VecDeque<(f64, Option<[Interval; 2]>)>,
 }
 
 impl Atlas {
-    /// Nothing known. With `q_items` wrong matches in a reading, at least `wrong_spacing` right ones lie between two wrong ones of a code.
+    /// Makes an atlas in which no landmark is known. With `q_items` wrong matches in a reading, at least `wrong_spacing` right sightings
+    /// with a landmark's code lie between two wrong ones.
     pub(super) fn new(q_items: usize, wrong_spacing: usize) -> Self {
         Atlas { entries: BTreeMap::new(), window: (q_items > 0).then_some(wrong_spacing + 1) }
     }
 
-    /// Where a landmark is, if known.
+    /// Box of a landmark's place, if it is known.
     pub(super) fn place(&self, landmark: LandmarkId) -> Option<[Interval; 2]> {
         self.entries.get(&landmark)?.place
     }
 
-    /// All known landmarks, in the order of their codes.
+    /// All landmarks whose place is known, in the order of their codes.
     pub(super) fn places(&self) -> Vec<(LandmarkId, [Interval; 2])> {
         self.entries.iter().filter_map(|(landmark, entry)| Some((*landmark, entry.place?))).collect()
     }
 
-    /// Takes note of the places at which landmarks were seen in one reading.
+    /// Learns from the places at which landmarks were seen in one reading.
     ///
-    /// Of a whole window of uses at most one is wrong, so the landmark is where all but one of them say. A use that says nothing
-    /// counts all the same: its place is then unbounded. Where a landmark can be nowhere, nothing of the reading is learnt.
+    /// Of a whole window of sightings with a landmark's code at most one is wrong, so the landmark is at a place that all but one of them
+    /// allow. A sighting that says nothing counts all the same: its place is then unbounded. Where no place is left for a landmark, nothing
+    /// of the reading is learnt.
     pub(super) fn learn(&mut self, stamp_s: f64, seen_at: &[(LandmarkId, [Interval; 2])]) -> Outcome {
         let mut learnt: BTreeMap<LandmarkId, Entry> = BTreeMap::new();
         for (landmark, place) in seen_at {
@@ -61,17 +64,17 @@ impl Atlas {
         Outcome::Feasible
     }
 
-    /// Uses of codes went by that nobody learnt from: what waits is no longer consecutive.
+    /// Drops the sightings that wait for a full window: a reading was not learnt from, so that they are no longer consecutive.
     pub(super) fn interrupt(&mut self) {
         self.entries.values_mut().for_each(|entry| entry.waiting.clear());
     }
 
-    /// A landmark that is known lies also in `place`.
+    /// Narrows the box of a known landmark to its intersection with `place`.
     pub(super) fn narrow(&mut self, stamp_s: f64, landmark: LandmarkId, place: [Interval; 2]) -> Outcome {
         self.entries.get_mut(&landmark).map_or(Outcome::Feasible, |entry| entry.narrow(stamp_s, place))
     }
 
-    /// Takes back all that was learnt from stamps later than `since_s`.
+    /// Takes back everything about landmarks that was learnt from stamps later than `since_s`.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         for entry in self.entries.values_mut() {
             entry.waiting.clear();
@@ -82,7 +85,7 @@ impl Atlas {
         }
     }
 
-    /// What is known stays for good.
+    /// Makes everything learnt about landmarks permanent, so that it cannot be taken back.
     pub(super) fn settle(&mut self) {
         for entry in self.entries.values_mut() {
             entry.before.clear();
@@ -91,7 +94,7 @@ impl Atlas {
     }
 }
 
-/// What contradicts says that an assumption failed, perhaps long ago.
+/// Cause reported when a landmark's places contradict each other: an assumption failed, perhaps long ago.
 const CAUSE: &str = "a landmark is not where it was learnt to be";
 
 impl Entry {

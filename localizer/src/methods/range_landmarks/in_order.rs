@@ -1,45 +1,46 @@
-//! Readings in the order in which they were taken: what is said of consecutive uses of a code is said in that order.
+//! Readings of landmarks put into the order of measurement, in which consecutive sightings with a landmark's code are counted.
 //!
-//! Between two readings lies a period T at least, and each arrives with a latency in [l, L]. Where L − l < T none overtakes another, and they
-//! arrive in their order. Otherwise stamps tell the order, if twice their error e is less than T; all readings stamped up to
-//! now − L − e have then arrived, and none will come between them. Where stamps do not tell the order, no two are known to be consecutive.
+//! Two readings are measured at least a period T apart, and each arrives with a latency in [l, L]. Where L − l < T no reading overtakes
+//! another, and they arrive in their order of measurement. Otherwise stamps tell the order, if twice their error e is less than T; all
+//! readings stamped up to now − L − e have then arrived, and none will come between them. Where stamps do not tell the order, no two
+//! readings are known to be consecutive.
 
 use crate::{PoseUnion, robot::RangeCameraModel};
 
 use super::Seen;
 
-/// What was learnt from a reading.
+/// Data that landmarks are learnt from: the landmarks seen in a reading, and the pose box at its stamp.
 #[derive(Clone, Debug)]
 pub(super) struct Learnt {
     pub(super) posterior: PoseUnion,
     pub(super) seen: Vec<Seen>,
 }
 
-/// One reading with its stamp; `None` if it was not learnt from.
+/// Stamp of a reading with the data to learn from; `None` if the reading is not learnt from.
 pub(super) type Taken = (f64, Option<Learnt>);
 
-/// Readings that wait for those taken before them.
+/// Queue of landmark readings that wait for readings measured before them.
 #[derive(Clone, Debug)]
 pub(super) struct InOrder {
     order: Order,
     waiting: Vec<Taken>,
-    /// Stamp of the latest one that was handed on.
+    /// Stamp of the latest reading that was handed on.
     handed_on_s: f64,
 }
 
-/// What tells the order.
+/// Source of the order in which landmark readings were measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Order {
-    /// Arrival, or nobody needs the order.
+    /// The order of arrival is the order of measurement, or the order is not needed.
     Arrival,
-    /// Stamps; so long after a stamp, all readings up to it have arrived.
+    /// The stamps tell the order; `complete_after_s` after a stamp, all readings stamped up to it have arrived.
     Stamps { complete_after_s: f64 },
-    /// Nothing.
+    /// The order in which the readings were measured is unknown.
     Unknown,
 }
 
 impl InOrder {
-    /// No reading yet. Without wrong matches the order does not matter.
+    /// Makes an empty queue of readings. If no match can be wrong, the order of the readings does not matter.
     pub(super) fn new(camera: &RangeCameraModel) -> Self {
         let order = if camera.q_items == 0 || camera.latency_s.width() < camera.period_s {
             Order::Arrival
@@ -51,9 +52,9 @@ impl InOrder {
         InOrder { order, waiting: Vec::new(), handed_on_s: f64::NEG_INFINITY }
     }
 
-    /// Adds a reading.
+    /// Adds a reading to those that wait; `learnt` is `None` for one that is not learnt from.
     pub(super) fn push(&mut self, stamp_s: f64, learnt: Option<Learnt>) {
-        // One that comes later than any should has been missed where it belongs.
+        // A reading that arrives later than any should has already been missed at its place in the order, and is not learnt from.
         let is_missed = match self.order {
             Order::Arrival => false,
             Order::Stamps { .. } => stamp_s <= self.handed_on_s,
@@ -66,7 +67,7 @@ impl InOrder {
         self.waiting.insert(place, (stamp_s, learnt.filter(|_| !is_missed)));
     }
 
-    /// Takes out what no reading to come was taken before, at the time at which one has just arrived.
+    /// Takes out, when a reading has just arrived, all readings before which no later arrival can have been measured.
     pub(super) fn take(&mut self, arrived_s: f64) -> Vec<Taken> {
         let n_complete = match self.order {
             Order::Stamps { complete_after_s } => {
@@ -80,12 +81,12 @@ impl InOrder {
         complete
     }
 
-    /// Takes back what was learnt from readings stamped later than `since_s`.
+    /// Drops what would be learnt from readings stamped later than `since_s`; their places in the order stay.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         self.waiting.iter_mut().filter(|(stamp_s, _)| *stamp_s > since_s).for_each(|(_, learnt)| *learnt = None);
     }
 
-    /// The clock is set back to 0: no reading of before is consecutive to one of after.
+    /// Empties the queue when the clock is set back to 0: no reading from before is consecutive to one from after.
     pub(super) fn settle(&mut self) {
         self.waiting.clear();
         self.handed_on_s = f64::NEG_INFINITY;

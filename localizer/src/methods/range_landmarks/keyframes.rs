@@ -1,8 +1,8 @@
-//! Raw sightings kept along the way, so that what is learnt late narrows what was seen early.
+//! Key frames: raw sightings of landmarks kept along the drive, so that what is learnt late narrows what was seen early.
 //!
-//! Everything is contracted anew from raw readings: intersections may be repeated without counting anything twice. With wrong
-//! matches readings are kept in runs of consecutive ones, as long as a window, because of m consecutive uses of a code at most one in
-//! each window is wrong; of readings picked here and there nothing of the kind is known.
+//! Everything is contracted anew from raw readings: intersections may be repeated without counting anything twice. Where matches may be
+//! wrong, readings are kept in runs of consecutive readings, each run as long as a window: of consecutive sightings with a landmark's code
+//! at most one in each window is wrong, but nothing of the kind is known for readings picked here and there.
 
 use std::collections::BTreeMap;
 
@@ -18,27 +18,29 @@ use crate::{
 
 use super::{Freedom, PoseFromLandmarks, Seen, Solver, atlas::Atlas};
 
-/// A run begins when the robot has since moved or turned by this much: nearer ones see the same.
+/// Distance by which the robot must have moved since the last key frame for another run of key frames to begin: key frames nearer to each
+/// other show the same.
 const APART_M: f64 = 0.15;
-/// See `APART_M`.
+/// Angle by which the robot may instead have turned for another run of key frames to begin, as in `APART_M`.
 const APART_RAD: f64 = 0.15;
 
-/// When so many readings are kept, every second run goes.
+/// Greatest number of readings that are kept as key frames; when it is reached, every second run is dropped.
 const MOST: usize = 200;
 
-/// Readings kept.
+/// Readings that are kept as key frames.
 #[derive(Clone, Debug)]
 pub(super) struct KeyFrames {
     frames: Vec<KeyFrame>,
-    /// Motion since the last frame, up to a stamp; none when the wheels' memory does not reach.
+    /// Stamp of the latest reading with the motion from the last key frame to it; `None` when the memory of motion does not reach back so
+    /// far.
     way: Option<(f64, Motion)>,
-    /// Stamp of the latest reading.
+    /// Stamp of the latest reading that was offered as a key frame.
     latest_s: f64,
     q_items: usize,
-    /// Readings in a run.
+    /// Number of readings in a run of key frames.
     window: usize,
     n_runs: usize,
-    /// Readings that the last run still lacks.
+    /// Number of readings that the last run of key frames still lacks.
     lacking: usize,
 }
 
@@ -46,24 +48,25 @@ pub(super) struct KeyFrames {
 struct KeyFrame {
     stamp_s: f64,
     run: usize,
-    /// Pose box when it was taken, from what was known then.
+    /// Pose box of the key frame, by what was known when its reading was taken.
     taken: PoseBox,
-    /// The same, narrowed by what was learnt since.
+    /// Pose box of the key frame, narrowed by what was learnt since its reading was taken.
     pose: PoseBox,
-    /// Motion from the frame before.
+    /// Motion of the robot from the key frame before to this one, if known.
     motion: Option<Motion>,
     seen: Vec<Seen>,
 }
 
 impl KeyFrames {
-    /// None yet. With `q_items` wrong matches in a reading, `wrong_spacing` right ones lie between two wrong ones of a code.
+    /// Makes an empty list of key frames. With `q_items` wrong matches in a reading, at least `wrong_spacing` right sightings with a
+    /// landmark's code lie between two wrong ones.
     pub(super) fn new(q_items: usize, wrong_spacing: usize) -> Self {
         let window = if q_items == 0 { 1 } else { wrong_spacing + 1 };
         KeyFrames { frames: Vec::new(), way: None, latest_s: f64::NEG_INFINITY, q_items, window, n_runs: 0, lacking: 0 }
     }
 
-    /// Keeps a reading if it continues a run, or adds to the last one kept. One that was overtaken is not kept: the way to it from the last
-    /// one leads back, and motion is known forward only.
+    /// Keeps a reading as a key frame if it continues a run, or was taken far enough from the last key frame. A reading that was overtaken
+    /// by a later one is not kept: the motion to it from the last key frame would run backwards in time, and motion is only known forwards.
     pub(super) fn keep(&mut self, stamp_s: f64, pose: PoseBox, seen: Vec<Seen>, motion: MotionBetween) {
         if stamp_s < self.latest_s {
             return;
@@ -90,7 +93,8 @@ impl KeyFrames {
         self.lacking -= 1;
     }
 
-    /// A reading went by that was not learnt from: what there is of the last run is no run.
+    /// Drops the last run of key frames if it is incomplete: a reading that was not learnt from came between, so its readings are not
+    /// consecutive.
     pub(super) fn interrupt(&mut self) {
         if self.lacking > 0 {
             let open = self.n_runs;
@@ -100,7 +104,7 @@ impl KeyFrames {
         }
     }
 
-    /// Drops every second run and joins the motions across it.
+    /// Drops every second run of key frames and joins the motions across it.
     fn thin(&mut self) {
         let mut across: Option<Option<Motion>> = None;
         let mut kept: Vec<KeyFrame> = Vec::with_capacity(self.frames.len() / 2 + self.window);
@@ -112,22 +116,22 @@ impl KeyFrames {
             if let Some(before) = across.take() {
                 frame.motion = before.zip(frame.motion).map(|(first, then)| moved(&first, &then));
             }
-            // The first run stays: it is what the landmarks were defined from.
+            // The first run of key frames is kept, because the landmarks were first defined from it.
             if nth % 2 == 0 {
                 across = Some(frame.motion);
             } else {
                 kept.push(frame);
             }
         }
-        // The way since the last frame began at one that may be gone.
+        // The motion since the last key frame began at a frame that may have been dropped.
         if kept.last().map(|frame| frame.stamp_s) != self.way.map(|(since_s, _)| since_s) {
             self.way = None;
         }
         self.frames = kept;
     }
 
-    /// Contracts the pose of every key frame by the landmarks and by its neighbours, and the landmarks by the poses: once along the
-    /// way, and once back. Where a frame can have been nowhere, or a landmark can be nowhere, all stays as it was.
+    /// Contracts the pose of every key frame by the landmarks and by its neighbouring frames, and the landmarks by the poses: once along
+    /// the drive and once back. Where no pose is left for a frame, or no place for a landmark, everything stays as it was.
     pub(super) fn sweep(&mut self, now_s: f64, atlas: &mut Atlas, freedom: Freedom) -> Outcome {
         let (mut frames, mut known) = (self.clone(), atlas.clone());
         let outcome = frames.contract(now_s, &mut known, freedom);
@@ -162,7 +166,7 @@ impl KeyFrames {
         Outcome::Feasible
     }
 
-    /// Contracts a frame by the one before it, or the other way about.
+    /// Contracts a key frame by the one before it and the motion between them, or, backwards, the one before by the frame.
     fn contract_by_way(&mut self, idx: usize, direction: Direction) -> Outcome {
         let Some((before, frame)) = self.neighbours(idx) else { return Outcome::Feasible };
         let Some(motion) = frame.motion else { return Outcome::Feasible };
@@ -172,7 +176,7 @@ impl KeyFrames {
         }
     }
 
-    /// Narrows the landmarks by a run when `idx` is its last frame on the way.
+    /// Narrows the landmarks by the key frames of a run, when `idx` is the last frame of the run in the direction of the sweep.
     fn teach_at_the_end_of_a_run(&self, idx: usize, direction: Direction, now_s: f64, atlas: &mut Atlas) -> Outcome {
         let run = self.frames[idx].run;
         let next = match direction {
@@ -202,14 +206,14 @@ impl KeyFrames {
         Outcome::Feasible
     }
 
-    /// The frame before one, and that one.
+    /// Key frame before the one with a given index, and that key frame itself.
     fn neighbours(&mut self, idx: usize) -> Option<(&mut KeyFrame, &mut KeyFrame)> {
         let (before, from) = self.frames.split_at_mut(idx);
         Some((before.last_mut()?, from.first_mut()?))
     }
 
-    /// Drops key frames taken later than `since_s`, together with the whole sequence of key frames that the first of them belongs to. The pose boxes
-    /// of all frames that stay are reset to what they were when each frame was taken.
+    /// Drops key frames taken later than `since_s`, together with the whole run of key frames that the first of them belongs to. The pose
+    /// boxes of all frames that stay are reset to what they were when each frame was taken.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         let cut = self.frames.iter().find(|frame| frame.stamp_s > since_s).map(|frame| frame.run);
         self.frames.retain(|frame| frame.stamp_s <= since_s && cut.is_none_or(|run| frame.run < run));
@@ -219,7 +223,7 @@ impl KeyFrames {
         self.latest_s = self.latest_s.min(since_s);
     }
 
-    /// What is kept stays for good.
+    /// Makes what is kept in the key frames permanent, so that it cannot be taken back.
     pub(super) fn settle(&mut self) {
         self.interrupt();
         for frame in &mut self.frames {
@@ -231,14 +235,14 @@ impl KeyFrames {
     }
 }
 
-/// Along the way, or against it.
+/// Direction of a sweep over the key frames: along the drive, or against it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Direction {
     Forth,
     Back,
 }
 
-/// What contradicts says that an assumption failed, perhaps long ago.
+/// Cause reported when no pose is left for a key frame: an assumption failed, perhaps long ago.
 const CAUSE: &str = "no pose of a key frame fits the landmarks and the way";
 
 impl KeyFrame {
@@ -247,7 +251,7 @@ impl KeyFrame {
         if self.pose.is_empty() { Outcome::Empty(CAUSE) } else { Outcome::Feasible }
     }
 
-    /// The pose by the landmarks.
+    /// Contracts the pose of the key frame by the landmarks seen in it.
     fn look(&mut self, atlas: &Atlas, freedom: Freedom, q_items: usize) -> Outcome {
         let bounded = self.seen.iter().filter(|seen| seen.is_bounded());
         let pairs: Vec<_> = bounded.filter_map(|seen| Some((atlas.place(seen.landmark)?, seen.in_robot_m))).collect();
@@ -257,7 +261,7 @@ impl KeyFrame {
     }
 }
 
-/// Poses of `domain` from which `motion` leads into `reached`: θ = θ′ − turn, t = t′ − R(θ)·(f, l).
+/// Box of the poses in `domain` from which `motion` leads into `reached`: θ = θ′ − turn, t = t′ − R(θ)·(f, l).
 fn came_from(reached: &PoseBox, motion: &Motion, domain: &PoseBox) -> PoseBox {
     let heading = domain[2].intersect(reached[2] - motion[2]);
     let (cos, sin) = (heading.cos(), heading.sin());

@@ -1,20 +1,21 @@
-//! From the two columns of a sighting to a box of the robot frame.
+//! Sighting of a landmark by a range camera: from the columns in the two views to a box in the robot frame.
 //!
-//! **Columns.** A column is within half a step of what was read, so that a sighting is the quadrilateral of the paper's Fig. 2:
-//! z = f·b/(left − right), x = b·(left − centre)/(left − right). With u = left − centre and w = right − centre, the coordinate along any
-//! direction α forward + β right is b·(α f + β u)/(u − w), whose derivatives by u and by w have the signs of −(α f + β w) and of
-//! α f + β u, neither of which depends on its own variable. So the hull is taken over the four corners of the cell, and is tight for every yaw.
+//! **Columns.** The true column is within half a step of the reading, so that a sighting is the quadrilateral of the paper's Fig. 2: z =
+//! f·b/(left − right), x = b·(left − centre)/(left − right). With u = left − centre and w = right − centre, the coordinate along any
+//! direction α forward + β right is b·(α f + β u)/(u − w), whose derivatives by u and by w have the signs of −(α f + β w) and of α f + β u,
+//! neither of which depends on its own variable. So the hull is taken over the four corners of the cell, and is tight for every yaw.
 //!
-//! **Tilt.** Let p be the vector from sensor to landmark, of horizontal length r and height |h| ≤ H, and let the vertical be turned by tilts τ₁, τ₂, …
-//! about horizontal axes. A tilt by τᵢ moves a horizontal unit vector horizontally by at most 1 − cos τᵢ and raises it by at most sin τᵢ, of which a
-//! later tilt makes sin τᵢ sin τⱼ: together at most (Σ τᵢ)²/2. The vertical unit vector moves horizontally by the sine of the angle
-//! between the verticals, at most sin Σ τᵢ. So |Δp| ≤ H sin τ + r τ²/2 in any direction. A body's roll and pitch are two tilts of at
-//! most √2 times its tilt together, and with them the heading is that of the forward axis, hence τ² instead of τ²/2, τ = body tilt + mount
-//! tilt. The mount itself stands at a height z and a distance a from the origin, about which the body tilts: z sin τ + a τ² likewise.
+//! **Tilt.** Let p be the vector from sensor to landmark, of horizontal length r and height |h| ≤ H, and let the vertical be turned by
+//! tilts τ₁, τ₂, … about horizontal axes. A tilt by τᵢ moves a horizontal unit vector horizontally by at most 1 − cos τᵢ and raises it by
+//! at most sin τᵢ; a later tilt τⱼ turns that height into a horizontal shift of sin τᵢ sin τⱼ. All these shifts together are at most (Σ
+//! τᵢ)²/2. The vertical unit vector moves horizontally by the sine of the angle between the verticals, at most sin Σ τᵢ. So |Δp| ≤ H sin τ
+//! + r τ²/2 in any direction. A body's roll and pitch are two tilts of at most √2 times the body's tilt together, and with them the heading
+//! is that of the forward axis, hence τ² instead of τ²/2, with τ = body tilt + mount tilt. The mount itself stands at a height z and a
+//! distance a from the origin, about which the body tilts; this adds z sin τ + a τ² likewise.
 //!
-//! **Stamp.** Between the true instant and the stamped one the robot moves by at most v·e and turns by at most ω·e: a landmark at q
-//! of the robot frame moves there by at most (v + ω|q|)·e. The box is inflated, and not the pose, because the same box
-//! is claimed, contracts the pose at the stamp, and learns the landmark.
+//! **Stamp.** Between the true instant and the stamped one the robot moves by at most v·e and turns by at most ω·e: a landmark at q of the
+//! robot frame moves there by at most (v + ω|q|)·e. The box is inflated, and not the pose, because the same box is claimed, contracts the
+//! pose at the stamp, and is used to learn the landmark.
 
 use interval::Interval;
 
@@ -24,16 +25,16 @@ use crate::{
     robot::{BodyModel, RangeCameraModel, Reach},
 };
 
-/// A landmark in the robot frame at a stamp.
+/// Landmark seen in a reading, with its box in the robot frame at the reading's stamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// What it is taken for.
+    /// Code of the landmark that the sighting is attributed to; a wrong match has the wrong code.
     pub landmark: LandmarkId,
-    /// Forward and left of the robot origin; unbounded when its disparity may be 0.
+    /// Box of the landmark forward and left of the robot origin; unbounded when its disparity may be 0.
     pub in_robot_m: [Interval; 2],
 }
 
-/// A range camera on a robot, with every declared error.
+/// Range camera on a robot, with every declared error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensor {
     pub(super) camera: RangeCameraModel,
@@ -41,18 +42,18 @@ pub struct Sensor {
     reach: Reach,
 }
 
-/// Tilts beyond this are no tilts; nothing is said of the landmark then.
+/// Greatest tilt of body and mount together for which a sighting is evaluated; beyond it nothing is said about the landmark's place.
 const MOST_TILT_RAD: f64 = 0.5;
-/// Makes up for the few roundings of a sum of positive terms.
+/// Factor that makes up for the few roundings of a sum of positive terms.
 const ABOVE: f64 = 1.0 + 1e-12;
 
 impl Sensor {
-    /// The range camera of a robot, if it has one.
+    /// Makes the sensor from a robot's range camera, if the robot has one.
     pub fn new(robot: &RobotModel) -> Option<Self> {
         Some(Sensor { camera: robot.range_camera.clone()?, body: robot.body, reach: robot.reach })
     }
 
-    /// Where a sighting puts its landmark.
+    /// Box at which a sighting puts its landmark in the robot frame.
     pub fn seen(&self, sighting: &Sighting) -> Seen {
         let in_robot_m = self.in_robot(sighting).unwrap_or([Interval::ENTIRE; 2]);
         Seen { landmark: sighting.landmark, in_robot_m }
@@ -65,13 +66,13 @@ impl Sensor {
         Some([0, 1].map(|axis| (in_view[axis] + camera.position_m[axis]).inflate(blur_m)))
     }
 
-    /// Box in the sensor frame: x right, z forward. `None` when the disparity may be 0.
+    /// Box of a landmark in the sensor frame: x right, z forward. `None` when the disparity may be 0.
     pub fn in_sensor(&self, sighting: &Sighting) -> Option<[Interval; 2]> {
         let [forward_m, left_m] = self.hull_of_cell(sighting, Interval::ZERO)?;
         Some([-left_m, forward_m])
     }
 
-    /// Hull of the quadrilateral along the axes turned back by `yaw`: forward and left of the optical centre.
+    /// Hull of the sighting's quadrilateral along the axes turned back by `yaw_rad`: forward and left of the optical centre.
     fn hull_of_cell(&self, sighting: &Sighting, yaw_rad: Interval) -> Option<[Interval; 2]> {
         let camera = &self.camera;
         let cell = |read_px: f64, step_px: f64| (Interval::point(read_px) - camera.centre_px).inflate(0.5 * step_px);
@@ -92,7 +93,7 @@ impl Sensor {
         Some(hull)
     }
 
-    /// How far tilts and stamp move a landmark in the robot frame at most, in any direction.
+    /// Greatest distance by which tilts and stamp error move a landmark in the robot frame, in any direction.
     fn displacement(&self, in_view: [Interval; 2]) -> Option<f64> {
         let (camera, body, reach) = (&self.camera, &self.body, &self.reach);
         let tilt_rad = body.tilt_rad + camera.tilt_rad;
@@ -100,7 +101,7 @@ impl Sensor {
             return None;
         }
         let raised_m = camera.height_span_m * tilt_rad.sin();
-        // What is measured is the tilted length: r ≤ r′ + H sin τ + r τ².
+        // The measured length is that of the tilted vector: r ≤ r′ + H sin τ + r τ².
         let range_m = (length(in_view) + raised_m) / (1.0 - tilt_rad * tilt_rad);
         let arm_m = length(camera.position_m);
         let tilted_m = raised_m + range_m * tilt_rad * tilt_rad;
@@ -112,12 +113,12 @@ impl Sensor {
 }
 
 impl Seen {
-    /// Whether it says anything.
+    /// Whether the sighting says anything about the landmark's place.
     pub fn is_bounded(&self) -> bool {
         self.in_robot_m.iter().all(|side| side.is_bounded())
     }
 
-    /// Where the landmark is in the world, seen from a box of poses: t + R(θ) b.
+    /// Box of the landmark's place in the world, as seen from a box of poses: t + R(θ) b.
     pub fn in_world(&self, pose: &PoseBox) -> [Interval; 2] {
         if !self.is_bounded() {
             return [Interval::ENTIRE; 2];
@@ -128,7 +129,7 @@ impl Seen {
     }
 }
 
-/// Greatest length of a vector in a box.
+/// Greatest length of a vector in a given box.
 fn length(vector: [Interval; 2]) -> f64 {
     vector[0].hypot(vector[1]).hi()
 }

@@ -1,4 +1,4 @@
-//! The pose from landmarks: which equations, and which contractor for them.
+//! Solvers for the pose from landmarks: which of its unknowns are contracted, and by which contractor.
 
 use interval::contractor::{Contractor, Outcome, QRelaxed};
 use interval::{IntervalBox, paving};
@@ -8,40 +8,41 @@ use crate::{
     rigid_motion::{Landmark, LinearPose, RelaxedPose, RigidPlanar, RigidPolar, RigidTable, Translated},
 };
 
-/// What the landmarks contract of the pose.
+/// Components of the pose that the landmarks contract.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Freedom {
     /// World x alone, with y and heading as known before: the paper's Table II.
     Line,
-    /// World x and y, with the heading as known before: Table III.
+    /// World x and y, with the heading as known before: the paper's Table III.
     Translation,
-    /// x, y and heading: Table IV.
+    /// World x, world y and heading: the paper's Table IV.
     #[default]
     Full,
 }
 
-/// How the equations of the full motion are solved. All are sound; they differ in time and in width.
+/// Method by which the equations of a full planar motion are solved. All methods are sound; they differ in computing time and width of the
+/// box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Solver {
-    /// Linear elimination of all landmarks at once, [`RigidPlanar`] and [`LinearPose`]; [`RelaxedPose`] when some may be wrong.
+    /// Linear elimination over all landmarks at once, [`RigidPlanar`] and [`LinearPose`]; [`RelaxedPose`] when some landmarks may be wrong.
     #[default]
     OneShot,
-    /// Directions between landmarks, then each in polar coordinates, [`RigidPolar`].
+    /// Directions between landmarks, then each landmark in polar coordinates, [`RigidPolar`].
     Polar,
     /// The paper's forward-backward contractor with all branches, [`RigidTable`].
     TableIv,
-    /// The paper's bisection over x, y and heading around [`RigidPlanar`]; the answer is the hull of the leaves.
+    /// The paper's bisection over x, y and heading around [`RigidPlanar`]; the result is the hull of the leaves.
     Sivia {
-        /// Leaves are at most this wide, in metres and in radians.
+        /// Greatest width of a leaf of the bisection, in metres and in radians.
         resolution: f64,
     },
 }
 
-/// All but `q` landmarks carry the robot frame into the world: a contractor on x, y, heading.
+/// Contractor on x, y and heading that assumes that all but `q` landmarks are carried from the robot frame into the world by the pose.
 ///
-/// Sound: each solver is, and what is left is dropped only when more than q landmarks, seen from all of it, miss their places. When
-/// exactly q > 0 miss them, those are the wrong ones, and what is left is contracted by all the others at once. A theorem about boxes, not
-/// about landmarks: a wrong one may well stay hidden.
+/// It is sound: each solver is, and a remaining box is dropped only when more than q landmarks, seen from every pose of it, miss their
+/// places. When exactly q > 0 landmarks miss their places, those are the wrong ones, and the box is contracted by all others at once. That
+/// is a theorem about boxes, not about landmarks: a wrong landmark may well stay hidden.
 pub struct PoseFromLandmarks {
     landmarks: Vec<Landmark>,
     q: usize,
@@ -50,30 +51,30 @@ pub struct PoseFromLandmarks {
     contractor: Box<dyn Contractor<3> + Send + Sync>,
 }
 
-/// Slices of heading of the one-shot solver: what is lost by linearising falls with their square.
+/// Number of slices of heading of the one-shot solver: the width that linearising costs falls with the square of this number.
 const N_SLICES: usize = 4;
-/// A fixpoint is worth another pass while a width shrinks by more than this share.
+/// Share by which a width must shrink for another pass of a fixpoint iteration to be worth its time.
 const SIGNIFICANT: f64 = 0.05;
-/// Contractions of one bisection at most: some milliseconds.
+/// Greatest number of contractions in one bisection, which take some milliseconds.
 const MOST_BOXES: usize = 2000;
 
 const CAUSE: &str = "the landmarks in view do not fit those known";
 
 impl PoseFromLandmarks {
-    /// Landmarks as boxes of the world and of the robot frame, of which at most `q` are wrong.
+    /// Makes the contractor. Each landmark is a box in the world and a box in the robot frame, and at most `q` of the landmarks are wrong.
     pub fn new(landmarks: Vec<Landmark>, q: usize, freedom: Freedom, solver: Solver) -> Self {
         let contractor = contractor(&landmarks, q, freedom, solver);
         PoseFromLandmarks { landmarks, q, freedom, solver, contractor }
     }
 
-    /// Whether a landmark seen from the box can be in its place.
+    /// Whether a landmark, seen from some pose of the box, can be at its place.
     fn fits(pose: &PoseBox, (place, seen): &Landmark) -> bool {
         let (cosine, sine) = (pose[2].cos(), pose[2].sin());
         (pose[0] + (cosine * seen[0] - sine * seen[1])).overlaps(place[0])
             && (pose[1] + (sine * seen[0] + cosine * seen[1])).overlaps(place[1])
     }
 
-    /// What is left of a box when the landmarks that surely miss their places are counted.
+    /// Boxes that remain of a pose box when the landmarks that surely miss their places are counted.
     fn counted(&self, pose: PoseBox) -> Vec<PoseBox> {
         let right: Vec<Landmark> = self.landmarks.iter().filter(|one| Self::fits(&pose, one)).copied().collect();
         let n_wrong = self.landmarks.len() - right.len();
@@ -123,7 +124,7 @@ fn contractor(
     }
 }
 
-/// Elimination over all landmarks, turn by turn.
+/// Contractor by linear elimination over all landmarks, applied separately to each whole turn of the heading.
 struct OneShot {
     motion: RigidPlanar,
 }
@@ -151,7 +152,8 @@ impl Contractor<3> for OneShot {
     }
 }
 
-/// A contractor of all landmarks; when q may be wrong, of each alone and of disjoint pairs, of which q at most are spoilt.
+/// Contractor of the pose by all landmarks at once. When q landmarks may be wrong, contractor by each landmark alone and by disjoint pairs
+/// of landmarks, of which at most q are spoilt.
 fn relaxed<Exact>(
     landmarks: &[Landmark],
     q: usize,
@@ -169,7 +171,7 @@ where
     Box::new(each.then(pairs).fixpoint(SIGNIFICANT))
 }
 
-/// SIVIA around a contractor, with bounded work.
+/// Contractor by set inversion with bisection (SIVIA) around another contractor, with bounded work.
 struct Bisection {
     contractor: Box<dyn Contractor<3> + Send + Sync>,
     resolution: f64,

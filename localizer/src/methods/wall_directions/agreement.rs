@@ -1,4 +1,4 @@
-//! Headings on which edges of an image, and several images, agree.
+//! Headings on which the edges of an image, and of several images, agree.
 
 use interval::contractor::{Contractor, Outcome};
 use interval::{Interval, IntervalBox};
@@ -7,7 +7,8 @@ use crate::vision::forward::EdgeLine;
 
 use super::{CLUTTER_RAD, FAR_RAD, FEWEST_FAR, FEWEST_HELD, FEWEST_LINES, Quotas, headings};
 
-/// The headings at which edges are claimed: near the prior's, or farther off where hardly any edge is near and many are not.
+/// Range of headings in which edges are claimed: near the prior's headings, or a wider range where few edges agree with those nearby and
+/// many edges agree with headings farther off.
 pub(super) fn about(
     heading: Interval,
     sighted: &[(EdgeLine, Option<Interval>)],
@@ -22,23 +23,24 @@ pub(super) fn about(
     if count(near) < FEWEST_LINES && count(far) >= FEWEST_FAR { far } else { near }
 }
 
-/// Headings on which enough sets agree.
+/// Rule that keeps the headings which lie in enough of a number of sets.
 #[derive(Clone, Debug)]
 struct Rule {
-    /// Headings by set; a heading lies in as many as edges, or images, allow it.
+    /// Headings that each edge, or each image, allows; a heading is counted once for every set that it lies in.
     sets: Vec<Vec<Interval>>,
-    /// As many must.
+    /// Number of sets that a heading must lie in.
     needed: usize,
 }
 
-/// Headings that all rules allow; without a rule, walls say nothing.
+/// Contractor for the headings that all rules allow; without a rule, walls rule nothing out.
 #[derive(Clone, Debug)]
 pub(super) struct WallHeadings {
     rules: Vec<Rule>,
 }
 
 impl WallHeadings {
-    /// All but a declared number of the edges of several images agree, and all but a declared number of the images have none wrong.
+    /// Makes a contractor by two rules: all but a declared number of the edges of several images agree, and all but a declared number of
+    /// the images have no wrong edge.
     pub(super) fn of_edges(images: Vec<Vec<Vec<Interval>>>, quotas: &Quotas) -> Self {
         let whole: Vec<Vec<Interval>> =
             images.iter().map(|by_count| by_count.last().cloned().unwrap_or_default()).collect();
@@ -53,25 +55,26 @@ impl WallHeadings {
         WallHeadings { rules }
     }
 
-    /// All but a declared number of several images allow it, each by all but a declared share of its edges.
+    /// Makes a contractor by one rule: all but a declared number of several images allow the heading, each by all but a declared share of
+    /// its edges.
     pub(super) fn of_images(sets: Vec<Vec<Interval>>, quotas: &Quotas) -> Self {
         let says = sets.len() > quotas.images;
         let rule = || Rule { needed: sets.len() - quotas.images, sets };
         WallHeadings { rules: says.then(rule).into_iter().collect() }
     }
 
-    /// Headings that nothing is known of.
+    /// Contractor that rules no heading out, whatever the walls look like.
     pub(super) fn silent() -> Self {
         WallHeadings { rules: Vec::new() }
     }
 
-    /// Whether any heading at all may be ruled out.
+    /// Whether the walls in the images may rule out any heading at all.
     pub(super) fn says_something(&self) -> bool {
         !self.rules.is_empty()
     }
 
     fn within(&self, heading: Interval) -> Vec<Interval> {
-        // Walls say nothing of a heading that may be anything.
+        // Walls say nothing about a heading that may have any value.
         if heading.is_empty() || heading.width() > 100.0 {
             return vec![heading];
         }

@@ -1,13 +1,14 @@
-//! Which edges of an image are witnesses of their own.
+//! Selection of the edges of an image that are independent witnesses of the heading.
 
 use crate::vision::forward::EdgeLine;
 
-/// Edges whose ends lie nearer to another one's line, over the focal length, belong to the same thing: both rims of a frame, the
-/// painting within it, a shelf that a chair cuts in two. If it is no edge of the building, all of them are wrong together.
+/// Greatest distance, over the focal length, of an edge's ends from another edge's line for the two to belong to the same thing: both rims
+/// of a frame, the painting within it, a shelf that a chair cuts in two. If the thing is no edge of the building, all its edges are wrong
+/// together.
 const SAME_THING: f64 = 0.03;
 
-/// For each edge, with how far off it may be, whether it is kept: of edges that belong together, the one known best. An edge of which
-/// nothing is known is not.
+/// Whether each edge is kept. Every edge comes with the error to which its direction is known: of edges that belong together the best known
+/// is kept, and an edge of which nothing is known is not kept.
 pub(super) fn distinct(edges: &[(EdgeLine, Option<f64>)], focal_px: f64) -> Vec<bool> {
     let mut order: Vec<(usize, f64)> =
         edges.iter().enumerate().filter_map(|(at, (_, known_to))| Some((at, (*known_to)?))).collect();
@@ -20,7 +21,7 @@ pub(super) fn distinct(edges: &[(EdgeLine, Option<f64>)], focal_px: f64) -> Vec<
     kept
 }
 
-/// How far the farther end of `edge` lies from the line through `other`.
+/// Distance of the farther end of `edge` from the line through `other`.
 fn farthest_px(edge: &EdgeLine, other: &EdgeLine) -> f64 {
     let [[u0, v0], [u1, v1]] = other.ends_px;
     let length_px = (u1 - u0).hypot(v1 - v0);

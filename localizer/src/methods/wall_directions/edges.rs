@@ -1,4 +1,4 @@
-//! An image's edges, sorted by what they may be.
+//! Edges of an image, sorted into level edges, upright edges and others.
 
 use interval::Interval;
 
@@ -12,26 +12,27 @@ use super::{
     sight::{self, SightPlane},
 };
 
-/// An upright edge is a corner, a door post or a shelf's side; shorter ones are parts of anything.
+/// Least length of an upright edge that is used, in pixels. A long one is a corner, a door post or a shelf's side; shorter ones may be
+/// parts of anything.
 const UPRIGHT_PX: f64 = 100.0;
-/// So few of them are in an image that none may be wrong: they are claimed with bounds as many times as wide.
+/// Factor on the bound of upright edges. An image has so few of them that none may be wrong, so they are claimed with a wider bound.
 const UPRIGHT_BOUNDS: f64 = 1.5;
 
-/// The edges of an image by what they may be.
+/// Edges of an image, sorted by what they may be.
 pub(super) struct Edges {
-    /// Headings at which level ones were looked for.
+    /// Range of headings at which level edges were looked for in the image.
     pub(super) about: Interval,
-    /// Level, and along a direction of the building there.
+    /// Edges that are level and, at a heading of that range, run along a direction of the building.
     pub(super) level: Vec<EdgeLine>,
     pub(super) upright: Vec<EdgeLine>,
-    /// Directions from robot forward of level ones that run along no wall known.
+    /// Directions from robot forward of level image edges that run along no known wall.
     pub(super) strange_rad: Vec<Interval>,
-    /// All that are neither.
+    /// Segments of all edges that are neither level along a known direction nor upright.
     pub(super) rejected_px: Vec<[f64; 4]>,
 }
 
 impl WallDirections {
-    /// Sorts edges into level and upright ones and those that are neither, one of each thing.
+    /// Sorts edges into level ones, upright ones and those that are neither, and keeps one edge of each thing.
     pub(super) fn sorted(&self, lines: &[EdgeLine], heading: Interval, directions_rad: &[Interval]) -> Edges {
         let focal_px = self.camera.focal_px.mid();
         let (upright, others): (Vec<EdgeLine>, Vec<EdgeLine>) = lines.iter().partition(|line| self.is_upright(line));
@@ -64,7 +65,7 @@ impl WallDirections {
         for (line, azimuth) in sighted {
             match azimuth {
                 Some(azimuth) if headings::of_line(azimuth, directions_rad, about).is_empty() => {
-                    // What a lean may turn far tells no direction to learn.
+                    // An edge that a lean may turn far is too inaccurate for a new direction to be learnt from it.
                     edges.strange_rad.extend((azimuth.width() <= NEW_DIRECTION_RAD).then_some(azimuth));
                     edges.rejected_px.push(segment_px(&line));
                 }
@@ -75,7 +76,7 @@ impl WallDirections {
         edges
     }
 
-    /// Whether the edge may be an upright one at some lean.
+    /// Whether an image edge may be an upright line at some lean of robot and camera.
     fn is_upright(&self, line: &EdgeLine) -> bool {
         let tilt_rad = self.camera.tilt_error_rad + self.body_tilt_rad;
         sight::crosses_horizon(line, &self.camera, tilt_rad)

@@ -1,14 +1,15 @@
-//! Sets of headings on the real line: where enough lines agree.
+//! Sets of headings on the real line, and where enough of them agree.
 
 use std::f64::consts::FRAC_PI_2;
 
 use interval::Interval;
 
-/// Headings in `within` at which a line seen at `azimuth` runs along one of the building's `directions`, up to quarter turns:
-/// θ = direction + k·π/2 − azimuth.
+/// Headings in `within` at which a line seen at `azimuth` runs along one of the building's `directions`, up to quarter turns: θ = direction
+/// + k·π/2 − azimuth.
 pub(super) fn of_line(azimuth: Interval, directions: &[Interval], within: Interval) -> Vec<Interval> {
     let quarter = Interval::PI * 0.5;
-    // Headings of more turns than matter, as recovery hands out, are not cut: all that a line says is among them again and again.
+    // An interval of headings that spans more turns than matter, as recovery gives, is returned whole: the headings that a line allows
+    // recur in it every quarter turn.
     if !(within.width() < WIDEST_RAD && within.magnitude() < FARTHEST_RAD) {
         return if within.is_empty() { Vec::new() } else { vec![within] };
     }
@@ -21,17 +22,19 @@ pub(super) fn of_line(azimuth: Interval, directions: &[Interval], within: Interv
     joined(sets.filter(|set| !set.is_empty()).collect())
 }
 
-/// A dozen and more turns: what a robot may have turned since its heading was last known fits in.
+/// Widest interval of headings that is searched quarter turn by quarter turn, a little more than fifteen turns: what a robot may have
+/// turned since its heading was last known is less.
 const WIDEST_RAD: f64 = 100.0;
-/// Doubles are 10⁻⁷ apart here, less than any line tells.
+/// Greatest heading up to which intervals are searched quarter turn by quarter turn: doubles of this size are 10⁻⁷ apart, less than the
+/// accuracy of any line.
 const FARTHEST_RAD: f64 = 1e9;
 
-/// Where at least `needed` of the sets agree; each set is a union of disjoint intervals.
+/// Headings at which at least `needed` of the sets agree; each set is a union of disjoint intervals.
 pub(super) fn agreed(sets: &[Vec<Interval>], needed: usize) -> Vec<Interval> {
     if needed == 0 {
         return vec![Interval::ENTIRE];
     }
-    // Ends sort after beginnings at the same place: closed intervals that touch agree there.
+    // At the same place, ends of intervals sort after beginnings, because closed intervals that touch agree where they touch.
     let mut events: Vec<(f64, bool)> =
         sets.iter().flatten().flat_map(|set| [(set.lo(), false), (set.hi(), true)]).collect();
     events.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -52,7 +55,7 @@ pub(super) fn agreed(sets: &[Vec<Interval>], needed: usize) -> Vec<Interval> {
     joined(found)
 }
 
-/// Sorted, and overlapping ones made one.
+/// Union of intervals as sorted disjoint intervals.
 pub(super) fn joined(mut sets: Vec<Interval>) -> Vec<Interval> {
     sets.sort_by(|a, b| a.lo().total_cmp(&b.lo()));
     let mut disjoint: Vec<Interval> = Vec::new();

@@ -1,8 +1,9 @@
-//! Headings on which the edges of one image agree, at any lean of robot and camera at which its upright edges are upright.
+//! Headings on which the edges of one image agree, at any lean of robot and camera at which the image's upright edges are upright.
 //!
-//! A lean of τ turns the direction of a level edge seen at elevation ε by up to τ/tan ε, five times τ for a skirting and half of it the
-//! other way for a shelf: one lean serves all edges of an image, so that together they tell it. The disc of leans is cut into squares;
-//! in each, every edge's plane is turned by the square's middle and widened by its extent.
+//! A lean of τ turns the direction of a level edge seen at the elevation ε by up to τ/tan ε: five times τ for a skirting, and half of that
+//! in the opposite direction for a shelf. One lean holds for all edges of an image, so that together they determine the lean. The disc of
+//! leans is cut into squares; in each square, every edge's plane is turned by the lean at the square's middle and widened by the square's
+//! extent.
 
 use nalgebra::Vector3;
 
@@ -12,37 +13,38 @@ use super::{
 };
 use interval::Interval;
 
-/// Squares on a diameter of the disc of leans.
+/// Number of squares along a diameter of the disc of leans.
 const SQUARES: usize = 24;
 
-/// What an image's edges say: for each count, from one up, the headings at which as many level edges agree on one lean.
+/// Agreement of an image's edges: for each count, from one up, the headings at which that many level edges agree on one lean.
 pub(super) type Agreement = Vec<Vec<Interval>>;
 
-/// What one image tells.
+/// Result of evaluating the edges of one image for the heading.
 pub(super) struct Told {
     pub(super) agreement: Agreement,
-    /// Whether some declared lean makes enough upright edges upright: otherwise more of them are wrong than declared, or the lean is greater.
+    /// Whether some declared lean makes enough upright edges upright: otherwise more of them are wrong than declared, or the lean is
+    /// greater.
     pub(super) is_upright: bool,
 }
 
-/// What is common to an image's edges.
+/// Values that are common to all edges of an image.
 pub(super) struct View<'a> {
     /// Greatest lean of robot and camera together, about any level axis.
     pub(super) tilt_rad: f64,
-    /// Whether all edges are seen at one lean, and not each at any.
+    /// Whether all edges are seen at one lean that is solved for, instead of each at any lean.
     pub(super) solves_lean: bool,
-    /// How many edges may be wrong.
+    /// Quotas of image edges that may be wrong.
     pub(super) quotas: Quotas,
-    /// Added to every edge's direction: the camera's yaw and what the robot turned within the stamp's error.
+    /// Interval added to every edge's direction: the camera's yaw, and the robot's turn within the stamp's error.
     pub(super) yaw_rad: Interval,
-    /// Directions of walls.
+    /// Directions of the building's walls.
     pub(super) directions_rad: &'a [Interval],
-    /// Headings that are asked about.
+    /// Range of headings in which agreement of the image's edges is searched.
     pub(super) about: Interval,
 }
 
-/// Headings by how many of the level edges agree at some lean that all but a declared share of the upright edges allow; at any lean where
-/// no lean does.
+/// Headings by the number of level edges that agree on them at a lean that all but a declared share of the upright edges allow; if no lean
+/// is allowed by so many upright edges, at any declared lean.
 pub(super) fn told(level: &[SightPlane], upright: &[SightPlane], view: &View) -> Told {
     let lean = Lean::of(view.tilt_rad);
     let squares = squares(lean, if view.solves_lean { SQUARES } else { 1 });
@@ -71,7 +73,7 @@ pub(super) fn told(level: &[SightPlane], upright: &[SightPlane], view: &View) ->
     Told { agreement: agreement.into_iter().map(headings::joined).collect(), is_upright }
 }
 
-/// Some of the leans: as vectors about forward and left, those within `half_rad` of `middle_rad` along both.
+/// Square of leans: as vectors about forward and left, those within `half_rad` of `middle_rad` along both axes.
 struct Square {
     middle_rad: [f64; 2],
     half_rad: f64,
@@ -91,24 +93,24 @@ fn squares(lean: Lean, n_across: usize) -> Vec<Square> {
 }
 
 impl Square {
-    /// The plane's normal at the middle of the square: n + δ × n.
+    /// Normal of an edge's plane after the lean δ at the middle of the square: n + δ × n.
     fn turned(&self, plane: &SightPlane) -> Vector3<f64> {
         let lean = Vector3::new(self.middle_rad[0], self.middle_rad[1], 0.0);
         plane.normal + lean.cross(&plane.normal)
     }
 
-    /// How far leans of the square and what the plane itself allows move its normal along a unit vector, at most.
+    /// Greatest shift of the plane's normal along a unit vector, by leans of the square and by errors of the plane itself.
     fn reach(&self, plane: &SightPlane, along: &Vector3<f64>) -> f64 {
         let about = plane.normal.cross(along);
         plane.reach(along) + self.half_rad * (about.x.abs() + about.y.abs()) + self.lean.rest(plane)
     }
 
-    /// Whether the plane may hold the vertical: n·z = 0.
+    /// Whether an edge's plane may contain the vertical: n·z = 0.
     fn is_upright(&self, plane: &SightPlane) -> bool {
         self.turned(plane).z.abs() <= self.reach(plane, &Vector3::z())
     }
 
-    /// Direction, counter-clockwise from robot forward, of the level line in the plane; `None` when it may be any.
+    /// Direction, counter-clockwise from robot forward, of the level line in an edge's plane; `None` when it may be any direction.
     fn direction(&self, plane: &SightPlane) -> Option<Interval> {
         level_direction(&self.turned(plane), |along| self.reach(plane, along))
     }

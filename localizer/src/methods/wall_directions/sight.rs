@@ -1,4 +1,5 @@
-//! From an edge in the image to the plane that it spans with the optical centre, and to the direction of the level line that it would be.
+//! Geometry of an edge in the image: the plane that the edge spans with the optical centre, and the direction of the level line that it
+//! would be.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,52 +13,57 @@ use crate::{
     vision::{distortion, forward::EdgeLine},
 };
 
-/// Steeper than this, a plane through camera and edge holds the vertical nearly as well: the edge may be a door post.
+/// Least level part and least height of a plane's unit normal for the plane's edge to be used as level: in a steeper plane the edge may as
+/// well be upright, such as a door post.
 const LEAST_SLOPE: f64 = 0.12;
-/// An edge whose direction is known no better says nothing.
+/// Greatest width of the direction of an image edge with which the edge is used.
 pub(super) const WIDEST_RAD: f64 = 0.1;
-/// Nor, where the lean is solved for and edges are refitted, does one whose direction would be known no better were the lean known:
-/// edges so short, or so near the horizon, are wrong seven times as often as the others.
+/// Greatest width of the direction of an image edge for a known lean, where the lean is solved for and edges are refitted: edges that are
+/// less accurate, because they are short or near the horizon, are wrong seven times as often as the others.
 pub(super) const WIDEST_REFITTED_RAD: f64 = 0.035;
-/// Nor does one that any lean turns by so much.
+/// Greatest width of the direction of an image edge over all leans: an edge whose direction leans turn by more is not used.
 const MOST_TURNED_RAD: f64 = 0.4;
-/// Rays that dip deeper meet the floor, whose texture, grazed, makes false level lines,
+/// Elevation, as a tangent, below which rays meet the floor, whose texture makes false level lines when it is seen at a grazing angle.
 const DEEPEST: f64 = -0.07;
-/// but none so long: those are skirtings, foots of walls, borders of carpets, and joints of tiles.
+/// Length in pixels from which an edge on the floor is not mere texture, but a skirting, the foot of a wall, the border of a carpet, or a
+/// joint of tiles.
 const LONG_PX: f64 = 100.0;
-/// Above the rounding of a few dozen operations on numbers near one, as a share and as an angle.
+/// Margin above the rounding of a few dozen operations on numbers near one, as a share and as an angle.
 const ROUNDING: f64 = 1e-12;
 
-/// What is unknown of an edge's plane: where its ends are across the edge and along it, the principal point along u and v, and the focal
-/// length.
+/// Number of unknowns of an edge's plane: the places of the edge's ends across and along the edge, the principal point along u and v, and
+/// the focal length.
 const N_PARAMETERS: usize = 7;
 const ACROSS: [usize; 2] = [0, 1];
 const ALONG: [usize; 2] = [2, 3];
 const CENTRE: [usize; 2] = [4, 5];
 const FOCAL: usize = 6;
-/// Those that move the normal to first order: what moves an end along its own edge does not, but for what the lens bends.
+/// Error parameters that move the normal of an edge's plane to first order. A shift of an end along its own edge does not, apart from the
+/// effect of the lens distortion.
 const MOVING: [usize; 5] = [ACROSS[0], ACROSS[1], CENTRE[0], CENTRE[1], FOCAL];
 
 type Number = Dual<N_PARAMETERS>;
 
-/// The plane through an edge and the optical centre, for a robot and a camera that stand as they should.
+/// Plane through an edge and the optical centre, for a robot and a camera in their nominal posture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SightPlane {
-    /// Unit normal in the robot's frame: forward, left, up.
+    /// Unit normal of the plane in the robot's frame: forward, left, up.
     pub(super) normal: Vector3<f64>,
-    /// What may be added to it, each times any number from −1 to 1: by both ends' bounds, the principal point along u and v, and the focal length.
+    /// Vectors that may be added to the normal, each times any number from −1 to 1: by both ends' bounds, the principal point along u and
+    /// v, and the focal length.
     pub(super) moves: [Vector3<f64>; MOVING.len()],
-    /// Greatest length of what is added besides.
+    /// Greatest length of the remaining error of the plane's unit normal.
     pub(super) rest: f64,
 }
 
 impl SightPlane {
-    /// The plane through an edge; `None` where the lens model folds back.
+    /// Plane through an edge of the image; `None` where the lens model folds back.
     ///
-    /// The true image of an end is at p + s·n + t·l, n across the edge and l along it, s within the claim's bound and the
-    /// calibration's error, t within that error; it shows the ray (x, y, 1) with (x, y) = D⁻¹((p + s·n + t·l − c)/f). The plane's normal is
-    /// the product of both rays, enclosed by the mean value form over the box of s, t, c and f: the slopes at the middle move it, what they
-    /// differ by over the box is left over. What only lengthens the normal says nothing of the plane, and is taken out.
+    /// The true image of an end is at p + s·n + t·l, with n across the edge and l along it, s within the claim's bound and the
+    /// calibration's error, and t within that error. It shows the ray (x, y, 1) with (x, y) = D⁻¹((p + s·n + t·l − c)/f). The plane's
+    /// normal is the product of the rays of both ends, enclosed by the mean value form over the box of s, t, c and f: the slopes at the
+    /// middle move the normal, and their variation over the box goes into the remaining error of the normal. A change of the normal's
+    /// length alone says nothing about the plane and is taken out.
     pub(super) fn of(line: &EdgeLine, camera: &ForwardCameraModel) -> Option<Self> {
         let parameters = parameters(line, camera);
         let middles = parameters.map(|parameter| Interval::point(parameter.mid()));
@@ -83,7 +89,7 @@ impl SightPlane {
         let moves = MOVING.map(&mut moved);
         let along: f64 = ALONG.map(moved).iter().map(Vector3::norm).sum();
         left += component(&|axis| at_middle[axis].value.radius()).norm() + along;
-        // (1 + e)·n + Δ is, but for its length, n + Δ/(1 + e).
+        // The vector (1 + e)·n + Δ has the direction of n + Δ/(1 + e).
         let shortest = Interval::point(length) - lengthened;
         if shortest.is_empty() || shortest.lo() <= 0.0 {
             return None;
@@ -96,12 +102,12 @@ impl SightPlane {
         })
     }
 
-    /// Greatest component along a unit vector of what may be added.
+    /// Greatest component, along a unit vector, of the errors that may be added to the plane's normal.
     pub(super) fn reach(&self, along: &Vector3<f64>) -> f64 {
         self.moves.iter().map(|part| part.dot(along).abs()).sum::<f64>() + self.rest
     }
 
-    /// Greatest length of what may be added.
+    /// Greatest length of the errors that may be added to the plane's normal.
     fn total(&self) -> f64 {
         self.moves.iter().map(Vector3::norm).sum::<f64>() + self.rest
     }
@@ -111,7 +117,7 @@ impl SightPlane {
         self.normal.z.abs() <= self.reach(&Vector3::z()) + tilt_rad
     }
 
-    /// Whether the plane is far enough from holding the vertical, and from being level.
+    /// Whether an edge's plane is far enough from containing the vertical, and from being level.
     fn is_slanting(&self) -> bool {
         let level = self.normal.x.hypot(self.normal.y);
         let across = Vector3::new(self.normal.x, self.normal.y, 0.0) / level;
@@ -119,7 +125,7 @@ impl SightPlane {
     }
 }
 
-/// Boxes of what is unknown, around the pixels as told and nominal values.
+/// Boxes of the unknowns of an edge's plane, around the pixels as found and the camera's nominal values.
 fn parameters(line: &EdgeLine, camera: &ForwardCameraModel) -> [Interval; N_PARAMETERS] {
     let mut parameters = [Interval::ZERO; N_PARAMETERS];
     for end in 0..2 {
@@ -131,7 +137,7 @@ fn parameters(line: &EdgeLine, camera: &ForwardCameraModel) -> [Interval; N_PARA
     parameters
 }
 
-/// (x, y) of both ends' rays (x, y, 1).
+/// Rays (x, y, 1) of both ends of an edge, each as (x, y).
 fn rays(
     line: &EdgeLine,
     camera: &ForwardCameraModel,
@@ -153,7 +159,8 @@ fn rays(
     Some([ray(0)?, ray(1)?])
 }
 
-/// From the first ray to the second, times f/f₀: without a lens that bends, no focal length and no principal point changes it.
+/// Difference of the second end's ray and the first end's, times f/f₀: without lens distortion it depends on no focal length and no
+/// principal point.
 fn step(line: &EdgeLine, camera: &ForwardCameraModel, parameters: &[Interval; N_PARAMETERS]) -> Option<[Number; 2]> {
     let [a, b] = rays(line, camera, parameters)?;
     Some(stepped(a, b, camera, parameters))
@@ -170,8 +177,9 @@ fn stepped(
     [0, 1].map(|axis| (b[axis] - a[axis]) * scale)
 }
 
-/// The plane's normal in the camera's frame, times f/f₀: with the step s from one ray to the other, (x, y, 1) × (s_x, s_y, 0) = (−s_y, s_x,
-/// x·s_y − y·s_x). `middle` is the step at the middle of the box, with the parameters' deviations from there.
+/// Normal of the edge's plane in the camera's frame, times f/f₀: with the step s from one ray to the other, (x, y, 1) × (s_x, s_y, 0) =
+/// (−s_y, s_x, x·s_y − y·s_x). `middle` is the step at the middle of the box of parameters, with the parameters' deviations from the
+/// middle.
 fn normal(
     line: &EdgeLine,
     camera: &ForwardCameraModel,
@@ -186,15 +194,15 @@ fn normal(
     Some([-step[1], step[0], a[0] * step[1] - a[1] * step[0]])
 }
 
-/// A vector of the camera's frame (right, down, ahead) in the robot's: the axis is (cos τ, 0, sin τ) forward, left and up, image down
-/// (sin τ, 0, −cos τ), image right (0, −1, 0).
+/// Vector of the camera's frame (right, down, ahead) expressed in the robot's frame: the optical axis is (cos τ, 0, sin τ) forward, left
+/// and up, image down is (sin τ, 0, −cos τ), and image right is (0, −1, 0).
 fn in_robot(part: Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
     let (sin, cos) = tilt_up_rad.sin_cos();
     Vector3::new(part.z * cos + part.y * sin, -part.x, part.z * sin - part.y * cos)
 }
 
-/// Direction of a level edge from robot forward, counter-clockwise and modulo half a turn, at any lean of robot and camera; `None` where it
-/// would say nothing.
+/// Direction of a level edge from robot forward, counter-clockwise and modulo half a turn, at any lean of robot and camera; `None` where
+/// the edge would say nothing useful.
 pub(super) fn azimuth(
     line: &EdgeLine,
     camera: &ForwardCameraModel,
@@ -204,22 +212,23 @@ pub(super) fn azimuth(
     let plane = SightPlane::of(line, camera).filter(SightPlane::is_slanting)?;
     let within = |lean: Lean| {
         let reach = |along: &Vector3<f64>| {
-            // A turn about any level axis moves a normal by its part across the axis: seen from above, by its height alone.
+            // A turn about any level axis moves the normal by the normal's part across that axis: seen from above, by its height alone.
             let level = plane.normal.z.abs() * along.xy().norm() + plane.normal.xy().norm() * along.z.abs();
             plane.reach(along) + lean.angle_rad * level + lean.rest(&plane)
         };
         Some(level_direction(&plane.normal, reach)?.inflate(lean.twist_rad) + camera.yaw_rad)
     };
-    // What the calibration leaves open, all edges share: it says nothing of whether this one is worth a claim.
+    // Calibration errors are shared by all edges, so they say nothing about whether this edge is worth a claim; only the ends' errors are
+    // counted.
     let by_ends = |along: &Vector3<f64>| plane.moves[..2].iter().map(|part| part.dot(along).abs()).sum();
     level_direction(&plane.normal, by_ends).filter(|direction| direction.width() <= widest_rad)?;
     within(Lean::of(camera.tilt_error_rad + body_tilt_rad)).filter(|direction| direction.width() <= MOST_TURNED_RAD)
 }
 
-/// Direction, counter-clockwise from robot forward, of the level line in a plane whose normal is this one and what `reach` allows to be added;
-/// `None` when it may be any.
+/// Direction, counter-clockwise from robot forward, of the level line in a plane with the given normal, to which errors within `reach` may
+/// be added; `None` when it may be any direction.
 ///
-/// With n of level length m and Δ what may be added, a direction turned by γ from the middle one is in the plane when
+/// Let the normal n have the level length m, and let Δ be the error. A direction d turned by γ from the middle one d₀ is in the plane when
 /// m·sin γ = |d·Δ| ≤ cos γ·|d₀·Δ| + sin γ·|n̂·Δ|, hence tan γ ≤ |d₀·Δ| / (m − |n̂·Δ|).
 pub(super) fn level_direction(normal: &Vector3<f64>, reach: impl Fn(&Vector3<f64>) -> f64) -> Option<Interval> {
     let level = normal.x.hypot(normal.y);
@@ -233,14 +242,15 @@ pub(super) fn level_direction(normal: &Vector3<f64>, reach: impl Fn(&Vector3<f64
     Some(Interval::centred(across.y.atan2(across.x) + FRAC_PI_2, turn_rad))
 }
 
-/// What robot and camera may lean together, about any level axes.
+/// Bounds on the lean of robot and camera together, about any level axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lean {
-    /// Greatest turn about a level axis.
+    /// Greatest turn of robot and camera together about a level axis.
     pub(super) angle_rad: f64,
-    /// What such a turn departs from what is linear in it, of a vector of length one: |exp(iλ) − 1 − iλ| ≤ λ²/2.
+    /// Greatest difference, for a vector of length one, between a turn by the lean and its linear approximation: |exp(iλ) − 1 − iλ| ≤ λ²/2.
     bent: f64,
-    /// How far both, one after the other, turn about the vertical, and how far the heading, told by the forward axis, is off what is left.
+    /// Greatest turn about the vertical that both leans, one after the other, can cause, plus the greatest difference between the heading
+    /// as the direction of the forward axis and the turn about the vertical.
     pub(super) twist_rad: f64,
 }
 
@@ -250,14 +260,15 @@ impl Lean {
         Lean { angle_rad, bent, twist_rad: twist_of_two_rad(angle_rad) + heading_off_rad(angle_rad) }
     }
 
-    /// Greatest departure of a turned normal from n + λ × n + Δ, with what may be added to the plane's untouched: it is turned as well.
+    /// Greatest difference of a turned normal from n + λ × n + Δ, with the plane's error Δ left as it is, although the lean turns it as
+    /// well.
     pub(super) fn rest(&self, plane: &SightPlane) -> f64 {
         (self.bent + self.angle_rad * plane.total()) * (1.0 + ROUNDING)
     }
 }
 
-/// Where a pixel would be without distortion, in pixels from the nominal principal point: Newton's method on Brown and Conrady's
-/// model; `None` where it folds back.
+/// Place of a pixel without distortion, in pixels from the nominal principal point, by fixed-point iteration on Brown and Conrady's model;
+/// `None` where the model folds back.
 pub(super) fn ideal(pixel: [f64; 2], camera: &ForwardCameraModel) -> Option<[f64; 2]> {
     let focal_px = camera.focal_px.mid();
     let seen = [0, 1].map(|axis| (pixel[axis] - camera.principal_point_px[axis].mid()) / focal_px);
@@ -283,13 +294,13 @@ pub(super) fn ideal(pixel: [f64; 2], camera: &ForwardCameraModel) -> Option<[f64
     None
 }
 
-/// Direction in the camera's frame in which a pixel looks, by nominal values; straight ahead where the lens model folds back.
+/// Direction of a pixel's ray in the camera's frame, by nominal values; straight ahead where the lens model folds back.
 pub fn ray(pixel: [f64; 2], camera: &ForwardCameraModel) -> Vector3<f64> {
     let [u, v] = ideal(pixel, camera).unwrap_or_default();
     Vector3::new(u, v, camera.focal_px.mid())
 }
 
-/// Distance of an edge's ends.
+/// Distance between an edge's ends.
 pub(super) fn length_px(line: &EdgeLine) -> f64 {
     let [[u0, v0], [u1, v1]] = line.ends_px;
     (u1 - u0).hypot(v1 - v0)
@@ -301,8 +312,8 @@ pub(super) fn on_floor(line: &EdgeLine, camera: &ForwardCameraModel) -> (bool, b
     (line.ends_px.into_iter().any(is_deep), length_px(line) < LONG_PX)
 }
 
-/// Whether an edge goes from below the horizon to above it, whatever the lean: no level line does, not even one that runs straight
-/// ahead and looks upright.
+/// Whether an edge goes from below the horizon to above it, at every lean. No level line does, not even one that runs straight ahead and
+/// looks upright.
 pub(super) fn crosses_horizon(line: &EdgeLine, camera: &ForwardCameraModel, tilt_rad: f64) -> bool {
     let elevation = |end: [f64; 2]| ideal(end, camera).map(|end| elevation(end, camera));
     match line.ends_px.map(elevation) {
@@ -311,7 +322,7 @@ pub(super) fn crosses_horizon(line: &EdgeLine, camera: &ForwardCameraModel, tilt
     }
 }
 
-/// Tangent of the elevation of a ray above the horizon, by nominal values.
+/// Tangent of the elevation of a pixel's ray above the horizon, by nominal values.
 fn elevation([u, v]: [f64; 2], camera: &ForwardCameraModel) -> f64 {
     let (sin, cos) = camera.tilt_up_rad.sin_cos();
     let focal_px = camera.focal_px.mid();

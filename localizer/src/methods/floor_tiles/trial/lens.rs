@@ -1,4 +1,4 @@
-//! Pictures taken through a lens: what is found, claimed and said of the pose.
+//! Tests on pictures of the floor taken through a lens: which lines are found and claimed, and what they say about the pose.
 
 use image::GrayImage;
 
@@ -16,16 +16,16 @@ use crate::{
     vision::{self, FloorLine, synthetic::Random},
 };
 
-/// What came of a number of pictures.
+/// Results of the method over a number of pictures.
 #[derive(Default)]
 struct Tally {
     frames: usize,
     claims: usize,
     false_claims: usize,
     missed: usize,
-    /// Points of claims beyond the middles of the picture's outermost pixels.
+    /// Number of points of claimed lines that lie beyond the middles of the picture's outermost pixels.
     outside: usize,
-    /// Full widths in x, y and heading of each picture's box; `None` where it had no line.
+    /// Full widths in x, y and heading of each picture's box; `None` for a picture in which no line was found.
     widths: Vec<Option<[f64; 3]>>,
 }
 
@@ -34,7 +34,7 @@ impl Tally {
         self.widths.iter().flatten().count()
     }
 
-    /// Widths of those of both tallies that have a box in both, ours over theirs.
+    /// Mean widths of this tally over those of another, from the pictures that have a box in both tallies.
     fn width_over(&self, other: &Tally) -> [f64; 3] {
         let both = || self.widths.iter().zip(&other.widths).filter_map(|(ours, theirs)| Some(((*ours)?, (*theirs)?)));
         [0, 1, 2].map(|axis| {
@@ -61,7 +61,7 @@ impl Tally {
     }
 }
 
-/// Pictures at the same random poses for every lens.
+/// Tallies what the method makes of pictures at random poses; the poses are the same for every lens.
 fn trial(name: &str, eye: &Eye, robot: &RobotModel, chain: Chain, frames: usize) -> Tally {
     let (mut method, mut random) = (method(robot, chain), Random::new(5));
     let (rays, mut tally) = (eye.rays(), Tally { frames, ..Tally::default() });
@@ -93,7 +93,7 @@ fn floor_reading(image: GrayImage) -> Reading {
     Reading::Camera { measured_s: 0.0, arrived_s: 0.0, camera: Camera::Floor, exposure_s: 0.0, image }
 }
 
-/// The lens with its first coefficient off by as much as puts a corner so many pixels farther out: f·Δk1·1.54³.
+/// Lens coefficients with the first of them changed so that a corner of the image is `off_px` pixels farther out: f·Δk1·1.54³.
 fn off_calibration(lens: [f64; 5], off_px: f64) -> [f64; 5] {
     [lens[0] + off_px / (SCALE * HEIGHT_M * 1.54_f64.powi(3)), lens[1], lens[2], lens[3], lens[4]]
 }
@@ -122,7 +122,8 @@ fn a_lens_that_bends_costs_neither_lines_nor_truth_nor_much_width() {
 
 #[test]
 fn nothing_but_the_declared_error_of_the_lens_keeps_the_truth_in_the_box() {
-    // A pixel at the corners of what is straightened, on a robot that knows all else.
+    // The true lens differs from its calibration by about a pixel at the corners of the straightened picture; the robot knows everything
+    // else.
     let eye = Eye::exact(off_calibration(BARREL, 3.0));
     let run = |name: &str, lens: [f64; 5], off_px: f64| {
         trial(name, &eye, &known_robot(0.0, lens, off_px, 0.0), Chain::Direct, frames(12))
@@ -131,7 +132,7 @@ fn nothing_but_the_declared_error_of_the_lens_keeps_the_truth_in_the_box() {
     assert_eq!((declared.missed, declared.false_claims), (0, 0));
     assert!(declared.found() >= 11);
     assert!(run("3 px off", BARREL, 0.0).missed > 0);
-    // What is not straight at all is no joint.
+    // A lens that is not known leaves the joints bent, and a bent line does not count as a joint.
     assert_eq!(run("no lens known", [0.0; 5], 0.0).found(), 0);
 }
 
@@ -183,7 +184,7 @@ fn rows_taken_one_after_the_other_cost_no_lines_and_no_truth() {
     for (name, speed) in [("rows at 0.5 m/s", [0.5, 0.0, 0.0]), ("rows at 1 rad/s", [0.3, 0.0, 1.0])] {
         let twist = Twist { forward_m_per_s: speed[0], turn_rad_per_s: speed[2] };
         for (lens, twist, least) in [([0.0; 5], twist, 11), (BARREL, twist, 11), (BARREL, Twist::default(), 0)] {
-            // Wheels that tell nothing of the motion, last, cost lines but make no false one.
+            // In the last case the wheels report no motion: that costs detected lines but makes no claim false.
             let eye = Eye { speed, row_time_s: ROW_TIME_S, twist, ..Eye::with(lens) };
             let tally = trial(name, &eye, &robot(lens, 0.0, ROW_TIME_S), Chain::Direct, frames(12));
             assert_eq!((tally.missed, tally.false_claims), (0, 0));

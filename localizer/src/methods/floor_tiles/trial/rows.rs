@@ -1,4 +1,4 @@
-//! Joints as a rolling shutter shows them from a robot that moves as fast as its reach allows.
+//! Tests with a rolling shutter: tile joints as it shows them from a robot that moves as fast as its declared limits allow.
 
 use super::{
     BARREL, Eye, HEIGHT_M, MIDDLE_PX, ROW_TIME_S, SCALE, TILT_RAD, contracted, method, moved, random_pose, robot,
@@ -11,10 +11,11 @@ use crate::{
     vision::{FloorLine, FloorLines, synthetic::Random},
 };
 
-/// A drive at constant speed, with a tilt of the body that is turned about from the upper half of the picture to the lower.
+/// Drive at constant speed while an image is exposed, with a tilt of the body that is reversed between the upper and lower half of the
+/// picture.
 struct Drive {
     pose: [f64; 3],
-    /// Forward, left and turning.
+    /// Speeds of the robot forward, left and turning.
     speed: [f64; 3],
     tilt: [f64; 2],
 }
@@ -31,7 +32,8 @@ impl Drive {
         }
     }
 
-    /// Raw place of a point of the floor, if it is in the picture: what its row sees at its time.
+    /// Place in the raw image at which a point of the floor is seen by an image row at the row's own time; `None` if it is outside the
+    /// picture.
     fn raw_px(&self, eye: &Eye, place_m: [f64; 2], row_time_s: f64) -> Option<[f64; 2]> {
         let mut raw_px = MIDDLE_PX;
         for _ in 0..20 {
@@ -55,7 +57,7 @@ impl Drive {
         (0..2).all(|axis| (raw_px[axis] - MIDDLE_PX[axis]).abs() <= MIDDLE_PX[axis]).then_some(raw_px)
     }
 
-    /// Joints in view as a model of the lens without any error straightens them, each point with an error within its bound.
+    /// Joints in view, straightened by a lens model without any error; each point has a random error within its bound.
     fn lines(&self, eye: &Eye, row_time_s: f64, random: &mut Random) -> FloorLines {
         let model = Eye { focal_px: SCALE * HEIGHT_M, ..*eye };
         let mut lines = Vec::new();
@@ -85,7 +87,8 @@ impl Drive {
     }
 }
 
-/// Of drives at reach: with a constraint, and without the truth at the stamp in their box; and the mean widths.
+/// Results of drives at the greatest speeds: the number of drives that gave a constraint, the number of those whose box misses the true
+/// pose at the stamp, and the mean widths of the boxes.
 fn rolling(lens: [f64; 5], row_time_s: f64, known_row_time_s: f64) -> (usize, usize, [f64; 3]) {
     let (eye, method) = (Eye::with(lens), method(&robot(lens, 0.0, known_row_time_s), Chain::Direct));
     let (mut random, mut found, mut missed, mut widths) = (Random::new(7), 0, 0, [0.0; 3]);
