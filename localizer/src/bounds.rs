@@ -1,28 +1,28 @@
 //! The table of declared bounds: every quantity that an estimate may rely on, by name.
 //!
-//! A bound's value is declared by whoever sets up a robot, a map or a scene; here stand its name, its unit and what it bounds. Estimates say which
-//! bounds they rely on, and a judge who knows the truth can tell which of them were kept.
+//! A bound's value is declared by whoever sets up a robot, a map or a scene; this table gives its name, its unit and the quantity that it bounds.
+//! Estimates name the bounds that they rely on, and a judge who knows the truth can check which of these bounds were kept.
 
 /// Name of a declared bound, such as `wheels.slip` or `floor_tiles.laying`.
 pub type Assumption = &'static str;
 
-/// What is to be known of a declared bound besides its value.
+/// Name, unit and meaning of a declared bound; its value is declared elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bound {
-    /// The name in estimates, verdicts and summaries.
+    /// Name of the bound in estimates, verdicts and summaries.
     pub name: Assumption,
     /// Unit of the bound and of the true value behind it; `1` for shares and counts.
     pub unit: &'static str,
-    /// The quantity whose magnitude is bounded.
+    /// Description of the quantity whose magnitude is bounded.
     pub what: &'static str,
 }
 
-/// Makes a constant of each name, and the table of all.
+/// Defines a constant for the name of each bound, and the table of all bounds.
 macro_rules! bounds {
     ($(#[doc = $what:literal] $constant:ident = $name:literal in $unit:literal;)+) => {
         $(#[doc = $what] pub const $constant: Assumption = $name;)+
 
-        /// Every bound that an estimate may rely on.
+        /// Every declared bound that an estimate may rely on.
         pub const ALL: &[Bound] = &[$(Bound { name: $constant, unit: $unit, what: $what }),+];
     };
 }

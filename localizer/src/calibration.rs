@@ -1,4 +1,4 @@
-//! What is measured before a robot drives: the camera's lens and where it sits.
+//! Calibration before a robot drives: the intrinsics of a camera, and the position of a sensor on the robot.
 
 pub mod chessboard;
 pub mod mount_offset;

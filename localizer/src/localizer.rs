@@ -1,4 +1,5 @@
-//! The ring of stamped pose unions: predict, hang, contract, account.
+//! The localizer. It keeps a ring of slots, each with the pose union at one stamp of the recent past; predicts the pose from wheel readings;
+//! applies each image's constraint at the image's own stamp; and accounts for the effect of every reading.
 
 mod account;
 mod after_turn;
@@ -29,64 +30,67 @@ use moves::{REACH, assumptions, memory_s, motion_between, motion_history};
 use ring::{Ring, Slot};
 use slip::CertifiedSlip;
 
-/// How far back stamps may lie: a reading older than this is refused, and readings are gone over again no further back.
+/// Age, in seconds, up to which a reading's stamp is accepted: an older reading is refused, and stored pose unions are recomputed no further back.
 const REMEMBER_S: f64 = 3.0;
-/// Times closer than this are the same instant: periods are decimal, stamps binary.
+/// Time difference below which two times count as the same instant: periods are decimal numbers, stamps are binary ones.
 const SAME_S: f64 = 1e-9;
-/// Whether the estimate stands on its declared assumptions alone.
+/// Whether an estimate relies on its declared assumptions alone, or one of them is doubted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// No assumption is doubted.
     Sound,
-    /// An empty intersection certified that an assumption failed; the union grows by reach until enough images agree.
+    /// An empty intersection proved that an assumption failed. The pose union grows by the robot's physical limits of motion until enough images
+    /// agree.
     Recovering,
 }
 
-/// The answer at one instant.
+/// The estimate of the pose at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// The time it speaks of.
+    /// The instant that the estimate is for.
     pub time_s: f64,
-    /// The pose is in one of these boxes.
+    /// Union of boxes of which at least one contains the pose.
     pub pose: PoseUnion,
     /// Whether an assumption is doubted.
     pub status: Status,
-    /// The declared bounds it stands on.
+    /// The declared bounds that the estimate relies on.
     pub relies_on: Vec<Assumption>,
 }
 
-/// From readings to estimates.
+/// Turns sensor readings into estimates of the pose.
 pub struct Localizer {
     map: Map,
     robot: RobotModel,
     methods: Vec<Box<dyn Method>>,
     wheels: WheelHistory,
     ring: Ring,
-    /// The wheels since the ring's last slot.
+    /// Motion by the wheels, integrated since the stamp of the latest stored pose union.
     integral: Option<WheelIntegral>,
     current: PoseUnion,
-    /// The headings last known, and when: those of the answer, whatever it lost since.
+    /// Time and heading interval of the latest pose estimate that was not empty.
     known_heading: (f64, Interval),
     now_s: f64,
-    /// What may have failed: one hypothesis, that nothing has, unless an assumption is doubted. Slots hold a union for each.
+    /// Hypotheses about which assumption failed; every stored slot has a pose union for each of them. Unless an assumption is doubted there is one
+    /// hypothesis: that nothing failed.
     hypotheses: Vec<Hypothesis>,
-    /// Doubts gone by.
+    /// When the last doubt about an assumption ended, and how far back it reached.
     doubts: Doubts,
-    /// When wheels and flow sensor had nothing in common.
+    /// Time spans in which wheels and flow sensor contradicted each other, which proves that the wheels slipped.
     slip: CertifiedSlip,
-    /// Since when slots were predicted without a reading of motion that has come since.
+    /// Earliest stamp of a gyroscope or flow reading that arrived after poses at later stamps had been predicted without it; infinite if there is
+    /// none.
     stale_s: f64,
     relies_on: Vec<Assumption>,
-    /// Where the gyroscope's bias is learnt: what is known of it and of headings before.
+    /// Heading fixes from which the gyroscope's bias is learnt; `None` if the bias is not learnt.
     fixes: Option<HeadingFixes>,
-    /// The encoders' latest count, and since when it has been.
+    /// The wheel encoders' latest count, and the time since which they have had that count.
     at_rest: Option<(f64, [i64; 2])>,
     /// Greatest error of the stamps of wheels, gyroscope and flow sensor.
     base_stamp_error_s: f64,
 }
 
 impl Localizer {
-    /// A localizer that knows its start within `start` at time 0.
+    /// A localizer for a robot whose pose at time 0 is within `start`.
     pub fn new(map: Map, robot: RobotModel, methods: Vec<Box<dyn Method>>, start: PoseBox) -> Self {
         let mut localizer = Localizer {
             wheels: motion_history(&robot),
@@ -111,7 +115,7 @@ impl Localizer {
         localizer
     }
 
-    /// The robot was put within `start` and the clock set back to 0: nothing carries over but what the methods have learnt.
+    /// Restarts the localizer for a robot put within `start`, with the clock set back to 0: nothing is kept but what the methods have learnt.
     pub fn restart(&mut self, start: PoseBox) {
         self.wheels = motion_history(&self.robot);
         self.ring = Ring::new(REMEMBER_S);
@@ -128,7 +132,8 @@ impl Localizer {
         self.begin_fixes();
     }
 
-    /// Tells where, in this drive, the wheels slip by more than declared, as for a run that is simulated again.
+    /// Gives the localizer the time spans in which the wheels slip by more than declared in this drive, as they are known when a run is simulated
+    /// again.
     pub fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
         self.wheels.expect_slip(excesses);
     }
@@ -139,7 +144,7 @@ impl Localizer {
         self.ring.push(Slot::anchor(0.0, vec![self.current.clone()]));
     }
 
-    /// Takes in one reading; readings come in order of arrival. Answers with an account of each method that read an image.
+    /// Processes one sensor reading; readings have to come in order of arrival. Returns an account for each method that read it.
     pub fn observe(&mut self, reading: &Reading) -> Vec<Account> {
         match reading {
             Reading::Wheels { measured_s, ticks, .. } => {
@@ -163,7 +168,7 @@ impl Localizer {
         }
     }
 
-    /// The answer as of the latest wheel reading.
+    /// The pose estimate at the time of the latest wheel reading.
     pub fn estimate(&self) -> Estimate {
         let status = if self.is_doubted() { Status::Recovering } else { Status::Sound };
         let mut relies_on = self.relies_on.clone();
@@ -174,22 +179,24 @@ impl Localizer {
         Estimate { time_s: self.now_s, pose: self.in_true_time(&self.current), status, relies_on }
     }
 
-    /// The answer at an instant: where the latest wheel reading is older, as when readings come late, by what the wheels can have done since
-    /// or, much later and while they are doubted, by reach.
+    /// The pose estimate at an instant. If the latest wheel reading is older, as when readings come late, the pose is carried on by what the
+    /// wheels can have done since. Much later, and while the wheels are doubted, only the robot's physical limits of motion (its reach) bound the
+    /// motion.
     pub fn estimate_at(&self, time_s: f64) -> Estimate {
         let mut estimate = self.estimate();
         if time_s <= self.now_s + SAME_S {
             return estimate;
         }
-        // Whole microseconds: the same instant counted from another zero has other last digits.
+        // The time span is rounded up to whole microseconds, because the same instant counted from another time zero differs in its last digits.
         let span_s = ((time_s - self.now_s) * 1e6).ceil() * 1e-6;
         let motion = self.wheels.reach_motion(self.now_s, self.now_s + span_s, &self.robot.reach);
         let within_reach = self.inside_room(moved_union(&estimate.pose, &motion));
         let rolled = self.ring.before(self.now_s).and_then(|slot| self.explained_at(slot, self.now_s + span_s));
-        // What is rounded up is some motion back.
+        // Rounding up carries the pose up to 1 µs too far; the motion possible in 1 µs at the robot's greatest speed and turn rate allows for the
+        // way back.
         let rounded = reach_motion(1e-6, &self.robot.reach);
         let both = rolled.map(|rolled| self.in_true_time(&moved_union(&rolled, &rounded)).common(&within_reach));
-        // Nothing left says that wheels or gyroscope are wrong, which the next reading of the wheels will tell.
+        // An empty intersection of both predictions means that wheels or gyroscope are wrong, which the next wheel reading will show.
         estimate.pose = both.filter(|both| !both.is_empty()).unwrap_or(within_reach);
         estimate.time_s = time_s;
         let reach: Vec<Assumption> =
@@ -198,7 +205,7 @@ impl Localizer {
         estimate
     }
 
-    /// Predicts up to a wheel reading.
+    /// Predicts the pose union up to a wheel reading.
     fn roll(&mut self, time_s: f64, ticks: [i64; 2]) {
         let before_s = self.wheels.latest().map_or(0.0, |before| before.time_s);
         if !self.wheels.push(time_s, ticks) {
@@ -211,7 +218,8 @@ impl Localizer {
         } else {
             self.restart_integral();
         }
-        // What overtook the wheels was predicted by reach from where they were then: now they tell its way.
+        // Poses at the stamps of readings that arrived before this wheel reading were predicted from the earlier wheel reading by the robot's
+        // limits of speed and turn rate. This wheel reading gives the motion to them, so they are predicted again.
         if self.ring.first_after(before_s).is_some_and(|overtook_s| overtook_s <= time_s) {
             self.replay_all(before_s);
         }
@@ -220,14 +228,14 @@ impl Localizer {
         self.learn_at_rest(time_s, ticks);
     }
 
-    /// Takes note of a reading of motion that came after slots which it tells the way of.
+    /// Notes that a gyroscope or flow reading arrived after poses at later stamps had been predicted, so that they are predicted again with it.
     fn note_late(&mut self, measured_s: f64) {
         if self.ring.last().is_some_and(|last| measured_s < last.stamp_s - SAME_S) {
             self.stale_s = self.stale_s.min(measured_s);
         }
     }
 
-    /// Sets the current union from the last slot that is not ahead of the wheels.
+    /// Predicts the current pose union from the latest stored union whose stamp is not after the latest wheel reading.
     fn predict(&mut self) {
         let last_s = self.ring.last().map(|last| last.stamp_s).filter(|last_s| *last_s <= self.now_s);
         let motion = last_s.filter(|_| !self.is_doubted()).map(|last_s| self.motion_since_last_slot(last_s));
@@ -240,12 +248,13 @@ impl Localizer {
         let Some(predicted) = predicted else { return };
         self.answer(predicted);
         if self.current.is_empty() {
-            // No place in the room fits what the wheels told: they are the first to be doubted.
+            // No place in the room fits the motion by the wheels, so that the wheels are the first to be doubted.
             self.begin_doubt(None);
         }
     }
 
-    /// Motion since the last slot, which is not ahead of the wheels, by the integral that goes on with each of their readings.
+    /// Motion since the latest stored pose union, whose stamp is not after the latest wheel reading, by the integral that continues with each
+    /// wheel reading.
     fn motion_since_last_slot(&mut self, stamp_s: f64) -> Motion {
         let span_s = [stamp_s, self.now_s];
         let wheels = self.wheels.model_over(span_s, &self.robot.wheels);
@@ -257,19 +266,21 @@ impl Localizer {
             }
             self.slip.motion(span_s, Some(rolled), flow, &self.wheels, &self.robot)
         });
-        // Without wheels to trust, or without their history since the slot, reach is all there is.
+        // If the wheels are not trusted, or their readings since that stamp are missing, only the robot's limits of speed and turn rate bound the
+        // motion.
         motion.unwrap_or_else(|| self.wheels.reach_motion(stamp_s, self.now_s, &self.robot.reach))
     }
 
-    /// Leaves the wheels out of a span in which they are seen to slip, and of a while before it, in which they may have slipped without
-    /// being seen: slots of that time are predicted anew.
+    /// Excludes the wheels from a time span in which they are seen to slip, and from some time before it in which they may have slipped unnoticed.
+    /// The poses of that time are predicted again.
     fn certify_slip(&mut self, [from_s, now_s]: [f64; 2]) {
         if self.slip.certify([from_s, now_s]) {
             self.replay_all(from_s - slip::UNSEEN_S);
         }
     }
 
-    /// Opens a slot when no image has for two slip windows, so that the slip bound is counted afresh.
+    /// Stores the present pose union as a slot without an image, if no slot was opened for two slip windows, so that the slip bound is counted
+    /// afresh from it.
     fn anchor_when_due(&mut self) {
         let due = self
             .ring
@@ -294,7 +305,7 @@ impl Localizer {
         self.restart_integral();
     }
 
-    /// Lets every method read an image and hangs what they answer on the image's own stamp.
+    /// Lets every method read an image or other reading, and applies the resulting constraints at the reading's own stamp.
     fn look(&mut self, reading: &Reading) -> Vec<Account> {
         let stamp_s = reading.measured_s();
         let Some(prior) = self.union_at(stamp_s) else { return Vec::new() };
@@ -307,11 +318,11 @@ impl Localizer {
             let (wheels, robot, is_doubted) = (&self.wheels, &self.robot, self.is_doubted());
             let (slip, fixes, doubt_ended_s) = (&self.slip, &self.fixes, self.doubts.ended_s);
             self.methods[idx].carry_to(stamp_s, &|from_s, to_s| {
-                // Of a way that began in a doubt, what the wheels told may be what was false.
+                // Over a time span that began during a doubt, the motion by the wheels may be the assumption that failed.
                 let doubted = is_doubted || from_s < doubt_ended_s;
                 let motion = motion_between(wheels, robot, slip, doubted, [from_s, to_s]);
                 let Some(fixes) = fixes else { return motion };
-                // Headings are remembered for longer than places.
+                // Heading fixes are remembered for longer than the wheel readings from which the position is predicted.
                 let mut motion = motion.unwrap_or_else(|| wheels.reach_motion(from_s, to_s, &robot.reach));
                 let turn =
                     if doubted { fixes.turn_if_pushed(from_s, to_s, &robot.reach) } else { fixes.turn(from_s, to_s) };
@@ -346,11 +357,12 @@ impl Localizer {
         accounts
     }
 
-    /// Hangs a constraint on its stamp, where `prior` was known, and brings every later slot up to date.
+    /// Stores a constraint at its stamp, where `prior` was known before, and recomputes all stored pose unions from there on.
     fn hang(&mut self, mut constraint: Constraint, prior: PoseUnion) -> Account {
         let stamp_s = constraint.stamp_s;
         if self.is_doubted() {
-            // What it stands on was carried to it by reach.
+            // While an assumption is doubted, a constraint's earlier readings were carried by the limits of motion alone, so the whole constraint
+            // is used.
             constraint.by_itself = None;
         }
         let mut account = Account::of(&constraint, prior);
@@ -369,7 +381,8 @@ impl Localizer {
             None => self.replay_all(from_s),
             Some(evidence) => self.weigh(evidence, from_s),
         };
-        // Not before: the slot was told from the one before it, which may be older than the window.
+        // Old slots are removed only here, because the new slot was predicted from the one before it, which may be older than the window that is
+        // kept.
         self.ring.forget();
         account.posterior = self.ring.at(stamp_s).map(Slot::merged).unwrap_or_default();
         self.restart_integral();
@@ -377,7 +390,7 @@ impl Localizer {
         account
     }
 
-    /// Answers with a union from now on.
+    /// Sets the current pose union; unless the union is empty, its heading becomes the last known heading.
     fn answer(&mut self, union: PoseUnion) {
         let heading = union.hull()[2];
         if !heading.is_empty() {

@@ -1,4 +1,4 @@
-//! What the robot knows of the building.
+//! The map: what the localizer is given about the building.
 //!
 //! Frame `world`: x and y along two walls of the room, z up, heading counter-clockwise from x.
 
@@ -6,7 +6,7 @@ use interval::Interval;
 
 use crate::markers::{Coding, MarkerId};
 
-/// Room and floor as surveyed.
+/// Map of a room and its floor, as surveyed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     /// Inner faces of the room's walls: x range and y range.
@@ -15,56 +15,56 @@ pub struct Map {
     pub tiles: Option<TileGrid>,
     /// Markers on the ceiling, if there are any.
     pub markers: Option<MarkerMap>,
-    /// Directions of walls from world x, modulo quarter turns, `wall_directions.direction`.
+    /// Directions of the walls, as angles from world x modulo quarter turns (bound `wall_directions.direction`).
     pub wall_directions_rad: Vec<Interval>,
 }
 
 /// Dot-matrix markers as pasted on the ceiling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerMap {
-    /// The set that their identities are from.
+    /// The set of allowed identities that the markers' identities are taken from.
     pub coding: Coding,
-    /// Each identity once.
+    /// All markers of the ceiling; each identity occurs once.
     pub markers: Vec<PlacedMarker>,
-    /// Greatest distance of a marker's centre from its nominal place, `markers.placement`.
+    /// Greatest distance of a marker's centre from its nominal place (bound `markers.placement`).
     pub placement_m: f64,
-    /// Greatest angle between a marker and its nominal direction, `markers.rotation`.
+    /// Greatest angle between a marker and its nominal direction (bound `markers.rotation`).
     pub rotation_tolerance_rad: f64,
-    /// Greatest distance of a dot's centre from its place in the marker frame, `markers.print`.
+    /// Greatest distance of a dot's centre from its place in the marker frame (bound `markers.print`).
     pub print_m: f64,
 }
 
-/// Where one marker is.
+/// Identity, position and orientation of one ceiling marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedMarker {
-    /// Identity printed on it.
+    /// Identity that is printed on the marker.
     pub id: MarkerId,
-    /// World x and y of the middle of its grid.
+    /// World x and y of the middle of the marker's grid of dots.
     pub centre_m: [f64; 2],
-    /// Angle from world x to its own x, counter-clockwise seen from above.
+    /// Angle from world x to the marker's own x axis, counter-clockwise seen from above.
     pub rotation_rad: f64,
-    /// Height of all of its dots above the floor, `markers.height`.
+    /// Height of all of the marker's dots above the floor (bound `markers.height`).
     pub height_m: Interval,
 }
 
 /// Joints of a tiled floor: two families of parallel lines.
 ///
-/// Frame `grid`: the world frame turned by `rotation_rad` about the world origin. Joint `i` of axis `a` follows a straight
-/// line near grid coordinate `edge_m[a]·i + phase_m[a]`.
+/// Frame `grid`: the world frame turned by `rotation_rad` about the world origin. Joint `i` of axis `a` follows a straight line near grid
+/// coordinate `edge_m[a]·i + phase_m[a]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileGrid {
-    /// Pitch of the joints along grid x and grid y.
+    /// Distance between neighbouring joints along grid x and along grid y.
     pub edge_m: [f64; 2],
     /// Angle from world x to grid x.
     pub rotation_rad: f64,
-    /// Grid coordinate of joint 0 of each axis.
+    /// Grid coordinate of the joint with index 0 on each axis.
     pub phase_m: [f64; 2],
-    /// Width of a joint.
+    /// Width of a joint between tiles.
     pub joint_width_m: f64,
-    /// Greatest distance, anywhere in the room, of a joint's straight line from its nominal place, `floor_tiles.laying`.
+    /// Greatest distance, anywhere in the room, of a joint's straight line from its nominal place (bound `floor_tiles.laying`).
     pub laying_m: f64,
-    /// Greatest angle of a joint's straight line to its nominal direction, `floor_tiles.laying_angle`.
+    /// Greatest angle between a joint's straight line and its nominal direction (bound `floor_tiles.laying_angle`).
     pub laying_angle_rad: f64,
-    /// Greatest distance of a joint's centre line from its own straight line, `floor_tiles.straightness`.
+    /// Greatest distance of a joint's true centre line from the straight line that stands for the joint (bound `floor_tiles.straightness`).
     pub straightness_m: f64,
 }

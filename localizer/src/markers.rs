@@ -1,7 +1,7 @@
-//! Dot-matrix markers of the ceiling (paper 5, section 3): what is printed on them.
+//! Dot-matrix markers on the ceiling (paper 5, section 3): the printed pattern and the identity that it encodes.
 //!
-//! Frame `marker`: origin at the middle of the 4 × 4 grid, x from dot O to dot X, y from dot O to dot Y, as on the ceiling seen with
-//! world z up; a camera that looks up sees X → Y turn clockwise. Grid coordinates `[i, j]` count from O along x and y, 0 to 3:
+//! Frame `marker`: origin at the middle of the 4 × 4 grid, x from dot O to dot X, y from dot O to dot Y, as on the ceiling seen with world z up; a
+//! camera that looks up sees X → Y turn clockwise. Grid coordinates `[i, j]` count from O along x and y, 0 to 3:
 //!
 //! ```text
 //!   Y 0x020 0x200  .        Y, O, X: direction dots, always there
@@ -14,30 +14,30 @@ mod coding;
 
 pub use coding::Coding;
 
-/// Dots along each side of the grid.
+/// Number of dots along each side of a marker's grid.
 pub const GRID: u8 = 4;
-/// Distance between neighbouring dots.
+/// Distance between neighbouring dots of a marker.
 pub const PITCH_M: f64 = 0.04;
-/// Radius of a dot.
+/// Radius of a marker's dot.
 pub const DOT_RADIUS_M: f64 = 0.01;
-/// Number of coded dots.
+/// Number of coded dots of a marker.
 pub const N_CODED: u32 = 12;
 
-/// Grid coordinates of a dot, `[along x, along y]`, each 0 to 3.
+/// Place of a dot in a marker's grid, `[along x, along y]`, each 0 to 3.
 pub type GridPlace = [u8; 2];
 
-/// The direction dots O, X and Y.
+/// Grid places of the direction dots O, X and Y, which every marker has.
 pub const DIRECTION_DOTS: [GridPlace; 3] = [[0, 0], [3, 0], [0, 3]];
-/// The corner that is never printed.
+/// Grid place of the marker's fourth corner, where no dot is ever printed.
 pub const EMPTY_CORNER: GridPlace = [3, 3];
 
-/// What the coded dots of a marker add up to (Eq. 9 with the printed Q): 0 to 4095.
+/// Identity of a marker: the sum of the weights of its coded dots (Eq. 9 with the printed Q), 0 to 4095.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MarkerId(pub u16);
 
-/// Weight of a coded dot in the identity, matrix Q of Eq. (9); `None` for the four corners and outside of the grid.
+/// Weight of the coded dot at a grid place in the marker's identity, matrix Q of Eq. (9); `None` for the four corners and outside of the grid.
 ///
-/// Weights rise along y, column by column, over the places that are no corners.
+/// Weights rise along y, column by column, over the places that are not corners.
 pub fn weight([i, j]: GridPlace) -> Option<u16> {
     let bit = match (i, j) {
         (0, 1 | 2) => j - 1,
@@ -49,23 +49,23 @@ pub fn weight([i, j]: GridPlace) -> Option<u16> {
 }
 
 impl MarkerId {
-    /// Whether a dot is printed at this place of the grid.
+    /// Whether a marker with this identity has a dot printed at this place of the grid.
     pub fn has_dot(self, place: GridPlace) -> bool {
         DIRECTION_DOTS.contains(&place) || weight(place).is_some_and(|weight| self.0 & weight != 0)
     }
 
-    /// Places of all printed dots, direction dots included, by rising `i` then `j`.
+    /// Places of all printed dots of the marker, direction dots included, by rising `i`, then by rising `j`.
     pub fn dots(self) -> impl Iterator<Item = GridPlace> {
         (0..GRID).flat_map(|i| (0..GRID).map(move |j| [i, j])).filter(move |place| self.has_dot(*place))
     }
 
-    /// The identity that the coded dots at these places spell; direction dots count nothing.
+    /// The marker identity that coded dots at these places encode; direction dots count nothing.
     pub fn from_dots(places: impl IntoIterator<Item = GridPlace>) -> MarkerId {
         MarkerId(places.into_iter().filter_map(weight).fold(0, |id, weight| id | weight))
     }
 }
 
-/// Centre of a dot in the marker frame.
+/// Position of a dot's centre in the marker frame.
 pub fn dot_in_marker_m(place: GridPlace) -> [f64; 2] {
     place.map(|index| (f64::from(index) - 1.5) * PITCH_M)
 }
@@ -74,7 +74,7 @@ pub fn dot_in_marker_m(place: GridPlace) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Reads a weight matrix W as printed: first row at the top, column by column from O's side.
+    /// Identity encoded by a weight matrix W as the paper prints it: its first row is at the top, and its columns begin at O's side.
     fn printed(rows: [[u8; 4]; 4]) -> MarkerId {
         let place = |row: usize, column: usize| [column as u8, 3 - row as u8];
         let set = (0..4).flat_map(|row| (0..4).map(move |column| (row, column)));
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn the_papers_sample_spells_447_and_not_1782() {
-        // Erratum I1: the sum of W·Q as printed is 0x1BF; 1782 needs another W.
+        // Erratum I1: the sum of W·Q with W as printed is 0x1BF = 447; the printed sum 1782 needs another W.
         assert_eq!(printed([[0, 1, 0, 0], [1, 1, 1, 0], [1, 1, 1, 0], [0, 1, 0, 0]]), MarkerId(447));
         assert_eq!(printed([[0, 1, 1, 0], [1, 1, 0, 0], [0, 0, 1, 1], [0, 1, 1, 0]]), MarkerId(1782));
     }

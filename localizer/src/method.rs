@@ -1,4 +1,4 @@
-//! What every localization method offers: one reading in, one constraint on the pose out, with what it claims to have seen.
+//! The interface of a localization method: from one reading to one constraint on the pose, with the claims of what the method saw.
 
 use interval::{Interval, contractor::Contractor};
 
@@ -11,122 +11,127 @@ use crate::{
     reading::LandmarkId,
 };
 
-/// One cue: reads a sensor once and answers with a constraint.
+/// A localization method for one cue: it reads a sensor once and returns a constraint on the pose.
 pub trait Method: Send {
     /// The method's name in scenes, summaries and tables.
     fn name(&self) -> &'static str;
 
-    /// Whether its constraints speak of the heading alone, whatever x and y.
+    /// Whether the method's constraints restrict the heading alone, at any x and y.
     fn tells_heading_only(&self) -> bool {
         false
     }
 
-    /// Whether readings of this kind are this method's.
+    /// Whether the method reads readings of this kind.
     fn reads(&self, reading: &Reading) -> bool;
 
-    /// A constraint on the pose at the reading's stamp, or `None` when the cue is absent.
+    /// A constraint on the pose at the reading's stamp, or `None` when the reading does not show the method's cue.
     ///
-    /// `prior` encloses the pose at the stamp as far as known before; `twist` is the body motion at the stamp.
+    /// `prior` encloses the pose at the stamp as known without this reading; `twist` is the body's velocity at the stamp.
     fn constrain(&mut self, reading: &Reading, prior: &PoseUnion, twist: &Twist) -> Option<Constraint>;
 
-    /// Told before [`constrain`](Self::constrain): the stamp to come, and how the robot moved between two recent stamps, by reach alone
-    /// while the wheels are doubted and over spans that began in a doubt or before it.
+    /// Carries what the method keeps from earlier readings to the stamp of the next one; called before [`constrain`](Self::constrain). `_motion`
+    /// gives the robot's motion between two recent stamps. While the wheels are doubted, and over spans that began during a doubt or before it,
+    /// that motion comes from the robot's limits of speed and turn rate.
     fn carry_to(&mut self, _stamp_s: f64, _motion: MotionBetween) {}
 
-    /// Learns what lasts, such as where landmarks are, from the reading last constrained: the pose at its stamp is in `posterior`,
-    /// and `motion` tells how the robot moved between two recent stamps, if there was no doubt between them.
+    /// Learns lasting quantities, such as the positions of landmarks, from the reading that was constrained last. `posterior` encloses the pose at
+    /// its stamp, and `motion` gives the robot's motion between two recent stamps, if no assumption was doubted between them.
     ///
     /// Not called while an assumption is doubted.
     fn learn(&mut self, _posterior: &PoseUnion, _motion: MotionBetween) {}
 
-    /// Unlearns what was learnt from readings stamped later than `since_s`: an assumption failed, perhaps since then.
+    /// Unlearns everything that was learnt from readings stamped later than `since_s`, because an assumption failed, perhaps as early as then.
     fn forget_since(&mut self, _since_s: f64) {}
 
-    /// Whether what was read or learnt since this was last asked contradicts what was known before: an assumption failed, perhaps some
-    /// time ago. Asked after each reading; what contradicted has changed nothing that the method knows.
+    /// Whether something that the method read or learnt since the last call contradicts what the method knew before, which means that an
+    /// assumption failed, perhaps some time ago. Called after each reading. A contradicting reading leaves what the method knows unchanged.
     fn take_contradiction(&mut self) -> bool {
         false
     }
 
-    /// The constraint of a recent reading made anew from what is known now; `None` where it stands on nothing that was learnt.
+    /// The constraint of a recent reading, computed again from what the method knows when called; `None` if the constraint depends on nothing
+    /// learnt.
     fn renewed(&self, _stamp_s: f64) -> Option<Box<dyn Contractor<3> + Send + Sync>> {
         None
     }
 
-    /// The clock is set back to 0: what was learnt so far stays for good.
+    /// Notifies the method that the clock is set back to 0: what it has learnt until then is kept for good.
     fn clock_set_back(&mut self) {}
 
-    /// Landmarks as learnt so far: code, and box of world x and y.
+    /// Landmarks that the method has learnt: code, and box of world x and y.
     fn landmarks(&self) -> Vec<(LandmarkId, [Interval; 2])> {
         Vec::new()
     }
 }
 
-/// Motion from one stamp to a later one in the frame of the first pose; `None` where the memory does not reach.
+/// The robot's motion from one stamp to a later one, in the frame of the first pose; `None` where the remembered readings do not cover the span.
 pub type MotionBetween<'a> = &'a dyn Fn(f64, f64) -> Option<Motion>;
 
-/// What one reading says of the pose at its stamp.
+/// Constraint that one reading puts on the pose at its stamp.
 pub struct Constraint {
-    /// The method that made it.
+    /// Name of the method that made the constraint.
     pub method: &'static str,
-    /// The stamp it speaks of.
+    /// The stamp at which the constraint on the pose holds.
     pub stamp_s: f64,
-    /// Shrinks a box of poses at the stamp.
+    /// Contractor that shrinks a box of poses at the stamp.
     pub on_pose: Box<dyn Contractor<3> + Send + Sync>,
-    /// What the reading tells by itself, where `on_pose` stands besides on earlier readings that were carried to it by the motion in between:
-    /// where that motion is doubted, this is all there is.
+    /// Contractor from this reading alone. Present where `on_pose` also uses earlier readings, which were carried to the stamp by the motion in
+    /// between: while that motion is doubted, only this part is used.
     pub by_itself: Option<Box<dyn Contractor<3> + Send + Sync>>,
-    /// The declared bounds it stands on.
+    /// The declared bounds that the constraint relies on.
     pub relies_on: Vec<Assumption>,
-    /// What was seen, for the simulator to judge.
+    /// Claims of what the method has seen, for the simulator to judge.
     pub claims: Vec<Claim>,
-    /// How many of the claims may be false.
+    /// How many of the constraint's claims may be false.
     pub quota: Quota,
-    /// Whether it speaks of x, y and heading: only such a constraint may end a doubt.
+    /// Whether the constraint restricts x, y and heading all together: only such a constraint can end the doubt about an assumption.
     pub decides: bool,
-    /// What was looked at and rejected, for debug frames: segments in pixels `[u0, v0, u1, v1]`.
+    /// Line segments that the method examined and rejected, for debug images: `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
-    /// Heading that this reading tells without those before it, near the prior's; `None` where it tells no heading of its own.
+    /// Interval for the heading by this reading without the earlier ones, near the prior's heading; `None` where the reading gives no heading of
+    /// its own.
     pub alone_heading_rad: Option<Interval>,
 }
 
-/// What a method says it saw. The simulator projects the true object with its own camera model and knows whether it is so.
+/// An assertion by a method about what it saw. The simulator projects the true object with its own camera model and so knows whether the claim is
+/// true.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Claim {
-    /// A joint of the tiled floor: at most `share_wrong` of the points lie farther than their bound from the centre line of a true joint.
+    /// A joint of the tiled floor: at most `share_wrong` of the claimed points lie farther than their bound from the centre line of a true joint.
     FloorJoint {
-        /// Points on the image of the claimed centre line with the bound of their distance to it, `[u_px, v_px, bound_px]`, in the image
-        /// as taken: lens and shutter bend the joint in it.
+        /// Points on the image of the joint's claimed centre line, each with the bound of its distance to that line, `[u_px, v_px, bound_px]`.
+        /// They are given in the image as taken, in which lens and shutter bend the joint.
         points_px: Vec<[f64; 3]>,
-        /// Share of the points that may be farther away.
+        /// Share of the claimed points that may be farther from the true joint than their bound.
         share_wrong: f64,
     },
-    /// A level line along one of the building's directions runs, in the image, within the bound of both ends.
+    /// A level line along one of the building's directions, whose image passes both given end points within the bound.
     WallLine {
-        /// First and last point, `[u, v]`.
+        /// First and last point of the line in the image, `[u, v]`.
         ends_px: [[f64; 2]; 2],
-        /// Greatest distance of the true line from either end, across the line.
+        /// Greatest distance of the true line from either end point, across the line.
         bound_px: f64,
     },
-    /// An upright line runs, in the image, within the bound of both ends.
+    /// An upright line, whose image passes both given end points within the bound.
     UprightLine {
-        /// First and last point, `[u, v]`.
+        /// First and last point of the line in the image, `[u, v]`.
         ends_px: [[f64; 2]; 2],
-        /// Greatest distance of the true line from either end, across the line.
+        /// Greatest distance of the true line from either end point, across the line.
         bound_px: f64,
     },
-    /// At the stamp, this landmark lies in this box of the robot frame.
+    /// A landmark that, at the stamp, lies in the given box of the robot frame.
     Landmark {
-        /// Which landmark.
+        /// The landmark that is claimed to be seen.
         landmark: LandmarkId,
-        /// Forward and left of the robot origin, in metres.
+        /// Box of the claimed landmark's position: forward and left of the robot origin, in metres.
         in_robot_m: [Interval; 2],
     },
-    /// The dots of one marker of the ceiling: every one of them is where it is said to be.
+    /// A claim that a certain marker of the ceiling was seen, with every one of its dots within a bound of the given image point.
     Marker {
-        /// Which marker.
+        /// The marker that is claimed to be seen.
         marker: MarkerId,
-        /// Place in the grid, and `[u, v, bound]`: the image of the dot's centre lies within the bound of (u, v), along u and along v.
+        /// For each dot its place in the marker's grid and `[u, v, bound]`: the image of the dot's centre differs from (u, v) by at most the bound
+        /// along u and along v.
         dots_px: Vec<(GridPlace, [f64; 3])>,
     },
 }

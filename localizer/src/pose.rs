@@ -1,4 +1,4 @@
-//! Planar poses, boxes of poses and unions of boxes. Heading lives on the real line and is never wrapped.
+//! Planar poses, boxes of poses and unions of boxes. Headings are real numbers and are never wrapped to one turn.
 
 use std::cmp::Ordering;
 
@@ -18,15 +18,15 @@ pub struct Pose {
 /// A box of poses, in the order x, y, heading (metres, metres, radians).
 pub type PoseBox = IntervalBox<3>;
 
-/// Disjunction of pose boxes: the pose is in at least one of them. No branch means that an assumption failed.
+/// Union of pose boxes (its branches): the pose is in at least one of them. A union without branches means that an assumption failed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PoseUnion {
-    /// Non-empty boxes, in a fixed order.
+    /// Non-empty boxes of the union, in a fixed order.
     pub branches: Vec<PoseBox>,
 }
 
 impl Pose {
-    /// `[x_m, y_m, heading_rad]`.
+    /// The pose as an array `[x_m, y_m, heading_rad]`.
     pub fn to_array(self) -> [f64; 3] {
         [self.x_m, self.y_m, self.heading_rad]
     }
@@ -38,22 +38,23 @@ impl PoseUnion {
         PoseUnion { branches: if pose.is_empty() { Vec::new() } else { vec![pose] } }
     }
 
-    /// Whether no pose is left.
+    /// Whether the union has no branch, so that no pose is left.
     pub fn is_empty(&self) -> bool {
         self.branches.is_empty()
     }
 
-    /// Smallest box around all branches; the empty box if there is none.
+    /// Smallest box around all branches; the empty box if there is no branch.
     pub fn hull(&self) -> PoseBox {
         self.branches.iter().fold(IntervalBox::EMPTY, |hull, branch| hull.hull(branch))
     }
 
-    /// Branches that a union has at most once it was thinned: more are no help to anybody, and what is done with each pair of them takes longer
-    /// than readings take to come. A floor of 4 m × 3 m of tiles of 33 cm, all places and quadrants open, has some 430.
+    /// Greatest number of branches (boxes) of a pose union that was thinned. More are of no practical use, and computing with each pair of them
+    /// takes longer than the time between readings. A floor of 4 m × 3 m with tiles of 33 cm has some 430 while all tiles and quadrants are
+    /// possible.
     pub const MOST_BRANCHES: usize = 512;
 
-    /// The union without branches that lie inside another one. Where there are more than [`PoseUnion::MOST_BRANCHES`], neighbours become their
-    /// hull first; the next constraint may part them again.
+    /// The union without branches that lie inside another branch. If there are more than [`PoseUnion::MOST_BRANCHES`] branches, neighbouring ones
+    /// are first replaced by their hull; the next constraint may separate them again.
     pub fn without_repeats(self) -> Self {
         let branches = self.thinned();
         let mut kept: Vec<PoseBox> = Vec::with_capacity(branches.len());
@@ -67,7 +68,8 @@ impl PoseUnion {
         PoseUnion { branches: kept }
     }
 
-    /// The branches, or at most [`PoseUnion::MOST_BRANCHES`] hulls of them: of those next to each other by heading, then y, then x.
+    /// The union's branches; if there are more than [`PoseUnion::MOST_BRANCHES`], neighbouring branches are replaced by their hulls, so that
+    /// at most that many remain. Neighbours are those next to each other when sorted by heading, then y, then x.
     fn thinned(mut self) -> Vec<PoseBox> {
         let together = self.branches.len().div_ceil(PoseUnion::MOST_BRANCHES);
         if together <= 1 {
@@ -85,9 +87,9 @@ impl PoseUnion {
         self.branches.chunks(together).map(hull).collect()
     }
 
-    /// Encloses the poses that are in both unions: exactly, every branch of one with every branch of the other, unless there are more than
-    /// [`PoseUnion::MOST_PAIRS`] of them. Then each branch of this union is cut to the hull of what the other has of it, so that two unions of
-    /// hundreds of branches that lie over each other do not come to hundreds of thousands.
+    /// Encloses the poses that are in both unions. The result is exact, every branch of one union intersected with every branch of the other,
+    /// unless there are more than [`PoseUnion::MOST_PAIRS`] pairs. Then each branch of this union is cut to the hull of its intersections with the
+    /// other union, so that two overlapping unions of hundreds of branches do not give hundreds of thousands of branches.
     pub fn common(&self, other: &PoseUnion) -> Self {
         let shared = |one: &PoseBox| {
             let parts = other.branches.iter().map(|other| one.intersect(other)).filter(|part| !part.is_empty());
@@ -101,17 +103,17 @@ impl PoseUnion {
         PoseUnion { branches: branches.collect() }.without_repeats()
     }
 
-    /// Pairs of branches up to which [`PoseUnion::common`] keeps all their parts: 64 branches with 64. What repeats itself among them is sought in
-    /// pairs of parts, 16 million at most.
+    /// Number of pairs of branches up to which [`PoseUnion::common`] keeps the intersections of all pairs: 64 branches with 64. Finding the
+    /// intersections that lie inside others takes comparisons in pairs, at most 16 million of them.
     pub const MOST_PAIRS: usize = 4096;
 
-    /// Whether some branch contains the pose.
+    /// Whether at least one branch contains the pose.
     pub fn contains(&self, pose: Pose) -> bool {
         self.branches.iter().any(|branch| branch.contains(&pose.to_array()))
     }
 }
 
-/// `[x, y, heading]` of a box, by name.
+/// The intervals x, y and heading of a pose box, as a tuple.
 pub fn components(pose: &PoseBox) -> (Interval, Interval, Interval) {
     (pose[0], pose[1], pose[2])
 }
@@ -122,7 +124,7 @@ mod tests {
 
     use super::*;
 
-    /// Squares of 2 m whose corners lie 1 cm apart along a diagonal, so that each lies over most others.
+    /// Overlapping squares with 2 m sides, each displaced from the one before by 1 cm in x and by −1 cm in y, so that each overlaps most others.
     fn staggered(count: usize, first_m: f64) -> PoseUnion {
         let square = |index: usize| {
             let low_m = first_m + 0.01 * index as f64;

@@ -1,45 +1,47 @@
-//! How many claims may be false: what a scene declares of vision, as it goes with every constraint.
+//! Quotas of false claims: how many of a method's claims may be false. A scene declares them, and every constraint carries its own.
 
-/// How many of the claims behind a constraint may be false.
+/// How many of the claims behind one reading's constraint may be false.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quota {
-    /// At most this many of the reading's own claims, those about upright edges apart.
+    /// Greatest number of false claims of the reading, not counting claims about upright edges.
     pub items: usize,
-    /// At most this many of its claims about upright edges: with more of them false there is no right lean, and no claim of the reading counts as
-    /// true.
+    /// Greatest number of false claims of the reading about upright edges. If more of them are false, the lean found from them is wrong, and no
+    /// claim of the reading counts as true.
     pub upright: usize,
-    /// Readings of the method that count together, with this one.
+    /// Number of readings of the method whose false claims are counted together, this one included.
     pub n_held: usize,
-    /// How they do.
+    /// How the false claims of these readings are counted.
     pub counting: Counting,
 }
 
-/// How the false claims of several readings count.
+/// How the false claims of several readings are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Counting {
-    /// Each reading for itself.
+    /// Each reading is counted by itself.
     Alone,
-    /// Of the readings held so many may have more false claims than their own `items`.
+    /// Of the readings that are counted together, at most this many may have more false claims than their own quota `items`.
     Readings(usize),
-    /// Of the claims of all readings held, upright edges apart, this share and so many more may be false, in so many of the readings.
+    /// The claims of all readings that are counted together are taken as one set, without those about upright edges: `share` of them and `more` in
+    /// addition may be false, in at most `readings` of the readings.
     Together {
-        /// Share of the claims,
+        /// Share of the claims that may be false.
         share: f64,
-        /// how many more,
+        /// Number of claims that may be false in addition to the share.
         more: usize,
-        /// and in how many of the readings there may be any.
+        /// Greatest number of readings with any false claim.
         readings: usize,
     },
 }
 
 impl Quota {
-    /// At most so many claims of each reading are false.
+    /// The quota for a method of which at most `items` claims of each reading are false.
     pub fn of_each(items: usize) -> Quota {
         Quota { items, upright: 0, n_held: 1, counting: Counting::Alone }
     }
 }
 
-/// How many of so many a share is: a hair more than the product, as a share of a third is a third, however it is rounded.
+/// Number of items in a share of `count`, rounded down. The product is raised by 1e-9 first, so that rounding errors do not make a whole number
+/// fall short by one.
 pub fn share_of(share: f64, count: usize) -> usize {
     ((share * count as f64 + 1e-9).floor() as usize).min(count)
 }

@@ -1,15 +1,15 @@
-//! What the robot senses. Every reading carries the time it speaks of and the time it reached the localizer.
+//! Sensor readings. Every reading carries the time at which it was measured and the time at which it reached the localizer.
 
 use image::GrayImage;
 
 /// One reading of one sensor.
 #[derive(Clone, Debug)]
 pub enum Reading {
-    /// Encoder counts since the start, left and right.
+    /// Encoder counts of both wheels since the start.
     Wheels {
-        /// When the counters were latched.
+        /// Time at which the counters were latched.
         measured_s: f64,
-        /// When the localizer gets to know.
+        /// Time at which the reading reaches the localizer.
         arrived_s: f64,
         /// Cumulative ticks of the left and of the right wheel.
         ticks: [i64; 2],
@@ -18,90 +18,91 @@ pub enum Reading {
     Camera {
         /// Middle of the exposure, by the camera's own stamp.
         measured_s: f64,
-        /// When the localizer gets to know.
+        /// Time at which the image reaches the localizer.
         arrived_s: f64,
-        /// Which camera took it.
+        /// Camera that took the image.
         camera: Camera,
         /// Length of the exposure.
         exposure_s: f64,
-        /// Grey levels as the sensor gave them, row-major, (0, 0) the centre of the first pixel.
+        /// Grey levels as the sensor gave them, row-major; (0, 0) is the centre of the first pixel.
         image: GrayImage,
     },
-    /// Turn rate of the body, averaged since the reading before.
+    /// Turn rate of the body by the gyroscope, averaged since the gyroscope's reading before.
     Gyro {
-        /// End of the span averaged over.
+        /// End of the time span over which the turn rate is averaged.
         measured_s: f64,
-        /// When the localizer gets to know.
+        /// Time at which the reading reaches the localizer.
         arrived_s: f64,
-        /// Counter-clockwise.
+        /// Turn rate, counter-clockwise positive.
         rate_rad_per_s: f64,
     },
-    /// Travel over the floor's surface as an optical flow sensor counts it, since the start.
+    /// Travel over the floor's surface since the start, as an optical flow sensor counts it.
     Flow {
-        /// End of the period in which the last of it was counted.
+        /// End of the latest period in which the sensor counted.
         measured_s: f64,
-        /// When the localizer gets to know.
+        /// Time at which the reading reaches the localizer.
         arrived_s: f64,
-        /// Cumulative counts along the sensor's forward and left axis.
+        /// Cumulative counts along the sensor's forward axis and left axis.
         counts: [i64; 2],
-        /// Number of periods so far in which it found nothing to follow: counts know nothing of the way in them.
+        /// Number of periods since the start in which the flow sensor found nothing to follow: the counts do not contain the travel of these
+        /// periods.
         blind_periods: u64,
     },
     /// Coded landmarks as a range camera measured them.
     Range {
-        /// Middle of the exposure, by the sensor's own stamp.
+        /// Middle of the exposure, by the range camera's own stamp.
         measured_s: f64,
-        /// When the localizer gets to know.
+        /// Time at which the reading reaches the localizer.
         arrived_s: f64,
-        /// What was in view, in no order that means anything.
+        /// Landmarks that were in view; their order has no meaning.
         sightings: Vec<Sighting>,
     },
-    /// What any other device has read: numbers of which that device and the methods that read it know the meaning.
+    /// Reading of a device of any other kind: numbers whose meaning is known to the device and to the methods that read it.
     Other {
-        /// The time that they speak of, by the device's own stamp.
+        /// Time of the measurement, by the device's own stamp.
         measured_s: f64,
-        /// When the localizer gets to know.
+        /// Time at which the reading reaches the localizer.
         arrived_s: f64,
         /// The device's name, such as `gnss`.
         device: String,
-        /// In the device's own order and units.
+        /// Measured numbers in the device's own order and units.
         numbers: Vec<f64>,
     },
 }
 
-/// One coded landmark in the two views of a range camera.
+/// Columns at which a range camera's two views see one coded landmark.
 ///
-/// The second view is another camera's or a projector's; it stands one baseline to the right of the first and looks the same way.
+/// The second view belongs to another camera or to a projector; it stands one baseline to the right of the first view and is parallel to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
-    /// The landmark that it is taken for; a wrong correspondence is another one's.
+    /// Landmark that the seen object is taken for; in a wrong correspondence the object is another landmark.
     pub landmark: LandmarkId,
-    /// Column in the first (left) view, a multiple of the model's step.
+    /// Column in the first (left) view, a multiple of the step declared in the sensor's model.
     pub left_px: f64,
-    /// Column in the second (right) view, a multiple of the model's step.
+    /// Column in the second (right) view, a multiple of the step declared in the sensor's model.
     pub right_px: f64,
 }
 
-/// Code of a landmark.
+/// Code that identifies a landmark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LandmarkId(pub u32);
 
 /// The robot's cameras.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Camera {
-    /// Looks straight down at the floor.
+    /// The camera that looks straight down at the floor.
     Floor,
-    /// Looks ahead, tilted up.
+    /// The camera that looks ahead, tilted up.
     Forward,
-    /// Looks up at the ceiling, in the infrared.
+    /// The camera that looks up at the ceiling, in the infrared.
     Ceiling,
 }
 
 impl Camera {
-    /// All of them.
+    /// All cameras of the robot.
     pub const ALL: [Camera; 3] = [Camera::Floor, Camera::Forward, Camera::Ceiling];
 
-    /// As scenes, commands, files and topics call it.
+    /// Name of the camera in scenes, commands, files and topics.
     pub fn as_str(self) -> &'static str {
         match self {
             Camera::Floor => "floor",
@@ -112,7 +113,7 @@ impl Camera {
 }
 
 impl Reading {
-    /// The time the reading speaks of.
+    /// Time at which the reading was measured, by its stamp.
     pub fn measured_s(&self) -> f64 {
         match self {
             Reading::Wheels { measured_s, .. }
@@ -124,7 +125,7 @@ impl Reading {
         }
     }
 
-    /// The time the reading reached the localizer.
+    /// Time at which the reading reached the localizer.
     pub fn arrived_s(&self) -> f64 {
         match self {
             Reading::Wheels { arrived_s, .. }
@@ -136,7 +137,7 @@ impl Reading {
         }
     }
 
-    /// The reading says to speak of another time.
+    /// Replaces the stamp of the reading, which says when it was measured.
     pub fn stamp_anew(&mut self, stamp_s: f64) {
         match self {
             Reading::Wheels { measured_s, .. }
@@ -148,7 +149,7 @@ impl Reading {
         }
     }
 
-    /// The reading is on its way for longer.
+    /// Delays the reading's arrival at the localizer.
     pub fn delay(&mut self, by_s: f64) {
         match self {
             Reading::Wheels { arrived_s, .. }

@@ -1,17 +1,17 @@
-//! What the robot knows of itself: nominal dimensions as intervals, and the declared bounds of its errors.
+//! The robot model that the localizer is given: nominal dimensions as intervals, and the declared bounds of the robot's errors.
 //!
 //! Frame `robot`: x forward, y left, z up; its origin is the middle of the wheel axle, projected on the floor at rest.
 
 use interval::Interval;
 
-/// Everything the localizer is told about the robot; the drawn true values stay with the simulator.
+/// Everything that the localizer is given about the robot. The true values, drawn at random for a seed, stay with the simulator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotModel {
-    /// Both drive wheels and their encoders.
+    /// Model of both drive wheels and their encoders.
     pub wheels: WheelModel,
-    /// What no motion of the robot exceeds, whatever the wheels say.
+    /// Limits that no motion of the robot exceeds, whatever the wheels read.
     pub reach: Reach,
-    /// How far the body leaves its posture at rest.
+    /// Bounds on how far the body departs from its posture at rest.
     pub body: BodyModel,
     /// The camera that looks straight down at the floor, if there is one.
     pub floor_camera: Option<FloorCameraModel>,
@@ -27,216 +27,222 @@ pub struct RobotModel {
     pub range_camera: Option<RangeCameraModel>,
 }
 
-/// Drive wheels, encoders and the displacement bounds of slip.
+/// Drive wheels and encoders, with bounds on the displacement by slip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WheelModel {
     /// Rolling radius of the left and of the right wheel.
     pub radius_m: [Interval; 2],
-    /// Distance between the two contact points.
+    /// Distance between the contact points of the two drive wheels.
     pub track_m: Interval,
     /// Encoder ticks in one turn of a wheel.
     pub ticks_per_turn: f64,
-    /// `|true travel − rolled| ≤ slip_ratio·|rolled| + slip_floor_m` over any window of `slip_window_s`, per wheel.
+    /// Slip ratio of each wheel: over any window of `slip_window_s`, `|true travel − rolled| ≤ slip_ratio·|rolled| + slip_floor_m`.
     pub slip_ratio: f64,
-    /// Additive part of the slip bound, once per started window.
+    /// Additive part of the slip bound; it counts once for every window that is begun.
     pub slip_floor_m: f64,
-    /// `|lateral travel of the axle middle| ≤ side_slip_ratio·|rolled| + side_slip_floor_m`, same window.
+    /// Side-slip ratio: over the same window, `|lateral travel of the axle's middle| ≤ side_slip_ratio·|rolled| + side_slip_floor_m`.
     pub side_slip_ratio: f64,
-    /// Additive part of the side-slip bound, once per started window.
+    /// Additive part of the side-slip bound; it counts once for every window that is begun.
     pub side_slip_floor_m: f64,
-    /// Length of the window over which the two bounds hold.
+    /// Length of the time window over which the bounds on slip and on side slip hold.
     pub slip_window_s: f64,
 }
 
-/// Physical limits of any motion, pushes included: declared generously, they hold when the wheels lie.
+/// Physical limits of any motion of the robot, pushes included. They are declared generously, so that they hold even when the wheel readings are
+/// wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
-    /// Greatest speed of the axle middle over the floor.
+    /// Greatest speed of the axle's middle over the floor.
     pub speed_m_per_s: f64,
-    /// Greatest turn rate.
+    /// Greatest turn rate of the robot.
     pub turn_rate_rad_per_s: f64,
     /// Greatest acceleration of a wheel's travel while the wheel bounds hold.
     pub acceleration_m_per_s2: f64,
 }
 
-/// Posture of the body over the floor.
+/// Bounds on the body's posture over the floor, and the body's radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyModel {
-    /// Greatest angle between the body's vertical and the floor's, `body.tilt`.
+    /// Greatest angle between the body's vertical and the floor's (bound `body.tilt`).
     pub tilt_rad: f64,
-    /// Greatest rise or sink of the robot origin from its height at rest, `body.heave`.
+    /// Greatest rise or sinking of the robot origin from its height at rest (bound `body.heave`).
     pub heave_m: f64,
     /// Radius of the body about the robot origin: the origin keeps at least this distance from every wall.
     pub clearance_m: f64,
 }
 
-/// A camera that looks straight down. Image up is robot forward, image right is robot right.
+/// Model of the camera that looks straight down at the floor. Image up is robot forward, image right is robot right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorCameraModel {
-    /// Image width.
+    /// Image width in pixels.
     pub width_px: u32,
-    /// Image height.
+    /// Image height in pixels.
     pub height_px: u32,
-    /// Focal length over height: pixels per metre on the floor at rest, in the picture of a pinhole, `floor_camera.scale`.
+    /// Image scale: focal length divided by height, in pixels per metre of floor at rest, in the image of a pinhole camera (bound
+    /// `floor_camera.scale`).
     pub pixels_per_m: Interval,
-    /// Height of the optical centre above the floor.
+    /// Height of the floor camera's optical centre above the floor.
     pub height_m: f64,
-    /// Brown and Conrady's k1, k2, p1, p2, k3, as calibrated, for coordinates in focal lengths from the middle of the image.
+    /// Lens coefficients k1, k2, p1, p2, k3 of Brown and Conrady as calibrated, for coordinates in focal lengths from the middle of the image.
     pub distortion: [f64; 5],
-    /// Greatest distance between a pixel and where the lens model puts it, `floor_camera.distortion`.
+    /// Greatest distance between a pixel and where the lens model puts it (bound `floor_camera.distortion`).
     pub distortion_px: f64,
-    /// From the start of one row's exposure to that of the next; an image's stamp is mid-exposure of row (height − 1)/2. 0 for a
-    /// global shutter.
+    /// Time between the exposure starts of one image row and the next; 0 for a global shutter. An image's stamp is mid-exposure of row (height −
+    /// 1)/2.
     pub row_time_s: f64,
-    /// Optical centre in the robot frame: forward and left, `floor_camera.position`.
+    /// Position of the floor camera's optical centre in the robot frame: forward and left (bound `floor_camera.position`).
     pub position_m: [Interval; 2],
-    /// Rotation of the image about the vertical, counter-clockwise seen from above, `floor_camera.yaw`.
+    /// Rotation of the floor image about the vertical, counter-clockwise seen from above (bound `floor_camera.yaw`).
     pub yaw_rad: Interval,
-    /// Greatest angle between the optical axis and the body's vertical, `floor_camera.tilt`.
+    /// Greatest angle between the floor camera's optical axis and the body's vertical (bound `floor_camera.tilt`).
     pub tilt_rad: f64,
-    /// Greatest error of an image's stamp, `floor_camera.stamp`.
+    /// Greatest error of a floor image's stamp (bound `floor_camera.stamp`).
     pub stamp_error_s: f64,
-    /// At most this many wrong lines in one image, `floor_tiles.q_items`.
+    /// Greatest number of wrong lines in one floor image, `floor_tiles.q_items`.
     pub q_items: usize,
 }
 
-/// A camera that looks up at the ceiling, with an infrared ring around its lens.
+/// Model of a camera that looks up at the ceiling, with a ring of infrared lamps around its lens.
 ///
-/// With yaw and lean 0, image up is robot forward and image right is robot left (it looks up). `body_from_camera` is the rotation by the
-/// yaw about the vertical, times that by the unknown tilt error, times that by the lean, times that posture.
+/// With yaw and lean 0, image up is robot forward and image right is robot left (the camera looks up). `body_from_camera` is the rotation by the
+/// yaw about the vertical, times the rotation by the unknown tilt error, times the rotation by the lean, times the orientation at yaw and lean 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CeilingCameraModel {
-    /// Image width.
+    /// Image width in pixels.
     pub width_px: u32,
-    /// Image height.
+    /// Image height in pixels.
     pub height_px: u32,
-    /// Focal lengths along u and v, `ceiling_camera.focal`.
+    /// Focal lengths of the ceiling camera along u and v (bound `ceiling_camera.focal`).
     pub focal_px: [Interval; 2],
-    /// Principal point, `ceiling_camera.centre`.
+    /// Principal point of the ceiling camera (bound `ceiling_camera.centre`).
     pub centre_px: [Interval; 2],
-    /// Brown's coefficients k1, k2, p1, p2 of the lens, for coordinates in focal lengths.
+    /// Coefficients k1, k2, p1, p2, k3 of Brown's lens model, for coordinates in focal lengths.
     pub distortion: [f64; 5],
-    /// Greatest distance between a pixel and where the lens model puts it, `ceiling_camera.distortion`.
+    /// Greatest distance between a pixel and where the lens model puts it (bound `ceiling_camera.distortion`).
     pub distortion_px: f64,
-    /// Optical centre above the floor at rest, `ceiling_camera.height`.
+    /// Height of the ceiling camera's optical centre above the floor at rest (bound `ceiling_camera.height`).
     pub height_m: Interval,
-    /// Optical centre in the robot frame: forward and left, `ceiling_camera.position`.
+    /// Position of the ceiling camera's optical centre in the robot frame: forward and left (bound `ceiling_camera.position`).
     pub position_m: [Interval; 2],
-    /// Rotation of the image about the vertical, counter-clockwise seen from above, `ceiling_camera.yaw`.
+    /// Rotation of the ceiling image about the vertical, counter-clockwise seen from above (bound `ceiling_camera.yaw`).
     pub yaw_rad: Interval,
-    /// Nominal angles by which the optical axis leans from the body's vertical, seen at yaw 0: towards forward and towards left. They are the
-    /// components of one rotation about a horizontal axis.
+    /// Nominal angles by which the ceiling camera's optical axis leans from the body's vertical, given for yaw 0: towards forward and towards
+    /// left. They are the components of one rotation about a horizontal axis.
     pub lean_rad: [f64; 2],
-    /// Greatest angle between the optical axis and its nominal direction, `ceiling_camera.tilt`.
+    /// Greatest angle between the optical axis and its nominal direction (bound `ceiling_camera.tilt`).
     pub tilt_rad: f64,
-    /// Greatest error of an image's stamp, `ceiling_camera.stamp`.
+    /// Greatest error of a ceiling image's stamp (bound `ceiling_camera.stamp`).
     pub stamp_error_s: f64,
-    /// Photoelectrons of one step of grey level, at least: how noisy bright pixels are.
+    /// Least number of photoelectrons in one step of grey level; it determines the noise of bright pixels.
     pub electrons_per_grey: f64,
-    /// At most this many markers of one image are not what the map says, `ceiling_markers.q_items`.
+    /// Greatest number of markers in one image that are not as the map says, `ceiling_markers.q_items`.
     pub q_items: usize,
 }
 
-/// A gyroscope about the vertical: `rate read = scale·true rate + bias + noise`, each within its bound.
+/// Model of a gyroscope about the vertical: `rate read = scale·true rate + bias + noise`, each within its bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GyroModel {
-    /// At any time, `gyro.bias`.
+    /// Bounds of the gyroscope's bias at any time (bound `gyro.bias`).
     pub bias_rad_per_s: Interval,
-    /// Constant over a run, `gyro.scale`.
+    /// Bounds of the gyroscope's scale factor, which is constant over a run (bound `gyro.scale`).
     pub scale: Interval,
-    /// Greatest noise of one reading, quantisation included, `gyro.noise`.
+    /// Greatest noise of one gyroscope reading, quantisation included (bound `gyro.noise`).
     pub noise_rad_per_s: f64,
-    /// Over any span, noise and what the bias departs from one that is the same all the run add up to at most this, `gyro.angle`,
+    /// Constant part of the bound on accumulated angle error (bound `gyro.angle`). Over any span, the gyroscope's noise and the departures of its
+    /// bias from one constant bias add up to at most `angle_floor_rad + angle_rad_per_s·span`. Infinite where only single readings are bounded.
     pub angle_floor_rad: f64,
-    /// and this times the span. Infinite where only single readings are bounded.
+    /// Part of the bound on the gyroscope's accumulated angle error that grows with the span, per second. Infinite where only single readings are
+    /// bounded.
     pub angle_rad_per_s: f64,
-    /// Greatest change of the bias per time, `gyro.wander`; 0 for a constant.
+    /// Greatest change of the gyroscope's bias per time (bound `gyro.wander`); 0 for a constant bias.
     pub bias_wander_rad_per_s2: f64,
-    /// Span that a reading averages over; it ends at the reading's stamp.
+    /// Length of the span that a gyroscope reading averages over; the span ends at the reading's stamp.
     pub period_s: f64,
 }
 
 impl GyroModel {
-    /// Whether `gyro.angle` is declared.
+    /// Whether the bound `gyro.angle` on the accumulated angle error is declared.
     pub fn bounds_angle(&self) -> bool {
         self.angle_floor_rad.is_finite()
     }
 }
 
-/// A stereo or structured-light camera that measures landmarks by the columns at which its two views see them.
+/// Model of a stereo or structured-light camera that measures landmarks by the columns at which its two views see them.
 ///
-/// Frame `sensor`: x right, z forward, origin at the optical centre of the first view. A point at (x, z) has the columns
-/// `left = centre + f·x/z` and `right = centre + f·(x − b)/z` (paper 3, Fig. 2), each rounded to a multiple of its step.
+/// Frame `sensor`: x right, z forward, origin at the optical centre of the first view. A point at (x, z) has the columns `left = centre + f·x/z`
+/// and `right = centre + f·(x − b)/z` (paper 3, Fig. 2), each rounded to a multiple of its view's step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RangeCameraModel {
-    /// Focal length, `range_camera.focal`.
+    /// Focal length of the range camera (bound `range_camera.focal`).
     pub focal_px: Interval,
-    /// Distance between the optical centres, `range_camera.baseline`.
+    /// Distance between the optical centres of the range camera's two views (bound `range_camera.baseline`).
     pub baseline_m: Interval,
-    /// Column of the optical axis.
+    /// Column at which the optical axis meets the image.
     pub centre_px: f64,
-    /// Twice the greatest error of a column of the first and of the second view, `range_camera.columns`: without noise the steps to which
-    /// they are rounded.
+    /// Twice the greatest error of a measured column, for the first and for the second view (bound `range_camera.columns`). Without noise these
+    /// are the steps to which columns are rounded.
     pub step_px: [f64; 2],
-    /// Optical centre of the first view in the robot frame: forward and left, `range_camera.position`.
+    /// Position of the first view's optical centre in the robot frame: forward and left (bound `range_camera.position`).
     pub position_m: [Interval; 2],
-    /// Height of the optical centres above the floor.
+    /// Height of the range camera's optical centres above the floor.
     pub height_m: f64,
-    /// Direction of the optical axis from robot forward, counter-clockwise, `range_camera.yaw`.
+    /// Direction of the range camera's optical axis from robot forward, counter-clockwise (bound `range_camera.yaw`).
     pub yaw_rad: Interval,
-    /// Greatest angle between the sensor's vertical and the body's, `range_camera.tilt`.
+    /// Greatest angle between the range camera's vertical and the body's (bound `range_camera.tilt`).
     pub tilt_rad: f64,
-    /// Greatest difference in height between the sensor and a landmark, `range_camera.height_span`.
+    /// Greatest difference in height between the range camera and a landmark (bound `range_camera.height_span`).
     pub height_span_m: f64,
-    /// Greatest error of a stamp, `range_camera.stamp`.
+    /// Greatest error of the stamp of a range reading (bound `range_camera.stamp`).
     pub stamp_error_s: f64,
-    /// Time from measurement to delivery, `range_camera.latency`.
+    /// Time from the measurement of a range reading to its delivery (bound `range_camera.latency`).
     pub latency_s: Interval,
-    /// Least time between two readings.
+    /// Least time between two range readings.
     pub period_s: f64,
-    /// At most this many wrong correspondences in one reading, `range_landmarks.q_items`.
+    /// Greatest number of wrong landmark correspondences in one range reading, `range_landmarks.q_items`.
     pub q_items: usize,
-    /// With wrong correspondences: at least so many right ones lie between two wrong ones given to the same landmark, in the order in which
-    /// they were measured, `range_landmarks.wrong_spacing`.
+    /// Where wrong correspondences are possible: least number of right ones between two wrong ones that are assigned to the same landmark, in the
+    /// order of measuring (bound `range_landmarks.wrong_spacing`).
     pub wrong_spacing: usize,
 }
 
-/// A camera that looks ahead, tilted up about its own u axis, which is level and points to the robot's right.
+/// Model of a camera that looks ahead and is tilted up about its own u axis, which is level and points to the robot's right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForwardCameraModel {
-    /// Both focal lengths, `forward_camera.focal`.
+    /// Both focal lengths of the forward camera (bound `forward_camera.focal`).
     pub focal_px: Interval,
-    /// Where the optical axis meets the image, `forward_camera.principal_point`.
+    /// Image point where the forward camera's optical axis meets the image (bound `forward_camera.principal_point`).
     pub principal_point_px: [Interval; 2],
-    /// Brown and Conrady's k1, k2, p1, p2, k3, as calibrated.
+    /// Lens coefficients k1, k2, p1, p2, k3 of Brown and Conrady, as calibrated.
     pub distortion: [f64; 5],
-    /// Greatest distance between a pixel and where the lens model puts it, `forward_camera.distortion`.
+    /// Greatest distance between a pixel and where the lens model puts it (bound `forward_camera.distortion`).
     pub distortion_px: f64,
-    /// Nominal upward tilt of the optical axis.
+    /// Nominal upward tilt of the forward camera's optical axis.
     pub tilt_up_rad: f64,
-    /// Direction of the optical axis from robot forward, counter-clockwise, `forward_camera.yaw`.
+    /// Direction of the forward camera's optical axis from robot forward, counter-clockwise (bound `forward_camera.yaw`).
     pub yaw_rad: Interval,
-    /// Greatest turn of the camera about any level axis from its nominal attitude, `forward_camera.tilt`.
+    /// Greatest turn of the forward camera about any level axis from its nominal attitude (bound `forward_camera.tilt`).
     pub tilt_error_rad: f64,
-    /// Greatest error of an image's stamp, `forward_camera.stamp`.
+    /// Greatest error of a forward image's stamp (bound `forward_camera.stamp`).
     pub stamp_error_s: f64,
 }
 
-/// A two-axis optical flow sensor that looks at the floor.
+/// Model of a two-axis optical flow sensor that looks at the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowModel {
-    /// Where it looks, in the robot frame: forward and left, `flow.position`.
+    /// Position of the floor patch that the flow sensor sees, in the robot frame: forward and left (bound `flow.position`).
     pub position_m: [Interval; 2],
-    /// Travel of one count at the mounted height, the same in all the run, `flow.calibration`.
+    /// Travel per count of the flow sensor at its mounted height, constant over a run (bound `flow.calibration`).
     pub metres_per_count: Interval,
-    /// Greatest share by which counts per metre depart from those at the mounted height, now more, now less, `flow.scale`; below 1.
+    /// Greatest share, below 1, by which the flow sensor's counts per metre differ, at times upwards and at times downwards, from those at the
+    /// mounted height (bound `flow.scale`).
     pub scale_change: f64,
-    /// Turn of its forward axis from the robot's, counter-clockwise, `flow.yaw`.
+    /// Angle of the flow sensor's forward axis from the robot's, counter-clockwise (bound `flow.yaw`).
     pub yaw_rad: Interval,
-    /// Width of the interval in which, at all stamps, an axis' error of counting lies: 1 by the nature of counting.
+    /// Width of the interval that contains an axis' counting error at all stamps: 1 for whole counts.
     pub quantisation_counts: f64,
-    /// Greatest way that it goes back and forth within one period, beyond the distance between its ends, `flow.back_and_forth`.
+    /// Greatest path that the flow sensor travels forth and back within one period, beyond the distance between the period's end points (bound
+    /// `flow.back_and_forth`).
     pub back_and_forth_m: f64,
-    /// Time between two readings.
+    /// Time between two readings of the flow sensor.
     pub period_s: f64,
 }

@@ -1,4 +1,4 @@
-//! Speed on this machine beside what is aimed at on two cores without a GPU: medians, printed as a table.
+//! Benchmark of speed on the present machine, beside the goals for two cores without a GPU: medians, printed as a table.
 
 #![allow(clippy::unwrap_used)]
 
@@ -23,7 +23,7 @@ use sim::{
 
 fn main() {
     println!("{:<44} {:>10}   aim", "what", "median");
-    // `make bench-render` asks for pictures alone.
+    // `make bench-render` runs the measurements of rendered views alone.
     if !std::env::args().any(|argument| argument == "views") {
         intervals();
         runs();
@@ -33,7 +33,7 @@ fn main() {
     memory();
 }
 
-/// One line: what was measured, its median, what is aimed at.
+/// Prints one line of the table: what was measured, its median, and the goal.
 fn line(what: &str, median: f64, unit: &str, aim: &str) {
     println!("{what:<44} {median:>10.2} {unit}   {aim}");
 }
@@ -47,7 +47,7 @@ fn intervals() {
     const COUNT: usize = 4096;
     let operands: Vec<Interval> =
         (0..COUNT).map(|index| Interval::centred(0.5 + index as f64 / COUNT as f64, 1e-3)).collect();
-    // 1.5 times what the design measured: 1.3, 2.2, 2.9 and 41 ns.
+    // The goals are 1.5 times the values measured for the design: 1.3, 2.2, 2.9 and 41 ns.
     line("Interval add", nanoseconds(&operands, |a, b| a + b), "ns", "≤ 2.0");
     line("Interval mul", nanoseconds(&operands, |a, b| a * b), "ns", "≤ 3.3");
     line("Interval div", nanoseconds(&operands, |a, b| a / b), "ns", "≤ 4.4");
@@ -103,7 +103,7 @@ fn runs() {
     line("rendering and sensor, an image of 640 × 480", per_image(|record| record.timing.render_s), "ms", "");
 }
 
-/// Each step of `wall_directions` on frames of a room at 0.1 lx, on one core.
+/// Measures each step of `wall_directions` on frames of a room at 0.1 lx, on one core.
 fn forward_frames() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let scene = Scene::load(&root.join("scenes/papers/dark_carpet.toml")).unwrap();
@@ -145,11 +145,11 @@ fn forward_frames() {
     for (name, milliseconds) in names.iter().zip(medians) {
         line(&format!("wall_directions: {name}"), milliseconds, "ms", "");
     }
-    // Detected at once, the first four steps; with what follows, the whole of a frame.
+    // Detection in one go covers the first four steps; with the fifth step it makes the whole processing of an image.
     line("wall_directions, an image of 640 × 480", medians[5] + medians[4], "ms", "≤ 30");
 }
 
-/// Three cameras a tick in a room with lamps, shadows and furniture, sensor model on.
+/// Measures the rendering of views of three cameras at once in a room with lamps, shadows and furniture, with the sensor model applied.
 fn views() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let scene = Scene::load(&root.join("scenes/rooms/living_room.toml")).unwrap();
@@ -161,7 +161,8 @@ fn views() {
     let pose = Pose { x_m: 0.8, y_m: 0.9, heading_rad: 0.5 };
     let lux = world.illuminance_at_floor_lux().unwrap();
     let still: Vec<View> = views_at(&scene, &drawn, pose, lux, &Camera::ALL, 0);
-    // Turned so far about the image's u axis during the exposure that its corners move by 5.9 px, which the room's views draw as four sub-frames.
+    // During the exposure each view turns about its image's u axis so far that the image's corners move by 5.9 px, which the renderer draws as
+    // four sub-frames.
     let moved = |view: &View| {
         let (lens, start) = (&view.lens, view.world_from_camera[0]);
         let [x, y] = [0, 1].map(|axis| 0.5 * f64::from(lens.size_px[axis]) / lens.focal_px[axis]);
@@ -206,7 +207,7 @@ fn views() {
     }
 }
 
-/// How much more memory the process holds after 1000 pictures of cameras that move, lit anew each tick, than after 100.
+/// Measures how much more memory the process holds after 1000 images of moving cameras, with new light each tick, than after 100.
 fn memory() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let scene = Scene::load(&root.join("scenes/rooms/living_room.toml")).unwrap();
@@ -230,7 +231,8 @@ fn memory() {
     }
 }
 
-/// Processor time of all threads so far, which tells speed even where others use the machine; `None` where the system does not tell.
+/// Processor time of all threads since the start, which measures speed even while other processes use the machine; `None` if the system does not
+/// report it.
 fn processor_s() -> Option<f64> {
     let of_thread = |thread: std::io::Result<std::fs::DirEntry>| {
         let spent = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
@@ -239,7 +241,7 @@ fn processor_s() -> Option<f64> {
     Some(std::fs::read_dir("/proc/self/task").ok()?.filter_map(of_thread).sum::<f64>() * 1e-9)
 }
 
-/// Memory that the process holds; `None` where the system does not tell in Linux's way.
+/// Memory that the process holds; `None` if the system does not report it in Linux's format.
 fn resident_mb() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?.trim().strip_suffix(" kB")?;

@@ -1,6 +1,6 @@
-//! Records a gyroscope at rest, 20 times two hours, for `scripts/allan` to analyse by a package from outside.
+//! Records a gyroscope at rest, 20 times for two hours, for `scripts/allan`, which analyses the records with an external package.
 //!
-//! Writes each record as little-endian 64-bit floating-point numbers in rad/s, and `expected.txt` with what the scene sets.
+//! Writes each record as little-endian 64-bit floating-point numbers in rad/s, and `expected.txt` with the values that the scene sets.
 #![allow(clippy::unwrap_used)]
 
 use std::{env, fs, path::Path};
@@ -40,7 +40,7 @@ fn main() {
     fs::write(folder.join("expected.txt"), expected).unwrap();
 }
 
-/// A robot that stands, with bounds too wide to cut off anything that shows.
+/// A scene with a robot at rest, with bounds on the gyroscope's errors too wide to clip them noticeably.
 fn scene_text() -> String {
     format!(
         "[room]\nwidth_m = 3.0\ndepth_m = 3.0\n[start]\nx_m = 1.5\ny_m = 1.5\nheading_deg = 0\n[[station]]\nx_m = 1.5\ny_m = 1.5\nheading_deg = 0\n\

@@ -1,6 +1,6 @@
-//! Photographs an evenly lit tile and the dark at 50 exposures, for `scripts/photon_transfer` to analyse by a package from outside.
+//! Photographs an evenly lit tile and the dark at 50 exposures, for `scripts/photon_transfer`, which analyses the images with an external package.
 //!
-//! Writes PNG files of 16 bits, the descriptor that the package `emva1288` reads, and `expected.txt` with what the scene sets.
+//! Writes 16-bit PNG files, the descriptor file that the package `emva1288` reads, and `expected.txt` with the values that the scene sets.
 #![allow(clippy::unwrap_used)]
 
 use std::{env, fmt::Write as _, fs, path::Path};
@@ -26,7 +26,7 @@ const PRNU: f64 = 0.01;
 const GAIN_LEVELS_PER_ELECTRON: f64 = 0.4;
 const N_EXPOSURES: u32 = 50;
 const LONGEST_EXPOSURE_S: f64 = 0.14;
-/// Images for what differs from pixel to pixel.
+/// Number of images from which fixed differences between pixels are measured.
 const N_SPATIAL: u32 = 16;
 
 fn main() {
@@ -52,7 +52,7 @@ fn main() {
     fs::write(folder.join("expected.txt"), expected).unwrap();
 }
 
-/// Images so far.
+/// The series of images taken so far, and what is needed to take more.
 struct Series<'a> {
     renderer: Renderer,
     world: RenderedWorld,
@@ -63,7 +63,7 @@ struct Series<'a> {
 }
 
 impl Series<'_> {
-    /// Bright and dark images of one exposure.
+    /// Takes bright and dark images at one exposure.
     fn point(&mut self, exposure_s: f64, count: u32) {
         for lux in [LUX, 0.0] {
             let nanoseconds = exposure_s * 1e9;
@@ -91,14 +91,15 @@ impl Series<'_> {
     }
 }
 
-/// By hand, not by the simulator's code: E = (π/4)·(albedo·lux/π)/N² on the sensor, of photons of 555 nm at 683 lm/W.
+/// Photons per pixel, computed by hand and not by the simulator's code: the illuminance on the sensor is E = (π/4)·(albedo·lux/π)/N², by photons
+/// of 555 nm at 683 lm/W.
 fn photons_per_pixel(lux: f64, exposure_s: f64) -> f64 {
     let on_sensor_lux = ALBEDO * lux / (4.0 * F_NUMBER * F_NUMBER);
     let photon_j = 6.626_070_15e-34 * 2.997_924_58e8 / 555e-9;
     on_sensor_lux / 683.0 / photon_j * PITCH_M * PITCH_M * exposure_s
 }
 
-/// One tile fills the view, lit evenly.
+/// A scene in which one evenly lit tile fills the view.
 fn scene_text() -> String {
     format!(
         "duration_s = 1.0

@@ -1,4 +1,4 @@
-//! A base whose clock is off: its stamps, the answers for true instants, and whole runs.
+//! Tests of a mobile base whose clock has an unknown offset: its stamps, the estimates for true instants, and whole runs.
 
 use localizer::{Localizer, Reading};
 use sim::{
@@ -13,7 +13,7 @@ use crate::{command::root, world_setup::scene};
 
 const STAMP_ERROR_S: f64 = 0.02;
 
-/// A robot whose wheels tell exactly how it goes, with a base whose stamps are off by up to this.
+/// A robot whose wheel readings give its motion exactly, on a mobile base whose stamps are off by up to `stamp_error_s`.
 fn robot(stamp_error_s: f64) -> Scene {
     let robot = serde_json::json!({
         "floor_camera": false, "wheel_radius_tolerance": 0.0, "track_tolerance": 0.0,
@@ -25,13 +25,14 @@ fn robot(stamp_error_s: f64) -> Scene {
     scene(serde_json::json!({ "robot": robot, "bounds": bounds, "localizer": { "methods": [] } }))
 }
 
-/// Path of a robot that gathers speed from rest at 0.5 m/s² for a second, straight on.
+/// Distance travelled by a robot that accelerates from rest at 0.5 m/s² for a second, straight ahead, and then keeps its speed.
 fn path_m(time_s: f64) -> f64 {
     let gathering_s = time_s.clamp(0.0, 1.0);
     0.25 * gathering_s * gathering_s + 0.5 * (time_s - gathering_s).max(0.0)
 }
 
-/// By how much the true x is outside of the answers over three seconds, where stamps are late by as much.
+/// Greatest distance of the true x from the estimated boxes over three seconds, where the wheel stamps are late by `late_s` and the localizer is
+/// given `told_s` as the bound on that error.
 fn outside_m(late_s: f64, told_s: f64) -> f64 {
     let scene = robot(told_s);
     let (map, start) = (scene.map(), scene.start_box());
@@ -67,7 +68,7 @@ fn answers_hold_the_truth_while_the_clock_is_off_within_its_bound() {
 
 #[test]
 fn a_clock_that_is_late_shows_where_it_is_told_to_be_exact() {
-    // At 0.5 m/s what is 20 ms old is 10 mm behind.
+    // At 0.5 m/s, a position that is 20 ms old is 10 mm behind.
     let off_m = outside_m(STAMP_ERROR_S, 0.0);
     assert!((off_m - 0.01).abs() < 0.002, "{off_m}");
 }
@@ -84,7 +85,8 @@ fn a_clock_that_is_off_is_paid_once_and_not_at_each_slot() {
         }
         localizer.estimate().pose.hull()[0].width()
     };
-    // Five seconds are some ten slots; reach is 0.7 m/s, 14 mm in 20 ms to either side.
+    // Five seconds make some ten stored poses, but the clock's offset widens the box only once: by 0.7 m/s, the greatest declared speed, times 20
+    // ms, which is 14 mm to either side.
     let paid_m = width_m(STAMP_ERROR_S) - width_m(0.0);
     assert!((paid_m - 0.028).abs() < 0.003, "{paid_m}");
 }

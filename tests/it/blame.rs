@@ -1,4 +1,5 @@
-//! Who is at fault when the truth is outside: on records made by hand, one cause at a time, and on runs with a fault planted in them.
+//! Tests of what is blamed when the truth is outside of the box: on records made by hand with one cause at a time, and on runs with a planted
+//! fault.
 
 use interval::Interval;
 use localizer::{
@@ -28,7 +29,7 @@ fn scene() -> Scene {
     SceneFile::load_all(&[root().join("scenes/tiles.toml")]).unwrap().remove(0).scene
 }
 
-/// A robot that rolls along x at 0.2 m/s for a second, in a box of ±1 cm about where it is.
+/// A record of a robot that rolls along x at 0.2 m/s for a second; each estimate is a box of ±1 cm about the true position.
 fn record(scene: &Scene) -> RunRecord {
     let drawn = Drawn::draw(scene, 1);
     let radius_m = drawn.base.wheel_radius_m;
@@ -56,7 +57,7 @@ fn estimate(time_s: f64, about: Pose) -> Estimate {
     Estimate { time_s, pose: PoseUnion::single(pose), status: Status::Sound, relies_on }
 }
 
-/// Moves the boxes of the last half second off the truth.
+/// Moves the estimated boxes of the last half second away from the true poses.
 fn lose_the_truth(record: &mut RunRecord) {
     for estimate in &mut record.estimates[50..] {
         let hull = estimate.pose.hull();
@@ -65,7 +66,8 @@ fn lose_the_truth(record: &mut RunRecord) {
     }
 }
 
-/// The verdict on a record made by hand, whose replays hold the truth where `holds` says so; and what was asked for.
+/// The verdict on a record made by hand, and the replays that the judge requested. A replay holds the truth if `holds` returns true for its
+/// changes.
 fn judged(scene: &Scene, lost: &RunRecord, holds: impl Fn(&[Change]) -> bool) -> (Verdict, Vec<Counterfactual>) {
     let mut asked_for = Vec::new();
     let verdict = judge(scene, lost, &mut |asked| {
@@ -79,7 +81,7 @@ fn judged(scene: &Scene, lost: &RunRecord, holds: impl Fn(&[Change]) -> bool) ->
     (verdict.unwrap(), asked_for)
 }
 
-/// The verdict where nothing is to be simulated again.
+/// The verdict on a record for which the judge must not request a simulated replay.
 fn judged_at_once(scene: &Scene, record: &RunRecord) -> Verdict {
     judge(scene, record, &mut |asked| panic!("asked for {asked:?}")).unwrap()
 }
@@ -93,7 +95,7 @@ fn told(changes: &[Change]) -> Vec<&str> {
     changes.iter().map(name).map(|name| &*name.leak()).collect()
 }
 
-/// The left wheel spins by this further than the robot goes, from 0.30 s to 0.40 s.
+/// Makes the left wheel roll `further_m` farther than the robot travels, from 0.30 s to 0.40 s.
 fn spin(record: &mut RunRecord, further_m: f64) {
     let extra_rad = further_m / record.drawn.base.wheel_radius_m[0];
     for truth in &mut record.truths {
@@ -129,7 +131,7 @@ fn a_truth_outside_without_a_cause_is_our_own_fault() {
 #[test]
 fn slip_beyond_its_bound_takes_the_blame_and_is_measured() {
     let mut scene = scene();
-    // A wheel that spins from one step to the next gathers speed at 10 m/s².
+    // A wheel that begins to spin between two steps accelerates at 10 m/s².
     scene.bounds.reach_acceleration_m_per_s2 = 11.0;
     let mut record = record(&scene);
     spin(&mut record, 0.01);
@@ -140,7 +142,8 @@ fn slip_beyond_its_bound_takes_the_blame_and_is_measured() {
     assert_eq!((verdict.violations.len(), slip.bound.as_str()), (1, "wheels.slip"));
     assert!((slip.from_s - 0.3).abs() < 0.011 && (slip.to_s - 0.4).abs() < 0.011, "{slip:?}");
     assert!((slip.true_value - 0.01).abs() < 1e-9, "{slip:?}");
-    // Nobody draws slip: the localizer is told how much it was, as far as the last failure.
+    // Slip is not drawn at random, so that it cannot be moved back to its bound for a replay. Instead the localizer is given the true slip, up to
+    // the last failure.
     let Counterfactual { changes, until_s, .. } = &asked[0];
     assert!(matches!(changes[..], [Change::Told { true_value, .. }] if (true_value - 0.01).abs() < 1e-9), "{asked:?}");
     assert_eq!((asked.len(), *until_s), (1, Some(1.0)));
@@ -155,7 +158,7 @@ fn a_violation_that_explains_nothing_is_no_excuse() {
     let mut record = record(&scene);
     spin(&mut record, 0.01);
     lose_the_truth(&mut record);
-    // As with a fault in a contractor: with the slip told, the truth is still outside.
+    // As with a fault in a contractor, the true pose is still outside of the box when the localizer is given the true slip.
     let (verdict, asked) = judged(&scene, &record, |_| false);
     assert_eq!((counts(&verdict), asked.len()), ([50, 0, 0, 51], 1));
     let first = verdict.containment.as_ref().unwrap().first_failure.clone().unwrap();
@@ -177,7 +180,7 @@ fn of_two_broken_bounds_the_one_that_matters_is_to_blame_or_both_together() {
         let holds = |changes: &[Change]| needed.iter().all(|name| told(changes).contains(name));
         let (verdict, asked) = judged(&scene, &record, holds);
         assert_eq!(counts(&verdict), [50, 51, 0, 0]);
-        // Two alone, then both.
+        // The judge simulates replays with either bound alone, then with both.
         assert!(asked.len() <= 3, "{asked:?}");
         assert_eq!(verdict.containment.as_ref().unwrap().first_failure.clone().unwrap().blame, blame);
     }
@@ -187,7 +190,7 @@ fn of_two_broken_bounds_the_one_that_matters_is_to_blame_or_both_together() {
 fn a_lucky_containment_does_not_clear_a_cause_and_a_later_failure_has_its_own() {
     let scene = scene();
     let mut record = record(&scene);
-    // Ten times as slow, so that the second failure lies more than 3 s after the cause.
+    // The record is stretched in time by a factor of ten, so that the second failure lies more than 3 s after the cause.
     record.truths.iter_mut().for_each(|truth| truth.time_s *= 10.0);
     record.estimates.iter_mut().for_each(|estimate| estimate.time_s *= 10.0);
     record.truths.iter_mut().skip(10).for_each(|truth| truth.lateral_travel_m += 0.03);
@@ -197,7 +200,7 @@ fn a_lucky_containment_does_not_clear_a_cause_and_a_later_failure_has_its_own() 
     }
     let (verdict, _) = judged(&scene, &record, |_| true);
     assert_eq!(counts(&verdict), [80, 21, 0, 0]);
-    // Where the replay holds the truth in the first span alone, the second is nobody's but our own.
+    // If the replay holds the truth in the first span only, the failure in the second span is the localizer's own (unsound).
     let verdict = judge(&scene, &record, &mut |_| {
         let mut again = self::record(&scene);
         again.estimates[91..].clone_from_slice(&record.estimates[91..]);
@@ -249,7 +252,7 @@ fn a_violated_bound_that_the_estimate_does_not_rely_on_is_no_excuse() {
     assert_eq!(counts(&verdict), [50, 0, 0, 51]);
 }
 
-/// An image at 0.40 s that claims a joint where `points_px` are.
+/// An image at 0.40 s whose claim is a floor joint at `points_px`.
 fn image(record: &RunRecord, points_px: Vec<[f64; 3]>) -> ImageRecord {
     ImageRecord {
         number: 0,
@@ -299,7 +302,7 @@ fn what_a_method_halves_is_counted_at_its_readings() {
 fn a_claim_of_a_joint_where_there_is_none_is_perceptions_fault() {
     let scene = scene();
     let mut record = record(&scene);
-    // A line at 45 degrees is no joint of a grid along x and y.
+    // A line at 45 degrees is not a joint of a grid along x and y.
     let slanted =
         (0..20).map(|index| [200.0 + 10.0 * f64::from(index), 100.0 + 10.0 * f64::from(index), 1.0]).collect();
     record.images.push(image(&record, slanted));
@@ -308,7 +311,7 @@ fn a_claim_of_a_joint_where_there_is_none_is_perceptions_fault() {
     assert_eq!(verdict.methods["floor_tiles"].false_claims, 1);
     assert_eq!(counts(&verdict), [50, 0, 51, 0]);
     assert_eq!(asked[0].changes, [Change::Withheld { readings: vec![(Some(Camera::Floor), 0.4)] }]);
-    // A false claim that explains nothing is no excuse either.
+    // A false claim is no excuse if the true pose stays outside of the box without that claim.
     assert_eq!(counts(&judged(&scene, &record, |_| false).0), [50, 0, 0, 51]);
 }
 
@@ -316,8 +319,8 @@ fn a_claim_of_a_joint_where_there_is_none_is_perceptions_fault() {
 fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
     let scene = scene();
     let mut record = record(&scene);
-    // At x = 1.08 m the camera, 0.15 m behind the axle, is 0.03 m ahead of the joint at 0.90 m: its image lies 40 px below the
-    // centre, give or take what mount, laying and scale drew (a few pixels).
+    // At x = 1.08 m the camera, 0.15 m behind the axle, is 0.03 m ahead of the joint at 0.90 m. The joint's image lies 40 px below the centre,
+    // apart from a few pixels by the errors drawn for mount, laying and scale.
     let below = (0..40).map(|index| [50.0 + 12.0 * f64::from(index), 239.5 + 40.0, 6.0]).collect();
     record.images.push(image(&record, below));
     lose_the_truth(&mut record);
@@ -326,7 +329,8 @@ fn a_claim_of_a_true_joint_is_true_and_excuses_nothing() {
     assert_eq!(counts(&verdict), [50, 0, 0, 51]);
 }
 
-/// Adds an image of walls, with which all before it count as `counting` says; no upright edge of it may be wrong.
+/// Adds an image of walls to a record; its quota counts it together with all images before it, as `counting` says, and allows no false upright
+/// edge.
 fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, items: usize, counting: Counting) {
     let image = image(record, Vec::new());
     let quota = Quota { items, upright: 0, n_held: record.images.len() + 1, counting };
@@ -334,7 +338,7 @@ fn with_wall(record: &mut RunRecord, claims: Vec<Claim>, items: usize, counting:
     record.images.push(ImageRecord { camera, method: "wall_directions", claims, quota, alone_heading_rad, ..image });
 }
 
-/// Without a forward camera no claim of it is true.
+/// A claim of a wall edge that is false, because the robot has no forward camera.
 fn false_edge() -> Claim {
     Claim::WallLine { ends_px: [[100.0, 100.0], [300.0, 120.0]], bound_px: 0.3 }
 }
@@ -359,7 +363,8 @@ fn where_the_lean_is_solved_for_a_sixth_of_the_edges_and_five_may_be_misread() {
     let scene = scene();
     let counting = Counting::Together { share: 1.0 / 6.0, more: 5, readings: 14 };
     let upright = Claim::UprightLine { ends_px: [[100.0, 100.0], [110.0, 300.0]], bound_px: 0.3 };
-    // By hand: of six edges 6/6 + 5 = 6 may be wrong, of seven as many; with a wrong upright edge beside them no edge of an image is right.
+    // Computed by hand: of six edges 6/6 + 5 = 6 may be wrong, and of seven edges also 6. With a wrong upright edge in addition, no edge of an
+    // image counts as true.
     for (claims, blamed) in [
         (vec![false_edge(); 6], [50, 0, 0, 51]),
         (vec![false_edge(); 7], [50, 0, 51, 0]),
@@ -372,14 +377,14 @@ fn where_the_lean_is_solved_for_a_sixth_of_the_edges_and_five_may_be_misread() {
     }
 }
 
-/// A drive without a camera along a straight way, with what `events` do to it.
+/// A run without a camera along a straight line, with these events.
 fn drive(events: &str) -> (Scene, RunRecord) {
     let scene = Scene::parse(&blind_scene(8.0, events), "scene.toml").unwrap();
     let record = run(&scene, 3, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
     (scene, record)
 }
 
-/// A localizer whose method on tiles leaves boxes 45 % too small.
+/// A localizer whose floor-tile method returns boxes that are 45 % too small.
 fn tiles_too_small(scene: &Scene) -> Box<dyn Subject> {
     let method = FloorTiles::new(&scene.map(), &scene.robot_model(), Chain::Direct).unwrap();
     let methods: Vec<Box<dyn Method>> = vec![Box::new(TooSmall(Box::new(method)))];
@@ -388,7 +393,7 @@ fn tiles_too_small(scene: &Scene) -> Box<dyn Subject> {
     Box::new(IntervalLocalizer::from(localizer))
 }
 
-/// Whether a rule by time would put a failure down to a bound: one that was exceeded at that step, or up to 3 s before it.
+/// Whether a rule that goes by time alone would blame a bound for a failure: a bound that was exceeded at that step, or up to 3 s before it.
 fn is_excused_by_time(verdict: &Verdict, time_s: f64) -> bool {
     let overlaps = |broken: &Violation| broken.from_s <= time_s && time_s <= broken.to_s + 3.0;
     verdict.violations.iter().any(overlaps)
@@ -417,8 +422,8 @@ fn boxes_of_a_method_that_are_too_small_are_unsound_beside_a_harmless_push_of_a_
             sound.containment
         );
         println!("seed {seed}: {:?}", faulty.containment);
-        // In the second after the push it has its own part in where boxes are: kept to its bound, it would have left even such boxes around
-        // the truth.
+        // The second after the push is left out. In that time the push itself has shifted the boxes, and had it kept its bound, even the boxes
+        // that are too small would have held the true pose.
         for (step, judgement) in faulty.judgements.iter().enumerate().filter(|(step, _)| !(200..300).contains(step)) {
             n_elsewhere += usize::from(*judgement != Judgement::Contained);
             n_excused += usize::from(*judgement == Judgement::BoundBroken);
@@ -435,14 +440,14 @@ fn boxes_of_a_method_that_are_too_small_are_unsound_beside_a_harmless_push_of_a_
     );
     assert!(n_outside > 50 && 4 * n_unsound >= 3 * n_outside, "{n_unsound} of {n_outside} outside are unsound");
     assert!(20 * n_excused < n_elsewhere, "{n_excused} of {n_elsewhere} are blamed on the push later on");
-    // A rule by time puts every failure up to 3 s after the push down to it; nearly all of them are unsound.
+    // A rule that goes by time alone would blame the push for every failure up to 3 s after it; nearly all of these failures are unsound.
     assert!(
         n_hidden_by_time > 100 && 10 * n_hidden_and_unsound >= 9 * n_hidden_by_time,
         "{n_hidden_and_unsound} of {n_hidden_by_time} that a rule by time would hide are unsound"
     );
 }
 
-/// A localizer that takes the gyroscope's bias to be within a fifth of its tolerance.
+/// A localizer that assumes the gyroscope's bias to be within a fifth of its tolerance.
 fn bias_too_small(scene: &Scene) -> Box<dyn Subject> {
     let mut told = scene.clone();
     told.robot.gyro.as_mut().unwrap().bias_tolerance_deg_per_s *= 0.2;
@@ -468,7 +473,7 @@ fn a_fault_of_the_gyroscope_is_unsound_beside_noise_that_leaves_its_band() {
         let sound = verdict_of(&scene, &of(&IntervalLocalizer::boxed));
         assert_eq!(sound.containment.as_ref().unwrap().unsound, 0, "seed {seed}: {:?}", sound.containment);
         let record = of(&bias_too_small);
-        // A bias of which most is taken for nothing.
+        // Only seeds are counted whose gyroscope bias lies mostly beyond what the faulty localizer assumes.
         if record.drawn.devices.gyro.unwrap().bias_rad_per_s.to_degrees().abs() < 0.04 {
             continue;
         }
@@ -476,7 +481,7 @@ fn a_fault_of_the_gyroscope_is_unsound_beside_noise_that_leaves_its_band() {
         n_outside += faulty.containment.as_ref().unwrap().checks - faulty.containment.as_ref().unwrap().contained;
         n_unsound += faulty.containment.as_ref().unwrap().unsound;
         println!("seed {seed}: {:?} {:?}", sound.containment, faulty.containment);
-        // With the band told as wide as it was, the fault would have been hidden.
+        // If the localizer were given the gyroscope's error band as wide as it really was, the fault would be hidden.
         let Some(broken) = faulty.violations.iter().find(|broken| broken.bound == "gyro.angle") else { continue };
         let (declared, true_value) = (broken.declared, broken.true_value);
         let told = Change::Told { bound: broken.bound.clone(), declared, true_value, exceeded: Vec::new() };
@@ -545,13 +550,13 @@ fn what_is_moved_back_lies_at_its_bound_and_nothing_else_moves() {
     let [x_m, y_m] = placed.markers[0].centre_m;
     let tolerance_m = scene.markers.as_ref().unwrap().placement_tolerance_m;
     assert!(((x_m - 1.0).hypot(y_m - 1.0) - tolerance_m).abs() < 1e-12, "{x_m} {y_m}");
-    // Its dots move with it; the other marker stays, and so do the tiles.
+    // The moved marker's dots move with it; the other marker stays, and so do the tiles.
     let dot = |drawn: &Drawn| drawn.markers[0].dots[0].centre_in_world.y - drawn.markers[0].centre_m[1];
     assert!((dot(&placed) - dot(&record.drawn)).abs() < 1e-12);
     assert_eq!(placed.markers[1], record.drawn.markers[1]);
     let (tiles, room) = (scene.floor.tiles.as_ref().unwrap(), &scene.room);
     let bend_m = |drawn: &Drawn| drawn.tiles.as_ref().unwrap().errors_near(tiles, room, [1.65, 1.05], 0.3).bend_m;
-    // 8 mm besides what its corners drew, within 1 mm.
+    // The misplaced tile is off by 8 mm, plus the errors drawn for its corners, which are within 1 mm.
     assert!((bend_m(&placed) - 0.008).abs() <= 0.0011, "{}", bend_m(&placed));
     assert!((0.0005..=0.001).contains(&bend_m(&clipped("floor_tiles.straightness"))));
 }
@@ -578,6 +583,6 @@ fn a_wheel_that_gathers_speed_faster_than_reach_allows_breaks_reach_though_the_b
     spin(&mut record, 0.01);
     let verdict = judged_at_once(&scene, &record);
     let reach = verdict.violations.iter().find(|violation| violation.bound == "reach.acceleration").unwrap();
-    // 0.1 m/s more from one step of 10 ms to the next.
+    // The wheel gains 0.1 m/s from one step of 10 ms to the next.
     assert!((reach.true_value - 10.0).abs() < 0.01 && (reach.from_s - 0.29).abs() < 0.011, "{reach:?}");
 }

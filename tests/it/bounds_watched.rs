@@ -1,5 +1,5 @@
-//! Every bound that an estimate stands on is watched, and the other way round: a bound that nobody watches can break in silence, and one
-//! that nobody stands on excuses what it has nothing to do with.
+//! Tests that every bound that an estimate relies on is checked against the truth, and that every bound checked is relied on. An unchecked bound
+//! could be broken unnoticed, and one that no estimate relies on would excuse failures that have nothing to do with it.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +15,7 @@ use sim::{
 
 use crate::command::root;
 
-/// A short run of a scene of the repository: the bounds that its estimates stand on, and those that are watched.
+/// Two sets for a short run of a scene of the repository: the bounds that its estimates rely on, and those that the judge checks.
 fn named(path: &str, duration_s: f64, change: impl Fn(&mut Scene)) -> [BTreeSet<&'static str>; 2] {
     let mut scene = SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene;
     scene.duration_s = duration_s;
@@ -30,7 +30,8 @@ fn named(path: &str, duration_s: f64, change: impl Fn(&mut Scene)) -> [BTreeSet<
 
 #[test]
 fn every_bound_relied_on_is_watched_and_every_watched_one_relied_on() {
-    // All four methods, and the gyroscope; then what is learnt of it with and without a bound on its angle, at rest, and the flow sensor.
+    // The runs use all four methods and the gyroscope; then they learn the gyroscope's errors with and without a bound on its angle and at rest,
+    // and use the flow sensor.
     let runs = [
         named("home.toml", 1.0, |_| {}),
         named("tiles.toml", 0.5, |scene| scene.robot.delivery.stamp_tolerance_s = 0.0005),
@@ -71,7 +72,7 @@ fn a_bound_told_wider_is_told() {
         let record =
             run(&short, 1, &mut IntervalLocalizer::of(&short), renderer.as_mut(), &RunOptions::default(), &mut |_| {})
                 .unwrap();
-        // Infinite unless declared, and then nothing can be wider.
+        // The bound on the gyroscope's angle is infinite unless it is declared, and cannot be made wider then.
         let bounds_angle = scene.robot.gyro.as_ref().is_some_and(|gyro| gyro.angle_floor_deg.is_some());
         for bound in watched(&scene, &record).into_iter().filter(|bound| bounds_angle || *bound != bounds::GYRO_ANGLE) {
             let mut wider = scene.clone();

@@ -1,4 +1,4 @@
-//! Calibration from rendered pictures: a chessboard's intrinsics, and where a camera sits from spins under a marker.
+//! Tests of calibration from rendered images: intrinsics from a chessboard, and the position of a camera from spins under a marker.
 
 use std::f64::consts::{PI, TAU};
 
@@ -27,11 +27,11 @@ use crate::render_studio::{exposed, renderer};
 const FOCAL_PX: [f64; 2] = [755.139, 753.926];
 const CENTRE_PX: [f64; 2] = [320.252, 239.661];
 const DISTORTION: [f64; 2] = [-0.12, 0.05];
-/// 12 × 9 squares of 25 mm within a margin of one square.
+/// A chessboard of 12 × 9 squares of 25 mm within a margin of one square.
 const BOARD: corners::Board = corners::Board { columns: 12, rows: 9, square_m: 0.025 };
 const BOARD_MIDDLE_M: [f64; 3] = [2.0, 2.98, 1.2];
 
-/// A lit room with the board on the wall at y = 3, whose pictures stand out by 2 cm.
+/// A lit room with the chessboard on the wall at y = 3 as a picture that stands out by 2 cm.
 fn room_with_board() -> Scene {
     let text = "[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n\
                 [light]\nilluminance_at_floor_lux = 300\n[[building.picture]]\nfrom_m = [1.825, 3.0]\nto_m = [2.175, 3.0]\n\
@@ -39,8 +39,8 @@ fn room_with_board() -> Scene {
     Scene::parse(text, "board.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
-/// Where a camera stands before the board: its middle at `aside`, `below` and `depth` of the camera, rolled, then leaning by `lean_rad` about an axis
-/// of the picture at `course_rad`.
+/// Pose of the camera for one view of the board. In the camera frame the board's middle lies slightly aside, slightly below and at some depth; the
+/// board is rolled, and leans by `lean_rad` about an axis of the image plane.
 fn before_board(index: usize) -> Isometry3<f64> {
     let share = index as f64 / 20.0;
     let (course, roll) =
@@ -52,14 +52,14 @@ fn before_board(index: usize) -> Isometry3<f64> {
     let place = vector![0.04 * (TAU * share * 2.0).cos(), 0.02 * (TAU * share * 5.0).sin(), depth];
     let camera_from_board =
         Isometry3::from_parts(place.into(), UnitQuaternion::from_rotation_matrix(&camera_from_board));
-    // Board x is world x seen from the room, y is down, z into the wall at greater y.
+    // Board x is world x as seen from the room, board y is down, and board z points into the wall, towards greater world y.
     let columns = nalgebra::Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0);
     let world_from_board =
         Isometry3::from_parts(Translation3::from(Vector3::from(BOARD_MIDDLE_M)), UnitQuaternion::from_matrix(&columns));
     world_from_board * camera_from_board.inverse()
 }
 
-/// Pictures of the board with a sensor's noise.
+/// Images of the board with a sensor's noise.
 fn board_pictures(n_views: usize) -> Vec<GrayImage> {
     let scene = room_with_board();
     let [k1, k2] = DISTORTION;
@@ -84,7 +84,7 @@ fn board_pictures(n_views: usize) -> Vec<GrayImage> {
         noise: NoiseKey { seed: 11, image: index as u32 },
         lens: lens.clone(),
     };
-    // White of albedo 0.85 to some 200 levels, under the 300 lx that lighten walls here.
+    // White paper of albedo 0.85 is exposed to some 200 grey levels, under the 300 lx that light the walls here.
     let exposure_s = 0.01;
     let gain = 200.0 / (0.85 * 300.0 / PI * sensor.electrons_per_luminance(exposure_s));
     let exposure = Exposure { exposure_s, gain_levels_per_electron: gain };
@@ -117,10 +117,10 @@ fn twenty_rendered_views_of_a_chessboard_give_the_intrinsics_within_a_thousandth
 /// Depth of the marker above the camera as declared: 2.599 m less 0.3 m.
 const DEPTH_M: f64 = 2.299;
 
-/// A marker over (2, 1.5), and a camera off the axle whose place is uncertain by a centimetre.
+/// A room with a marker over (2, 1.5), and with a camera beside the axle whose position is uncertain by a centimetre.
 ///
-/// Its tilt and principal point are known: under a level ceiling both shift what it sees as its place does, by 4 mm for 0.1° and 3 mm for 1 px,
-/// and turn with the robot as its place does, so that no spin tells them apart.
+/// The camera's tilt and principal point are known exactly. Under a level ceiling an error of either shifts the marker's image as an error of
+/// position does, by 4 mm for 0.1° and 3 mm for 1 px, and turns with the robot as position does, so that no spin can separate them.
 fn room_with_marker() -> Scene {
     let text = "[room]\nwidth_m = 5.0\ndepth_m = 4.0\n[start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n\
                 [light]\nilluminance_at_floor_lux = 20\n[robot]\nfloor_camera = false\n[robot.ceiling_camera]\n\
@@ -132,13 +132,13 @@ fn room_with_marker() -> Scene {
     Scene::parse(text, "spins.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
-/// The camera's place and heading by the dots of a marker, the camera upright.
+/// Position and heading of an upright ceiling camera, computed from the dots of a marker in its image.
 fn stop_read(scene: &Scene, picture: &GrayImage) -> mount_offset::Stop {
     let (camera, map) = (scene.robot_model().ceiling_camera.unwrap(), scene.map().markers.unwrap());
     let view = CeilingView::new(755.0, [2.28, 2.31], 0.005, camera.electrons_per_grey);
     let seen = ceiling::detect(picture, &view, &map.coding.table(), &PictureMotion::default()).markers;
     assert_eq!(seen.len(), 1, "one marker hangs there");
-    // Image down is robot forward, image right is robot right.
+    // Image down is robot forward, and image right is robot right.
     let pairs: Vec<([f64; 2], [f64; 2])> = seen[0]
         .dots
         .iter()
@@ -159,7 +159,7 @@ fn five_rendered_spins_give_the_mount_to_half_a_millimetre_and_a_fifth_of_a_degr
     for seed in [1, 2] {
         let drawn = Drawn::draw(&scene, seed);
         let pose = |stop: usize| {
-            // Each spin goes about another point and starts at another heading.
+            // Each spin on the spot is about another point and starts at another heading.
             let spin = (stop / N_STOPS) as f64;
             let (sin, cos) = (1.3 * spin).sin_cos();
             let heading_rad = 0.37 * spin + TAU * (stop % N_STOPS) as f64 / N_STOPS as f64;
@@ -185,7 +185,7 @@ fn five_rendered_spins_give_the_mount_to_half_a_millimetre_and_a_fifth_of_a_degr
         println!("seed {seed}: radius {radius_m} m off by {off_m:e} m, direction by {off_deg}°, rms {} m", found.rms_m);
         assert!(off_m.abs() < 0.0005, "seed {seed}: {found:?}, truth {truth:?}");
         assert!(off_deg.abs() < 0.2, "seed {seed}: {off_deg}°, {found:?}, truth {truth:?}");
-        // The place was drawn, so that what is declared would not do.
+        // The true position differs from the declared one, because it was drawn at random, so that the declared one would fail the test.
         assert!((truth.x - 0.08).hypot(truth.y - 0.03) > 0.001, "seed {seed}: {truth:?}");
     }
 }

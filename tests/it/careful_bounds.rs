@@ -1,4 +1,5 @@
-//! Bounds that a careful user can know: laid under what a scene states, drawn from, and kept in six scenes.
+//! Tests of the bounds that a careful user can know: they apply where a scene states none, errors are drawn within them, and they are kept in six
+//! scenes.
 
 use serde_json::Value;
 use sim::{
@@ -32,7 +33,7 @@ fn what_a_scene_states_stays_and_all_else_is_a_careful_users() {
     assert_eq!((scene.bounds.body_tilt_deg, scene.bounds.body_heave_m), (0.9, 0.0008));
     assert_eq!(scene.floor.tiles.as_ref().unwrap().laying_tolerance_m, 0.003);
     assert!(scene.robot.gyro.is_none() && scene.robot.flow.is_none() && scene.robot.forward_camera.is_none());
-    // What is no tolerance is as it was: the camera is still the P3-DX's.
+    // Keys that are not tolerances are unchanged: the camera is still the P3-DX's.
     assert_eq!((camera.height_m, scene.robot.track_m), (0.25, 0.33));
 
     let throughout = parse(THROUGHOUT, stated);
@@ -102,7 +103,7 @@ fn a_key_that_names_no_bounds_is_refused() {
     assert!(shown.contains("laboratory") && shown.contains("careful_user"), "{shown}");
 }
 
-/// A scene of the repository with a careful user's bounds, cut short.
+/// A scene of the repository with a careful user's bounds, shortened to `duration_s`.
 fn careful(path: &str, duration_s: f64, errors: &str) -> Scene {
     let settings: Vec<Setting> = [
         "bounds_from=careful_user_throughout".to_owned(),

@@ -1,4 +1,4 @@
-//! Carpets, ramps, stuck wheels, lifts and snapshots against closed forms; Borenstein's square.
+//! Tests of carpets, ramps, stuck wheels, lifts and snapshots against closed forms, and of Borenstein's square path.
 
 use sim::{
     drawn::Drawn,
@@ -9,11 +9,11 @@ use sim::{
 
 use crate::world_setup::{command, hold, nominal, nominal_world, scene};
 
-/// Share of the weight on the drive wheels.
+/// Share of the robot's weight that the drive wheels carry.
 const WHEEL_SHARE: f64 = 0.85;
 const TYRE_STIFFNESS: f64 = 25.0;
 
-/// A vacuum robot in the middle of an 8 × 6 m room whose whole floor is a region with these keys.
+/// A scene with a vacuum robot in the middle of an 8 × 6 m room whose whole floor is a region with these keys.
 fn on_carpet(heading_deg: f64, keys: serde_json::Value) -> Scene {
     let mut region = serde_json::json!({ "name": "carpet", "x_m": [0.0, 8.0], "y_m": [0.0, 6.0], "friction": 0.8 });
     for (key, value) in keys.as_object().unwrap() {
@@ -26,7 +26,7 @@ fn on_carpet(heading_deg: f64, keys: serde_json::Value) -> Scene {
     }))
 }
 
-/// Wheel speeds of a nominal vacuum robot.
+/// Wheel speeds of a nominal vacuum robot for this speed and turn rate.
 fn vacuum_command(speed_m_per_s: f64, turn_rad_per_s: f64) -> WheelCommand {
     let half_turn_m_per_s = 0.5 * 0.23 * turn_rad_per_s;
     WheelCommand {
@@ -34,7 +34,7 @@ fn vacuum_command(speed_m_per_s: f64, turn_rad_per_s: f64) -> WheelCommand {
     }
 }
 
-/// Drives straight on, with a second of gathering speed, and returns the truths before and after the drive at speed.
+/// Drives straight ahead, accelerating for a second, and returns the true states before and after the drive at constant speed.
 fn cruise(world: &mut World, speed_m_per_s: f64, lasts_s: f64) -> (Truth, Truth) {
     for step in 0..1000 {
         world.step(vacuum_command(speed_m_per_s * f64::from(step) / 1000.0, 0.0));
@@ -67,7 +67,7 @@ fn the_nap_carries_the_robot_its_own_way_whatever_way_it_drives() {
     }
 }
 
-/// Slip of brush wheels of a stiffness that bear a force over the weight of the robot: F = μN·(1 − (1 − s)³), σ = 3μ·s/C.
+/// Slip of brush wheels of this stiffness that bear a force, given as a share of the robot's weight: F = μN·(1 − (1 − s)³), σ = 3μ·s/C.
 fn closed_form_slip(force_over_weight: f64, friction: f64, stiffness: f64) -> f64 {
     let s = 1.0 - (1.0 - force_over_weight / (friction * WHEEL_SHARE)).cbrt();
     3.0 * friction * s / stiffness
@@ -116,9 +116,9 @@ fn a_robot_climbs_onto_a_carpet_and_down_again() {
     let (on_top, after) = (on_top.unwrap(), hold(&mut world, vacuum_command(0.0, 0.0), 1.0));
     assert!((on_top.heave_m - height_m).abs() < 5e-5 && on_top.tilt_rad[1].abs() < 1e-3, "{on_top:?}");
     assert!(after.heave_m.abs() < 1e-6, "{after:?}");
-    // A caster on the rug and the other off it, 0.272 m apart.
+    // The tilt is greatest with one caster on the rug and the other, 0.272 m away, off it.
     assert!((0.5 * height_m / 0.272..2.5 * height_m / 0.272).contains(&greatest_tilt_rad), "{greatest_tilt_rad} rad");
-    // The way along both ramps is longer than the way below; what slips upwards slips back downwards.
+    // The path along both ramps is longer than its projection on the floor; slip on the way up is cancelled by slip on the way down.
     let longer_m = rolled_m(&before, &after) - (after.pose.x_m - before.pose.x_m);
     let expected_m = 2.0 * (ramp_m.hypot(height_m) - ramp_m);
     assert!(
@@ -192,7 +192,7 @@ fn a_robot_at_rest_drifts_less_than_five_micrometres_an_hour() {
 
 #[test]
 fn a_restored_snapshot_goes_on_with_the_same_bytes() {
-    // A wall, a person, a push, a carpet's edge and a stuck wheel: everything that has a state.
+    // The scene has a wall, a person, a push, the edge of a carpet, a stuck wheel and a lift: everything that has a state.
     let scene = scene(serde_json::json!({
         "robot": { "preset": "vacuum" },
         "room": { "width_m": 3.0, "depth_m": 3.0 },
@@ -225,11 +225,13 @@ fn a_restored_snapshot_goes_on_with_the_same_bytes() {
     }
 }
 
-/// Where a robot ends that is told to drive a square of 4 m, turning left or right at its corners: x and y from where it began.
+/// End position relative to the start, x and y, of a robot commanded to drive a square of 4 m, with left (`turn` = 1) or right (−1) turns at its
+/// corners.
 fn square(scene: &Scene, drawn: &Drawn, turn: f64) -> [f64; 2] {
     let mut world = World::new(scene, drawn);
     let robot = &scene.robot;
-    // Each wheel is told to roll so far, as a robot does that trusts its nominal dimensions; even acceleration, 0.25 m/s².
+    // Each wheel is commanded to roll a given length, as by a robot that relies on its nominal dimensions, with a constant acceleration of 0.25
+    // m/s².
     let mut roll = |left_m: f64, right_m: f64| {
         let (longest_m, peak_m_per_s, rise_s) = (left_m.abs().max(right_m.abs()), 0.3_f64, 1.2);
         let hold_s = longest_m / peak_m_per_s - rise_s;
@@ -263,7 +265,7 @@ fn borensteins_square_recovers_wheel_and_track_errors() {
     drawn.base.wheel_radius_m = [0.0975 * 2.0 / (1.0 + unequal), 0.0975 * 2.0 * unequal / (1.0 + unequal)];
     drawn.base.track_m = 0.33 * wider;
     let (left, right) = (square(&scene, &drawn, 1.0), square(&scene, &drawn, -1.0));
-    // Borenstein and Feng 1996, eqs. 15 to 21: α per corner, β per leg, each from x and from y.
+    // Borenstein and Feng 1996, eqs. 15 to 21: error angles α per corner and β per leg, each computed from x and from y.
     let side_m = 4.0;
     let alpha = [(right[0] + left[0]) / (-4.0 * side_m), (right[1] - left[1]) / (-4.0 * side_m)];
     let beta = [(right[0] - left[0]) / (-4.0 * side_m), (right[1] + left[1]) / (-4.0 * side_m)];

@@ -1,4 +1,4 @@
-//! Whole runs by wheels, gyroscope and flow sensor: what goes wrong is contained, or told by its right name.
+//! Tests of whole runs by wheels, gyroscope and flow sensor: failures either stay inside the box or are blamed on the right bound.
 
 use sim::{
     judge::Verdict,
@@ -10,7 +10,7 @@ use sim::{
 use crate::judging::verdict_of;
 use crate::world_setup::scene;
 
-/// A blind vacuum robot that is led round a rectangle for 30 s, with these events and floor regions.
+/// A scene with a vacuum robot without cameras that is led round a rectangle for 30 s, with these events and floor regions.
 fn led_round(event: serde_json::Value, region: serde_json::Value, flow: bool) -> Scene {
     let corner = |x_m: f64, y_m: f64| serde_json::json!({ "x_m": x_m, "y_m": y_m, "speed_m_per_s": 0.25, "turn_in_place": true });
     scene(serde_json::json!({
@@ -54,7 +54,7 @@ fn nothing_goes_wrong_where_every_bound_holds_and_flow_narrows_the_box() {
     }
 }
 
-/// Runs an event with the flow sensor and asserts that whatever it breaks has one of these names.
+/// Runs an event with the flow sensor and asserts that every bound that is blamed has one of these names, and that one of them is broken.
 fn assert_told(event: serde_json::Value, names: &[&str]) -> Vec<Verdict> {
     (0..3)
         .map(|seed| {
@@ -78,7 +78,7 @@ fn a_push_to_the_side_is_seen_by_the_flow_sensor_and_drops_the_wheels() {
     let push = serde_json::json!({ "kind": "push", "at_s": 8.0, "displacement_m": [0.0, 0.05], "lasts_s": 0.5 });
     let told = assert_told(push, &["wheels.slip", "wheels.side_slip", "reach.acceleration"]);
     told.iter().for_each(|verdict| assert!(contained_share(verdict) > 0.99, "{:?}", verdict.containment));
-    // Without the flow sensor 5 cm are lost, as long as the box is narrower than that.
+    // Without the flow sensor a push of 5 cm moves the truth out of the box, as long as the box is narrower than that.
     let early = serde_json::json!({ "kind": "push", "at_s": 2.0, "displacement_m": [0.0, 0.05], "lasts_s": 0.5 });
     let (verdict, _) = judged(&led_round(serde_json::json!([early]), serde_json::json!([]), false), 0);
     assert!(
@@ -129,7 +129,7 @@ fn an_undeclared_carpet_breaks_the_slip_bound_and_no_other_guarantee() {
         assert!(verdict.violations.iter().any(|violation| violation.bound == "wheels.slip"));
         let slipped = &verdict.baselines["wheels_and_gyro"].error.as_ref().unwrap().position_m;
         assert!(slipped.max > 0.2, "dead reckoning is off by {} m only", slipped.max);
-        // What the flow sensor sees keeps the truth, nearly all of the time.
+        // The flow sensor measures the slip, so that the true pose is inside of the box nearly all of the time.
         assert!(!flow || contained_share(&verdict) > 0.9, "{:?}", verdict.containment);
     }
 }
@@ -155,6 +155,6 @@ fn worn_wheels_and_a_conventional_flow_sensor_break_their_own_bounds() {
         (0, 0)
     );
     let broken = verdict.violations.iter().find(|violation| violation.bound == "flow.scale").unwrap();
-    // A millimetre, and a tenth of one more where the body pitches.
+    // The scale of the flow sensor changes by the pile's height of 1 mm, and by a tenth of a millimetre more where the body pitches.
     assert!((0.145..0.170).contains(&broken.true_value), "{broken:?}");
 }

@@ -1,4 +1,4 @@
-//! From dots in an image to the pose, against a pinhole camera of the tests' own under a ceiling of the tests' own.
+//! Tests of the step from dots in an image to the pose, with a pinhole camera and a ceiling that the tests model for themselves.
 
 use interval::Interval;
 use localizer::{
@@ -13,12 +13,12 @@ use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vecto
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The declared tilt of body and mount each: 0.05°.
+/// Declared tilt of the body, and of the camera's mount: 0.05° each.
 const TILT_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
 const HEAVE_M: f64 = 0.0002;
 const CEILING_M: f64 = 2.8;
 
-/// Within its bound, half of the time at the corner.
+/// A random share of a bound, from −1 to 1; half of the time it is −1 or 1.
 fn corner(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random::<f64>() < 0.5 { [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-1.0..1.0) }
 }
@@ -27,7 +27,7 @@ fn drawn(rng: &mut ChaCha8Rng, interval: Interval) -> f64 {
     (interval.mid() + corner(rng) * interval.radius()).clamp(interval.lo(), interval.hi())
 }
 
-/// A rotation by at most `size` about some horizontal axis.
+/// A random rotation by at most `size` about a horizontal axis.
 fn tilt(rng: &mut ChaCha8Rng, size: f64) -> UnitQuaternion<f64> {
     let (angle, size) = (rng.random_range(0.0..std::f64::consts::TAU), size * corner(rng));
     UnitQuaternion::from_scaled_axis(Vector3::new(angle.cos(), angle.sin(), 0.0) * size)
@@ -76,12 +76,12 @@ fn robot(camera: CeilingCameraModel, body_tilt_rad: f64) -> RobotModel {
     }
 }
 
-/// A true situation, every error drawn inside its bound.
+/// A true situation of robot, camera and markers, with every error drawn inside its bound.
 struct Situation {
     pose: [f64; 3],
     map: MarkerMap,
     camera: CeilingCameraModel,
-    /// Centre and angle of each marker as pasted, its height, and the places of its dots.
+    /// Centre, angle and height of each marker as pasted.
     pasted: Vec<([f64; 2], f64, f64)>,
     world_from_camera: Isometry3<f64>,
     focal_px: [f64; 2],
@@ -90,19 +90,19 @@ struct Situation {
 }
 
 impl Situation {
-    /// Random markers around a random robot whose camera is that of `camera`.
+    /// A situation of random markers around a robot at a random pose, whose true camera is drawn within the bounds of `camera`.
     fn new(rng: &mut ChaCha8Rng, camera: CeilingCameraModel, n_markers: usize) -> Situation {
         Situation::leaning(rng, camera, n_markers, TILT_RAD)
     }
 
-    /// The same of a robot whose body leans by up to an angle.
+    /// A situation of random markers around a robot whose body leans by up to `body_tilt_rad`.
     fn leaning(rng: &mut ChaCha8Rng, camera: CeilingCameraModel, n_markers: usize, body_tilt_rad: f64) -> Situation {
         let pose = [rng.random_range(-8.0..8.0), rng.random_range(-8.0..8.0), rng.random_range(-20.0..20.0f64)];
         let words = Coding::Hexads.identities();
         let lean = Vector3::new(-camera.lean_rad[1], camera.lean_rad[0], 0.0);
         let marker = |idx: usize, rng: &mut ChaCha8Rng| PlacedMarker {
             id: words[idx * 7 % words.len()],
-            // About where the leaning camera looks.
+            // The markers lie about where the leaning camera looks.
             centre_m: {
                 let (sin, cos) = pose[2].sin_cos();
                 let ahead = [CEILING_M * camera.lean_rad[0].tan(), CEILING_M * camera.lean_rad[1].tan()];
@@ -145,12 +145,13 @@ impl Situation {
         ]));
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), drawn(rng, camera.yaw_rad));
         let (lean, error) = (UnitQuaternion::from_scaled_axis(lean), tilt(rng, camera.tilt_rad));
-        // The error of the mount before or after its lean: the declared bound is that of the axis.
+        // The error of the mount is applied before or after its lean, because the declared bound limits the angle of the optical axis in either
+        // order.
         let posture = if rng.random::<bool>() { error * lean } else { lean * error };
         let place = [drawn(rng, camera.position_m[0]), drawn(rng, camera.position_m[1]), drawn(rng, camera.height_m)];
         let body_from_camera =
             Isometry3::from_parts(Translation3::new(place[0], place[1], place[2]), yaw * posture * upwards);
-        // Turned so that the forward axis, seen from above, has the heading, as roll, pitch and yaw tell it.
+        // The body is turned about the vertical so that its forward axis, seen from above, has the pose's heading, as with roll, pitch and yaw.
         let lean_of_body = tilt(rng, body_tilt_rad);
         let forward = lean_of_body * Vector3::x();
         let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), at_exposure[2] - forward.y.atan2(forward.x));
@@ -166,7 +167,7 @@ impl Situation {
         Situation { pose, map, camera, pasted, world_from_camera, focal_px, centre_px, body_tilt_rad }
     }
 
-    /// Image of a point by pinhole and Brown's lens.
+    /// Image of a point by the pinhole model and Brown's lens model.
     fn project(&self, point: Point3<f64>) -> [f64; 2] {
         let seen = self.world_from_camera.inverse_transform_point(&point);
         let (x, y) = (seen.x / seen.z, seen.y / seen.z);
@@ -179,7 +180,7 @@ impl Situation {
         [0, 1].map(|axis| self.centre_px[axis] + self.focal_px[axis] * bent[axis])
     }
 
-    /// A dot of the n-th marker as printed and pasted.
+    /// Position of one dot of the marker with index `idx` as printed and pasted.
     fn dot(&self, rng: &mut ChaCha8Rng, idx: usize, place: GridPlace) -> Point3<f64> {
         let (centre, angle, height) = self.pasted[idx];
         let at = [0, 1].map(|axis| (f64::from(place[axis]) - 1.5) * 0.04);
@@ -192,7 +193,7 @@ impl Situation {
         )
     }
 
-    /// What a perfect reader would see of the markers, each dot within `bound_px` of the truth, along both axes and often at a corner.
+    /// What a perfect reader would see of the markers: each dot is off by at most `bound_px` along both axes, often by exactly the bound.
     fn seen(&self, rng: &mut ChaCha8Rng, bound_px: f64) -> Seen {
         let ids: Vec<MarkerId> = self.map.markers.iter().map(|placed| placed.id).collect();
         let mut markers = Vec::new();
@@ -217,7 +218,7 @@ impl Situation {
             .expect("a ceiling camera and markers")
     }
 
-    /// What is left of a prior.
+    /// The poses of a prior that remain after the markers' constraint.
     fn located(&self, seen: Seen, prior: &PoseBox) -> PoseUnion {
         let constraint = self.method().constraint(0.0, seen).expect("markers on the map");
         PoseUnion { branches: constraint.on_pose.branches(prior) }
@@ -235,7 +236,8 @@ impl Situation {
     }
 }
 
-/// Cameras of all kinds: upright, leaning by 10° known to 0.05°, with a lens that bends, with a late stamp, with a turned mount.
+/// A random camera of one of all kinds: upright, leaning by up to 10° known to 0.05°, with a distorting lens, with a wrong stamp, with a turned
+/// mount.
 fn any_camera(rng: &mut ChaCha8Rng) -> CeilingCameraModel {
     let mut camera = camera();
     if rng.random::<bool>() {
@@ -284,7 +286,7 @@ fn no_tilt_of_body_and_mount_loses_the_pose_however_great() {
             let situation = Situation::leaning(&mut rng, camera, 2, f64::to_radians(body_deg));
             let seen = situation.seen(&mut rng, 0.1);
             let prior = situation.prior(&mut rng, 1.0, 0.3);
-            // Where the declared tilts let a ray go level, a dot says nothing.
+            // If the declared tilts allow the ray through a dot to be level, the dot gives no information.
             let Some(constraint) = situation.method().constraint(0.0, seen) else { continue };
             let union = PoseUnion { branches: constraint.on_pose.branches(&prior) };
             assert!(situation.holds(&union), "{body_deg} and {mount_deg} deg, round {round}: not in {union:?}");
@@ -329,8 +331,9 @@ fn one_marker_overhead_gives_position_to_the_tilts_and_heading_to_a_fraction_of_
         let hull = union.hull();
         (0..3).for_each(|axis| widths[axis] += hull.width(axis) / 200.0);
     }
-    // By hand, half-widths in mm: tilts of 0.05° over 2.8 m and 2.6 m 4.72, placement 0.5; position of the mount 0.3 and centre of the picture 1.38 as
-    // squares turned anyhow, 4/π on average, 2.1; a dot's print and pixel 0.15: 7.5, less what corners of squares give back.
+    // Half-widths of the box computed by hand, in mm: tilts of body and mount by 0.05° over 2.8 m and 2.6 m give 4.72, marker placement gives 0.5.
+    // The mount's position (0.3) and the principal point (1.38) are squares turned by any angle, wider by 4/π on average: 2.1. A dot's print and
+    // pixel bound give 0.15. The sum is 7.5, less what is gained at the corners of the squares.
     println!("widths {:.2} mm {:.2} mm {:.3} deg", 1e3 * widths[0], 1e3 * widths[1], widths[2].to_degrees());
     assert!(widths[..2].iter().all(|width| (0.0142..0.0162).contains(width)), "{widths:?}");
     assert!(widths[2].to_degrees() < 0.6, "{widths:?}");
@@ -343,7 +346,7 @@ fn a_marker_that_is_not_where_the_map_says_costs_nothing_when_one_may_be_wrong()
     for round in 0..100 {
         let camera = CeilingCameraModel { q_items: 1, ..any_camera(&mut rng) };
         let mut situation = Situation::new(&mut rng, camera, 3);
-        // A double of marker 0 hangs elsewhere and is the one in view.
+        // Marker 0 hangs 5 to 40 cm away from its place on the map.
         situation.pasted[0].0[0] += rng.random_range(0.05..0.4) * [-1.0, 1.0][rng.random_range(0..2)];
         let seen = situation.seen(&mut rng, 0.05);
         let prior = situation.prior(&mut rng, 2.0, 0.5);
@@ -353,7 +356,7 @@ fn a_marker_that_is_not_where_the_map_says_costs_nothing_when_one_may_be_wrong()
         assert!(!situation.holds(&union), "round {round}");
         emptied += usize::from(union.branches.is_empty());
     }
-    // Without q the contradiction is noticed: nothing is left.
+    // If no marker may be wrong, the contradiction is noticed: no pose is left.
     assert!(emptied >= 95, "{emptied} of 100");
 }
 

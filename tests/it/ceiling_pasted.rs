@@ -1,4 +1,5 @@
-//! Markers on rendered ceilings: where they are by hand, what the localizer reads of them, and of damaged ones.
+//! Tests of markers on rendered ceilings: their images against computations by hand, and what the localizer reads from intact and from damaged
+//! markers.
 
 use interval::Interval;
 use localizer::{
@@ -15,7 +16,7 @@ use sim::{drawn::Drawn, scene::Scene, sensors::still::Still};
 
 use crate::render_studio::renderer;
 
-/// A room of 5 m by 4 m with a camera that looks up, and `more` after the header of its `[markers]`.
+/// A room of 5 m by 4 m and a robot with a camera that looks up; `more` follows the header of the scene's `[markers]` table.
 fn room(more: &str) -> Scene {
     let text = format!(
         "[room]\nwidth_m = 5.0\ndepth_m = 4.0\n[start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n\
@@ -24,7 +25,7 @@ fn room(more: &str) -> Scene {
     Scene::parse(&text, "room.toml").unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
-/// No tolerance at all.
+/// Marker keys that set every tolerance to 0.
 const EXACT: &str =
     "placement_tolerance_m = 0\nrotation_tolerance_deg = 0\nprint_tolerance_m = 0\nheight_tolerance_m = 0\n";
 const EXACT_CAMERA: &str = "[robot.ceiling_camera.calibration]\nposition_tolerance_m = 0\nangle_tolerance_deg = 0\n\
@@ -43,7 +44,7 @@ fn picture(scene: &Scene, drawn: &Drawn, pose: Pose) -> Still {
         .remove(0)
 }
 
-/// What vision reads, and how many grids it refuses.
+/// The markers that vision reads, and the number of candidate grids that it refuses.
 fn read(scene: &Scene, still: &Still) -> (Vec<SeenMarker>, usize) {
     let (camera, map) = (scene.robot_model().ceiling_camera.unwrap(), scene.map().markers.unwrap());
     let view = CeilingView::new(755.0, [2.28, 2.31], 0.005, camera.electrons_per_grey);
@@ -59,7 +60,8 @@ fn ids(seen: &[SeenMarker]) -> Vec<u16> {
 
 #[test]
 fn markers_are_seen_where_and_how_a_hand_puts_them() {
-    // Image down is robot forward and image right is robot right, seen from below; the focal length over the depth of 2.299 m is 328 px/m.
+    // In an image taken from below, image down is robot forward and image right is robot right; focal length over the depth of 2.299 m is 328
+    // px/m.
     let scene = room(&format!(
         "{EXACT}{}{}{}{EXACT_CAMERA}",
         marker(125, [2.3, 1.5], 0.0, ""),
@@ -70,7 +72,7 @@ fn markers_are_seen_where_and_how_a_hand_puts_them() {
     let (seen, _) = read(&scene, &still);
     let [fu, fv] = [755.139 / 2.299, 753.926 / 2.299];
     let (sin, cos) = 30f64.to_radians().sin_cos();
-    // Identity, place, and the steps from O to X and from O to Y, 0.12 m each.
+    // For each marker its identity, its position, and the directions of the steps from dot O to X and from O to Y, 0.12 m each.
     let expected = [
         (125, [0.0, 0.3], [0.0, 1.0], [-1.0, 0.0]),
         (183, [-0.4, 0.0], [-1.0, 0.0], [0.0, -1.0]),
@@ -146,7 +148,7 @@ fn no_damaged_hexad_is_read_as_another() {
     let drawn = Drawn::draw(&scene, 0);
     let still = picture(&scene, &drawn, Pose { x_m: 2.0, y_m: 1.5, heading_rad: 0.4 });
     let (seen, refused) = read(&scene, &still);
-    // Both of the same name are read as what they say; that they are two is for the method to see.
+    // Both markers with the identity 125 are read as 125; that there are two of them is for the method to notice.
     assert_eq!(ids(&seen), [125, 125], "refused {refused}");
     assert!(refused >= 2, "{refused} refused");
     let on_ceiling: Vec<usize> = drawn.markers.iter().map(|marker| marker.index).collect();

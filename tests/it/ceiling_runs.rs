@@ -1,4 +1,4 @@
-//! Whole runs under ceiling markers: soundness, what is judged of a claim, every declared bound, recordings, the same bytes.
+//! Tests of whole runs under ceiling markers: soundness, judging of claims, every declared bound, recordings, and equal bytes in repeated runs.
 
 use std::fs;
 
@@ -13,7 +13,8 @@ use crate::{
     render_studio::judged,
 };
 
-/// A room under four markers and a tube, with a small picture of as much view as the paper's; `more` ends the text.
+/// A room with four ceiling markers and a tube lamp, seen by a camera with a small image and the field of view of the paper's. `more` comes before
+/// the table of markers.
 fn text(more: &str) -> String {
     let head = "duration_s = 3.0\n[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[robot]\nfloor_camera = false\nERRORS\
         [robot.ceiling_camera]\nwidth_px = 320\nheight_px = 240\nfocal_px = [300.0, 300.0]\n\
@@ -46,7 +47,8 @@ fn a_drive_under_markers_keeps_the_truth_and_says_only_what_is_so() {
         let counts = &verdict.methods["ceiling_markers"];
         assert!(counts.constraints > 8 && counts.claims > 12 && counts.false_claims == 0, "{counts:?}");
         assert!(verdict.metrics["markers_read_share"] > 0.95 && verdict.metrics["markers_misread"] == 0.0);
-        // 2.3 m below the dots, 0.1° of mount and 0.035° of body are ±5.4 mm; the rest is calibration and placement.
+        // The dots are 2.3 m above the camera, where tilts of 0.1° of the camera's mount and 0.035° of the body give ±5.4 mm; calibration and
+        // placement give the rest of the box.
         let at_fix = &verdict.width.as_ref().unwrap().at_fix;
         assert!(at_fix.x_m.mean < 0.05 && at_fix.y_m.mean < 0.05, "{at_fix:?}");
         assert!(record.images.iter().all(|image| image.method == "ceiling_markers"));
@@ -69,7 +71,7 @@ fn a_claim_is_true_of_its_own_marker_and_dots_alone() {
             assert!(!is_so(&Claim::Marker { marker: localizer::markers::MarkerId(other), dots_px: dots_px.clone() }));
             for axis in 0..2 {
                 let mut shifted = dots_px.clone();
-                // Twice the bound is beyond it, wherever within it the dot is.
+                // A dot shifted by twice the bound lies beyond the bound, wherever within it the dot was before.
                 shifted[0].1[axis] += 2.0 * shifted[0].1[2] + 1e-6;
                 assert!(!is_so(&Claim::Marker { marker: *marker, dots_px: shifted }));
             }
@@ -123,7 +125,7 @@ fn every_bound_of_camera_and_markers_is_watched() {
     ] {
         assert!(found.iter().any(|name| name == bound), "{bound} is not among {found:?}");
     }
-    // A stamp is held against what was declared when it was given.
+    // A stamp error is checked against the bound that was declared when the stamp was given.
     assert!(record.bounds.greatest["ceiling_camera.stamp"] > tight.robot.ceiling_camera.unwrap().stamp_tolerance_s);
 }
 
@@ -168,7 +170,7 @@ fn a_ceiling_run_gives_the_same_bytes_twice() {
     assert_eq!(digest(), digest());
 }
 
-/// The cells of a table's rows, as numbers; those of a row with an empty cell are left out.
+/// The rows of a table in a text as numbers; rows with an empty cell are left out.
 fn rows(text: &str, heading: &str) -> Vec<Vec<f64>> {
     let table = text.split(heading).nth(1).unwrap().split("\n**").next().unwrap();
     let cells = |line: &str| line.trim_matches('|').split('|').map(|cell| cell.trim().parse().ok()).collect();
@@ -207,7 +209,7 @@ fn the_papers_tables_agree_with_themselves_and_with_the_boxes() {
     };
     let own = product(&errors_m, &confidences, [error_m, confidence])
         / (product(&errors_m, &errors_m, [error_m; 2]) * product(&confidences, &confidences, [confidence; 2])).sqrt();
-    // P(S) is printed to two digits, where it varies by a tenth.
+    // The paper's confidence P(S) is printed to two digits only, while it varies by a tenth, so that the agreement is rough.
     assert!((own - stated).abs() < 0.1, "{own} {stated}");
     assert!(text.contains(&format!("position {stated:+.3}")), "{text}");
 }

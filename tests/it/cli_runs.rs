@@ -79,7 +79,7 @@ fn resume_runs_only_what_is_not_recorded_for_the_same_scene() {
     let folder = folder("resume");
     fs::write(folder.join("scene.toml"), blind_scene(1.0, "")).unwrap();
     let run = || assert_eq!(outcome(&mut wherein(&folder, &["run", "scene.toml", "--seeds", "0..2", "--resume"])).0, 0);
-    // Wall-clock time tells one run from another.
+    // Two runs are told apart by their wall-clock times.
     let timing = |seed: u64| fs::read_to_string(folder.join(format!("renders/scene/{seed}/timing.json"))).unwrap();
     run();
     let first = [timing(0), timing(1)];

@@ -6,7 +6,7 @@ use std::{
 
 use sim::loading::SceneFile;
 
-/// A folder that a test has to itself, empty at first.
+/// A folder for one test alone, empty at first.
 pub(crate) fn folder(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&path);
@@ -14,18 +14,18 @@ pub(crate) fn folder(name: &str) -> PathBuf {
     path
 }
 
-/// The root of the repository.
+/// The root folder of the repository.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
-/// A scene of the repository as one text, with what it extends.
+/// A scene of the repository as one text, merged with the scenes that it extends.
 pub(crate) fn scene_text(path: &str) -> String {
     let file = SceneFile::load(&root().join("scenes").join(path));
     file.unwrap_or_else(|error| panic!("failed to {error}")).text
 }
 
-/// `wherein` with these arguments, in `folder`.
+/// The command `wherein` with these arguments, to be run in `folder`.
 pub(crate) fn wherein(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_wherein-under-test"));
     command.current_dir(folder).args(arguments);
@@ -38,7 +38,7 @@ pub(crate) fn outcome(command: &mut Command) -> (i32, String, String) {
     (status.code().unwrap(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
 }
 
-/// A scene without a camera, so that a run takes milliseconds. `more` follows its tables.
+/// A scene without a camera, so that a run takes milliseconds; `more` is appended to it.
 pub(crate) fn blind_scene(duration_s: f64, more: &str) -> String {
     format!(
         "duration_s = {duration_s}\n[room]\nwidth_m = 3.0\ndepth_m = 2.0\n[robot]\nfloor_camera = false\n\

@@ -1,4 +1,4 @@
-//! Contractors, separators and pavings on problems whose answer is worked out by hand: one that does nothing fails here.
+//! Tests of contractors, separators and pavings on problems solved by hand; a contractor that does nothing fails them.
 
 use interval::contractor::{
     Contractor, Distance, ForwardBackward, Inverse, Outcome, Periodic, Pinhole, Polar, QRelaxed, q_intersection,
@@ -7,7 +7,7 @@ use interval::paving::{self, Paving};
 use interval::{Interval, IntervalBox, separator::Separator};
 use localizer::rigid_motion::{Landmark, LinearPose, RigidPlanar};
 
-/// Equal up to rounding, on both sides: not wider, and nothing lost.
+/// Asserts that an interval is equal to [lo, hi] up to rounding on both sides: not wider, and nothing lost.
 fn assert_close(actual: Interval, lo: f64, hi: f64) {
     let is_close = (actual.lo() - lo).abs() < 1e-9 && (actual.hi() - hi).abs() < 1e-9;
     assert!(is_close, "{actual} is not [{lo}, {hi}]");
@@ -15,7 +15,7 @@ fn assert_close(actual: Interval, lo: f64, hi: f64) {
 
 #[test]
 fn distance_is_optimal_on_a_circle() {
-    // A circle of radius 5 about the origin; above y = 3 it reaches x = ±4, and right of 0 no further than y = 5.
+    // A circle of radius 5 about the origin: above y = 3 it extends to x = ±4, and right of x = 0 it extends to y = 5 at most.
     let circle = Distance { centre: [Interval::ZERO; 2], distance: Interval::point(5.0) };
     let mut domain = IntervalBox::new([Interval::new(0.0, 10.0), Interval::new(3.0, 10.0)]);
     circle.contract(&mut domain);
@@ -30,17 +30,17 @@ fn distance_is_optimal_on_a_circle() {
 fn polar_is_optimal_within_and_across_quadrants() {
     let pi = std::f64::consts::PI;
     let whole = Interval::new(-9.0, 9.0);
-    // Within the first quadrant the corners of the sector decide.
+    // For a polar sector within the first quadrant, the corners of the sector determine the bounds of x and y.
     let mut sector = IntervalBox::new([whole, whole, Interval::new(1.0, 2.0), Interval::new(pi / 6.0, pi / 3.0)]);
     Polar.contract(&mut sector);
     assert_close(sector[0], 0.5, 3f64.sqrt());
     assert_close(sector[1], 0.5, 3f64.sqrt());
-    // Across the y axis the arc's top decides: y reaches 2 at π/2, and its least is 1 · sin 60°.
+    // For a polar sector across the y axis, the top of the arc determines the bound: y reaches 2 at π/2, and its minimum is 1 · sin 60°.
     let mut top = IntervalBox::new([whole, whole, Interval::new(1.0, 2.0), Interval::new(pi / 3.0, 2.0 * pi / 3.0)]);
     Polar.contract(&mut top);
     assert_close(top[0], -1.0, 1.0);
     assert_close(top[1], 0.75f64.sqrt(), 2.0);
-    // The heading is found on its own turn, in the third quadrant: atan2(−1, −1) + 2π · 3.
+    // The heading of a vector is found on the right turn, in the third quadrant: atan2(−1, −1) + 2π · 3.
     let mut heading =
         IntervalBox::new([Interval::point(-1.0), Interval::point(-1.0), whole, Interval::new(18.0, 24.0)]);
     Polar.contract(&mut heading);
@@ -64,7 +64,7 @@ fn pinhole_needs_no_division_by_a_depth_that_may_be_zero() {
     let camera = Pinhole { focal_px: Interval::point(320.0) };
     let anywhere = Interval::new(-100.0, 100.0);
     let depth = Interval::new(-1.0, 8.0);
-    // u = 80 is a slope of a quarter: x = z / 4 ≥ 1 means z ≥ 4, and z ≤ 8 means x ≤ 2.
+    // The image column u = 80 means a slope of a quarter: from x = z / 4 ≥ 1 follows z ≥ 4, and from z ≤ 8 follows x ≤ 2.
     let mut point = IntervalBox::new([Interval::new(1.0, 9.0), anywhere, depth, Interval::point(80.0), Interval::ZERO]);
     camera.contract(&mut point);
     assert_close(point[0], 1.0, 2.0);
@@ -85,7 +85,7 @@ fn two_of_three_intervals_outvote_the_third() {
 
 #[test]
 fn two_errors_of_the_same_size_are_two_errors() {
-    // e₁ · e₂ with both in [−1, 1] can be −1; the square of one error cannot.
+    // The product e₁ · e₂ of two errors in [−1, 1] can be −1; the square of one error cannot.
     let error = Interval::new(-1.0, 1.0);
     let product = ForwardBackward::new(|[x]| x.constant(error) * x.constant(error) + 0.0 * x, Interval::ENTIRE);
     assert!(product.evaluate(&IntervalBox::new([Interval::ONE])).contains(-1.0));
@@ -93,7 +93,7 @@ fn two_errors_of_the_same_size_are_two_errors() {
 
 #[test]
 fn an_inverse_image_contracts_through_its_formulas() {
-    // The place at distance 5 in the frame turned by a quarter and moved: (y − 1, −x).
+    // Points at distance 5 in a frame that is moved and turned by a quarter turn: (y − 1, −x).
     let moved =
         Inverse::new(|[x, y]| [y - 1.0, -x], Distance { centre: [Interval::ZERO; 2], distance: Interval::point(5.0) });
     let mut domain = IntervalBox::new([Interval::new(4.0, 9.0), Interval::new(1.0, 9.0)]);
@@ -130,7 +130,7 @@ fn sets_combine_by_and_or_and_complement() {
         let area = |boxes: &[IntervalBox<2>]| boxes.iter().map(|one| one.width(0) * one.width(1)).sum::<f64>();
         (area(&paving.inner), area(&paving.inner) + area(&paving.boundary))
     };
-    // Two unit discs one apart overlap in 2π/3 − √3/2.
+    // Two unit discs with centres 1 apart overlap in the area 2π/3 − √3/2.
     let overlap = 2.0 * std::f64::consts::FRAC_PI_3 - 0.75f64.sqrt();
     let pi = std::f64::consts::PI;
     for ((least, most), exact) in [
@@ -144,7 +144,7 @@ fn sets_combine_by_and_or_and_complement() {
 
 #[test]
 fn only_the_chosen_axes_are_bisected() {
-    // y is a function of x: bisecting x alone narrows y by contraction.
+    // Here y is a function of x, so that bisecting x alone narrows y by contraction.
     let line = ForwardBackward::new(|[x, y]| y - x.sqr(), Interval::ZERO);
     let domain = IntervalBox::new([Interval::new(0.0, 1.0), Interval::new(-5.0, 5.0)]);
     let cover = paving::cover(&line, domain, &[0], 0.26);
@@ -160,7 +160,7 @@ fn a_heading_known_but_for_whole_turns_stays_a_union() {
     let motion = RigidPlanar::new(&landmarks);
     let domain = IntervalBox::new([Interval::new(-1.0, 1.0), Interval::new(-1.0, 1.0), Interval::new(-10.0, 10.0)]);
     let branches = motion.branches(&domain);
-    // A quarter turn, with whole turns added: −7π/2 lies outside, −3π/2, π/2 and 5π/2 inside.
+    // The heading is a quarter turn plus whole turns: −7π/2 lies outside of the domain, and −3π/2, π/2 and 5π/2 lie inside.
     assert_eq!(branches.len(), 3);
     for (branch, quarter_turns) in branches.iter().zip([-3.0, 1.0, 5.0]) {
         assert!(branch[2].contains(quarter_turns * std::f64::consts::FRAC_PI_2) && branch[2].width() < 0.1);
@@ -168,7 +168,7 @@ fn a_heading_known_but_for_whole_turns_stays_a_union() {
     }
 }
 
-/// The problem that the benchmark times: four landmarks, ±0.1 m in both frames.
+/// The pose problem whose time the benchmark measures: four landmarks, known to ±0.1 m in both frames.
 fn four_landmarks() -> (Vec<Landmark>, [f64; 3]) {
     let (x, y, heading) = (1.0, 0.5, 0.4f64);
     let places = [[3.0, 2.0], [-2.0, 3.0], [-3.0, -2.5], [2.5, -3.0]];
@@ -188,7 +188,7 @@ fn one_shot_pose_is_as_tight_as_bisection_within_a_tenth() {
     let (landmarks, truth) = four_landmarks();
     let prior = IntervalBox::new([Interval::new(-3.0, 3.0); 3]);
     let motion = RigidPlanar::new(&landmarks);
-    // The reference knows no linearisation: a plain forward-backward contractor for each coordinate.
+    // The reference solution uses no linearisation: it has a plain forward-backward contractor for each coordinate.
     let mut plain: Vec<ForwardBackward<3>> = Vec::new();
     for (a, b) in &landmarks {
         let ([a_x, a_y], [b_x, b_y]) = (*a, *b);
@@ -206,7 +206,7 @@ fn one_shot_pose_is_as_tight_as_bisection_within_a_tenth() {
         let ratio = pose.width(axis) / reference.width(axis);
         assert!(ratio < 1.1, "axis {axis} is {ratio} times as wide as by bisection");
     }
-    // And the elimination alone, which the slices start from, is already close.
+    // The result of linear elimination alone, from which the slices of heading start, is already close to the reference.
     let mut eliminated = prior;
     LinearPose { motion, n_slices: 0 }.contract(&mut eliminated);
     assert!((0..3).all(|axis| eliminated.width(axis) < 1.25 * reference.width(axis)));

@@ -1,5 +1,5 @@
-//! Boxes that no problem asks for, but recovery and bisection hand out: unbounded, huge, far away, empty. Every contractor answers them
-//! promptly, grows none and loses no solution.
+//! Tests of contractors on extreme boxes, which no problem states but which recovery and bisection produce: unbounded, huge, far away, empty.
+//! Every contractor has to return promptly, enlarge no box and lose no solution.
 
 use std::{sync::mpsc, thread, time::Duration};
 
@@ -10,10 +10,10 @@ use interval::{Interval, IntervalBox};
 use localizer::methods::range_landmarks::{Freedom, PoseFromLandmarks, Solver};
 use localizer::rigid_motion::{Landmark, LinearPose, RelaxedPose, RigidPlanar, RigidPolar, RigidTable, Translated};
 
-/// What nobody waits for: a thousand times what the slowest of these takes.
+/// Time after which a contractor counts as one that never returns: a thousand times what the slowest of them takes.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Intervals of all kinds; the first ones contain the solution's component.
+/// Extreme intervals of all kinds; the first ones contain the given component of the solution.
 fn extremes(solution: f64) -> Vec<Interval> {
     vec![
         Interval::ENTIRE,
@@ -24,14 +24,15 @@ fn extremes(solution: f64) -> Vec<Interval> {
         Interval::new(solution - 300.0, solution + 300.0),
         Interval::new(solution - 0.1, solution + 0.1),
         Interval::new(1e300, f64::MAX),
-        // Neighbouring doubles are 16 apart here.
+        // At 1e17 neighbouring doubles are 16 apart.
         Interval::new(1e17, 1e17 + 64.0),
         Interval::new(f64::NEG_INFINITY, -1e300),
         Interval::EMPTY,
     ]
 }
 
-/// All boxes whose sides are extreme, or for more than three variables every side alone among bounded ones and all sides alike.
+/// All boxes with extreme sides. For more than three variables only boxes with one extreme side among bounded ones, and boxes whose sides are of
+/// the same kind.
 fn boxes<const N: usize>(solution: [f64; N]) -> Vec<IntervalBox<N>> {
     let sides = solution.map(extremes);
     let n_kinds = sides[0].len();
@@ -56,7 +57,7 @@ fn boxes<const N: usize>(solution: [f64; N]) -> Vec<IntervalBox<N>> {
     boxes
 }
 
-/// Contracts a box and branches it; complains of what is lost or has grown.
+/// Contracts and branches a box, and fails if a solution is lost or a result is not inside the box.
 fn answer<const N: usize>(name: &str, contractor: &dyn Contractor<N>, domain: IntervalBox<N>, solution: [f64; N]) {
     let mut contracted = domain;
     contractor.contract(&mut contracted);
@@ -70,7 +71,7 @@ fn answer<const N: usize>(name: &str, contractor: &dyn Contractor<N>, domain: In
     }
 }
 
-/// Has a contractor answer all boxes, in a thread of its own that may be given up.
+/// Tests a contractor on every `every`-th box, in a thread that is abandoned if the contractor does not return.
 fn answers<const N: usize>(
     name: &'static str,
     contractor: impl Contractor<N> + Send + 'static,
@@ -80,7 +81,7 @@ fn answers<const N: usize>(
     let (sender, receiver) = mpsc::channel();
     let work = thread::spawn(move || {
         for domain in boxes(solution).into_iter().step_by(every) {
-            // Told before, so that who never answers is named with the box.
+            // The box is sent before it is contracted, so that a contractor that never returns is reported with its box.
             let _ = sender.send(domain);
             answer(name, &contractor, domain, solution);
         }
@@ -100,7 +101,7 @@ fn answers<const N: usize>(
 
 const POSE: [f64; 3] = [0.7, -0.4, 1.9];
 
-/// Landmarks seen from [`POSE`], known to centimetres in both frames; with one that may be anywhere.
+/// Landmarks seen from [`POSE`], known to centimetres in both frames, and one more that may be anywhere.
 fn landmarks() -> Vec<Landmark> {
     let (sin, cos) = POSE[2].sin_cos();
     let near = |value: f64| Interval::centred(value, 0.01);
@@ -154,7 +155,7 @@ fn contractors_of_formulas_answer_unbounded_huge_and_empty_boxes_promptly() {
     answers("Periodic", Periodic { period: near(0.3), offset: near(0.1) }, [3.1], 1);
     answers("Periodic", Periodic { period: Interval::new(0.0, 0.3), offset: near(0.1) }, [3.1], 1);
     answers("Pinhole", Pinhole { focal_px: near(500.0) }, [1.0, 2.0, 4.0, 125.0, 250.0], 1);
-    // In doubles only few vectors are exactly as long as they are said to be.
+    // Few vectors of doubles have exactly the length that a double states for them, so one along x is used.
     answers("Polar", Polar, [2.0, 0.0, 2.0, 0.0], 1);
     let ring = ForwardBackward::new(|[x, y]| x.sqr() + y.sqr(), near(25.0));
     answers("ForwardBackward", ring.fixpoint(0.01), [3.0, 4.0], 1);

@@ -1,7 +1,7 @@
-//! Attempts to make the rigid contractors lose the truth: random landmarks and poses, errors at the corners of their boxes half of the
+//! Attempts to make the rigid-motion contractors lose the truth: random landmarks and poses, errors at the corners of their boxes half of the
 //! time, radii from millimetres to decimetres, all headings.
 //!
-//! `WHEREIN_RIGID_TRIALS` sets the number of problems; the experiments ask for 10⁸.
+//! The environment variable `WHEREIN_RIGID_TRIALS` sets the number of problems; the experiments set it to 10⁸.
 
 use interval::{Interval, IntervalBox, contractor::Contractor};
 use localizer::rigid_motion::{LinearPose, RigidPlanar};
@@ -10,7 +10,7 @@ fn n_trials() -> u64 {
     std::env::var("WHEREIN_RIGID_TRIALS").ok().and_then(|text| text.parse().ok()).unwrap_or(100_000)
 }
 
-/// SplitMix64.
+/// The random number generator SplitMix64.
 struct Random(u64);
 
 impl Random {
@@ -22,12 +22,12 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// In [−1, 1].
+    /// A random number in [−1, 1].
     fn signed(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// An error as a share of its bound: a corner half of the time.
+    /// A random error as a share of its bound: −1 or 1 half of the time.
     fn error(&mut self) -> f64 {
         match self.bits() % 4 {
             0 => -1.0,
@@ -36,7 +36,7 @@ impl Random {
         }
     }
 
-    /// An interval of the radius around a value with an error, with room for the rounding of the value itself.
+    /// An interval of the given radius around a value with a random error, wider by the rounding of the value itself.
     fn measured(&mut self, value: f64, radius: f64) -> Interval {
         Interval::centred(value + radius * self.error(), radius).inflate(1e-14 * (1.0 + value.abs()))
     }
@@ -74,7 +74,7 @@ fn rigid_contractors_never_lose_the_truth() {
             motion.contract(&mut domain);
             assert!(domain.contains(&truth), "trial {trial}: pass lost {truth:?}, left {domain:?} of {prior:?}");
         }
-        // Slices are the same pass again and cost the most: every eighth problem is enough for them.
+        // The solver with slices of heading repeats the same pass and costs the most, so that it is tested on every eighth problem only.
         for n_slices in if trial % 8 == 0 { [0, 3].as_slice() } else { &[0] } {
             let n_slices = *n_slices;
             let branches = LinearPose { motion: motion.clone(), n_slices }.branches(&prior);

@@ -1,5 +1,5 @@
-//! The laws of contractors on random problems with known solutions, often at a corner: the result is a subset, no solution is
-//! lost, and a fixpoint stays.
+//! Tests of the laws of contractors on random problems with known solutions, often at a corner of the box: the result is a subset, no solution is
+//! lost, and a fixpoint stays unchanged.
 
 use interval::contractor::{
     Contractor, Distance, ForwardBackward, Outcome, Periodic, Pinhole, Polar, QRelaxed, Within,
@@ -8,21 +8,22 @@ use interval::{Interval, IntervalBox};
 use localizer::rigid_motion::{Landmark, RelaxedPose, RigidPolar, RigidTable, Translated};
 use proptest::prelude::*;
 
-/// Room for the rounding of a solution that is computed in doubles.
+/// Relative allowance for the rounding of a solution that is computed in doubles.
 const ROUNDING: f64 = 1e-12;
 
-/// An interval around a value that may be anywhere in it: at the lower end, at the upper end, in between.
+/// An interval of the given width around a value; `share` says where in the interval the value lies, from 0 at the lower end to 1 at the upper
+/// end.
 fn around(value: f64, width: f64, share: f64) -> Interval {
     let rounding = ROUNDING * (1.0 + value.abs());
     Interval::new(value - share * width - rounding, value + (1.0 - share) * width + rounding)
 }
 
-/// Shares of a width: both ends often.
+/// Random position of a value in its interval, as a share of the interval's width: often at either end.
 fn share() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(1.0), 0.0..1.0]
 }
 
-/// Widths from nothing to more than the problem.
+/// Random widths of intervals, from 0 to more than the size of the problem.
 fn width() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), 0.0..0.01, 0.0..1.0, 0.0..30.0]
 }
@@ -40,7 +41,7 @@ fn check_laws<const N: usize>(contractor: &impl Contractor<N>, domain: IntervalB
     let branches = contractor.branches(&domain);
     assert!(branches.iter().any(|branch| branch.contains(&solution)), "{solution:?} is in no branch of {domain:?}");
     assert!(branches.iter().all(|branch| !branch.is_empty() && branch.is_subset_of(&domain)));
-    // At a fixpoint the contractor has nothing more to say.
+    // Repeated contraction ends at a fixpoint, where the box no longer changes.
     let mut fixpoint = contracted;
     for _ in 0..5000 {
         let before = fixpoint;
@@ -72,7 +73,7 @@ proptest! {
         range in prop_oneof![Just(0.0), 0.0..20.0f64], angle in -20.0..20.0f64,
         quarter in any::<bool>(), s in proptest::collection::vec(surroundings(), 4),
     ) {
-        // Headings along the axes are where quadrants meet.
+        // Quadrants meet at headings along the axes, so half of the test's angles are multiples of a quarter turn.
         let angle = if quarter { (angle / 1.6).round() * std::f64::consts::FRAC_PI_2 } else { angle };
         let solution = [range * angle.cos(), range * angle.sin(), range, angle];
         let domain = IntervalBox::new(std::array::from_fn(|idx| around(solution[idx], s[idx].0, s[idx].1)));
@@ -142,7 +143,7 @@ proptest! {
     }
 }
 
-/// A pose, landmarks of which the last `n_wrong` are in the wrong place, and a box of poses.
+/// A random pose, random landmarks of which the last `n_wrong` are at wrong places, and a box of poses.
 fn landmark_problem(n_wrong: usize) -> impl Strategy<Value = (Vec<Landmark>, IntervalBox<3>, [f64; 3])> {
     let landmark =
         ((-6.0..6.0f64, -6.0..6.0f64), proptest::collection::vec((prop_oneof![Just(0.0), 0.0..0.3], share()), 4));
@@ -159,7 +160,7 @@ fn landmark_problem(n_wrong: usize) -> impl Strategy<Value = (Vec<Landmark>, Int
                 let shift = if index < n_right { 0.0 } else { 4.0 };
                 ([interval(a + shift, 0), interval(b, 1)], [interval(in_robot[0], 2), interval(in_robot[1], 3)])
             });
-            // Nothing known of the heading, or one side of it alone, is a domain as well.
+            // An entirely unknown heading, and a heading that is bounded on one side only, are tested as well.
             let known = match known {
                 0 => Interval::ENTIRE,
                 1 => Interval::new(heading, f64::INFINITY),

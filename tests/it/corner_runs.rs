@@ -1,4 +1,5 @@
-//! Errors at their corners and in a drift: every estimate holds the truth, and would not if boxes were 45 % too small.
+//! Tests with errors at the corners of their bounds or drifting within them: every estimate holds the truth, and would not if boxes were 45 % too
+//! small.
 
 use interval::Interval;
 use interval::contractor::{Contractor, Outcome};
@@ -26,7 +27,7 @@ use sim::{
 
 use crate::{command::root, judging::verdict_of};
 
-/// A scene of the repository, cut to `duration_s`, with every error as far as its bound lets it.
+/// A scene of the repository, shortened to `duration_s`, with every error drawn from the distribution `errors`.
 fn scene(path: &str, duration_s: f64, errors: Distribution) -> Scene {
     let mut scene = SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene;
     scene.duration_s = duration_s;
@@ -50,7 +51,7 @@ fn contained(path: &str, duration_s: f64, errors: Distribution, seed: u64) -> Ru
     record
 }
 
-/// What a fault would leave that makes boxes 45 % too small about their middle, along some axes.
+/// The box that would result from a fault that makes boxes 45 % too small about their middle, along the given axes.
 fn too_small(pose: &PoseBox, axes: &[usize]) -> PoseBox {
     PoseBox::from([0, 1, 2].map(|axis| match pose[axis] {
         side if axes.contains(&axis) => Interval::centred(side.mid(), 0.55 * 0.5 * side.width()),
@@ -58,7 +59,7 @@ fn too_small(pose: &PoseBox, axes: &[usize]) -> PoseBox {
     }))
 }
 
-/// Whether some box after the first second, so small along these axes, would no longer hold the truth.
+/// Whether some estimated box after the first second, if it were 45 % too small along these axes, would not hold the true pose.
 fn would_lose(record: &RunRecord, axes: &[usize]) -> bool {
     record.truths.iter().zip(&record.estimates).skip(100).any(|(truth, estimate)| {
         let pose = truth.pose.to_array();
@@ -158,7 +159,8 @@ impl Method for TooSmall {
     }
 }
 
-/// Localizers beside the run's own, told the same readings; each counts the steps whose truth its estimate does not hold.
+/// Localizers that get the same readings beside the run's own; for each the number of steps at which its estimate does not hold the truth is
+/// counted.
 struct Beside {
     localizers: Vec<(Localizer, usize)>,
 }
@@ -181,7 +183,8 @@ impl Witness for Beside {
     }
 }
 
-/// Steps of one drive that a localizer with the method as it is loses, and those that one with its boxes 45 % too small loses.
+/// Numbers of steps of one run at which the true pose is lost: by a localizer with the unchanged method, and by one with the method's boxes 45 %
+/// too small.
 fn lost_with_and_without(scene: &Scene, seed: u64, method: &dyn Fn(&Scene) -> Option<Box<dyn Method>>) -> [usize; 2] {
     let localizer = |method: Box<dyn Method>| {
         Localizer::new(scene.map(), scene.robot_model(), vec![method], scene.start_box())

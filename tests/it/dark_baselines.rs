@@ -1,4 +1,4 @@
-//! Paper 2's point methods, and those of a careful engineer on its sensors, on cases worked out by hand.
+//! Tests of paper 2's point methods, and of a careful engineer's point methods for the same sensors, on cases worked out by hand.
 
 use interval::Interval;
 use localizer::{
@@ -10,7 +10,7 @@ use localizer::{
     robot::{FlowModel, GyroModel, WheelModel},
 };
 
-/// 100 Hz, a bias of at most 0.01 rad/s, noise of at most 0.01 rad/s.
+/// A gyroscope with 100 Hz, a bias of at most 0.01 rad/s, and noise of at most 0.01 rad/s.
 fn gyro() -> GyroModel {
     GyroModel {
         bias_rad_per_s: Interval::centred(0.0, 0.01),
@@ -23,7 +23,7 @@ fn gyro() -> GyroModel {
     }
 }
 
-/// A tick is a millimetre: 1000 of them in a turn of a metre.
+/// Wheels with a tick per millimetre: 1000 ticks in a turn of one metre.
 fn wheels() -> WheelModel {
     let radius_m = Interval::point(1.0 / std::f64::consts::TAU);
     WheelModel {
@@ -38,7 +38,7 @@ fn wheels() -> WheelModel {
     }
 }
 
-/// 0.1 m ahead of the axle, turned by nothing; a count is a tenth of a millimetre.
+/// A flow sensor 0.1 m ahead of the axle, aligned with the robot, with a count per tenth of a millimetre.
 fn flow() -> FlowModel {
     FlowModel {
         position_m: [Interval::point(0.1), Interval::ZERO],
@@ -58,20 +58,20 @@ fn the_bias_is_the_mean_rate_at_rest_without_its_begin_and_end() {
         (0..n).for_each(|step| at_rest.rate(if step % 2 == 0 { 0.003 } else { 0.005 }));
         at_rest.bias_rad_per_s()
     };
-    // 0.3 s of standing do not count, and 0.1 s are held back.
+    // After 0.38 s at rest no gyroscope bias is known yet: the first 0.3 s of standing do not count, and the latest 0.1 s of rates are held back.
     assert_eq!(stands(&mut at_rest, 38), 0.0);
-    // Nothing is believed at once: each time the encoders count it begins anew.
+    // Each time the encoders count, the waiting time before rates at rest are used starts again.
     at_rest.moved();
     assert_eq!(stands(&mut at_rest, 38), 0.0);
-    // About 60 rates of 0.003 and 0.005 in turn: at most one of them is without its fellow.
+    // The bias is the mean of about 60 rates, alternately 0.003 and 0.005 rad/s, of which at most one has no counterpart.
     let bias_rad_per_s = stands(&mut at_rest, 62);
     assert!((bias_rad_per_s - 0.004).abs() < 0.001 / 50.0, "{bias_rad_per_s}");
-    // A robot that begins to turn before its encoders count: within what is held back.
+    // The robot begins to turn before its encoders count: the gyroscope's rates of that time are among those held back, and are dropped.
     (0..9).for_each(|_| at_rest.rate(0.015));
     at_rest.moved();
     let after_rad_per_s = at_rest.bias_rad_per_s();
     assert!((after_rad_per_s - 0.004).abs() < 0.001 / 50.0, "{after_rad_per_s}");
-    // One that is turned by hand on standing wheels, faster than bias and noise together.
+    // The robot is turned by hand with its wheels at rest, faster than the gyroscope's bias and noise together explain.
     (0..500).for_each(|_| at_rest.rate(0.3));
     assert_eq!(at_rest.bias_rad_per_s(), after_rad_per_s);
 }
@@ -81,7 +81,7 @@ fn dead_reckoning_takes_off_the_bias_that_it_found_at_rest() {
     let driven = |mut reckoning: DeadReckoning| {
         for step in 0..2000 {
             reckoning.turn(0.01);
-            // 10 s at rest, then 10 s straight on at 0.1 m/s.
+            // The robot rests for 10 s, then drives straight ahead at 0.1 m/s for 10 s.
             let ticks = i64::from((step - 999).max(0));
             reckoning.roll([ticks, ticks]);
         }
@@ -89,9 +89,9 @@ fn dead_reckoning_takes_off_the_bias_that_it_found_at_rest() {
     };
     let nominal = driven(DeadReckoning::new(Pose::default(), wheels(), gyro(), Way::Wheels));
     let corrected = driven(DeadReckoning::new(Pose::default(), wheels(), gyro(), Way::Wheels).with_gyro_at_rest());
-    // 20 s of 0.01 rad/s, but for the turn since the first encoder reading.
+    // The heading that is not corrected drifts for 20 s at 0.01 rad/s, apart from the turn before the first encoder reading.
     assert!((nominal.heading_rad - 0.2).abs() < 2e-4, "{nominal:?}");
-    // 0.4 s of it, until the first rate is believed; then nothing more.
+    // The corrected heading drifts for 0.4 s, until the first rate enters the mean of the bias, and not after that.
     assert!(corrected.heading_rad > 0.0035 && corrected.heading_rad < 0.0045, "{corrected:?}");
     assert!(
         (corrected.x_m - 1.0).abs() < 1e-4 && (corrected.y_m - corrected.heading_rad).abs() < 1e-5,
@@ -104,18 +104,18 @@ fn the_way_by_flow_alone_leaves_out_the_arm_and_slip_and_has_the_wheels_where_it
     let mut reckoning = DeadReckoning::new(Pose::default(), wheels(), gyro(), Way::Flow(flow()));
     reckoning.flow([0, 0], 0);
     reckoning.roll([0, 0]);
-    // A turn on the spot by 0.5 rad: the sensor goes 0.1 m · 0.5 to the left.
+    // The robot turns on the spot by 0.5 rad, so that the sensor moves 0.1 m · 0.5 to the left.
     (0..50).for_each(|_| reckoning.turn(1.0));
     reckoning.flow([0, 500], 0);
     reckoning.roll([-75, 75]);
     let turned = reckoning.pose();
     assert!(turned.x_m.abs() < 1e-12 && turned.y_m.abs() < 1e-12 && (turned.heading_rad - 0.5).abs() < 1e-12);
-    // Wheels that roll 0.2 m over 0.1 m of floor; then one blind period, in which nothing is counted of 0.05 m.
+    // The wheels roll 0.2 m over 0.1 m of floor. Then the flow sensor is blind for one period, in which none of 0.05 m is counted.
     reckoning.flow([1000, 500], 0);
     reckoning.roll([125, 275]);
     let blind_m = |reckoning: &DeadReckoning| reckoning.pose().x_m.hypot(reckoning.pose().y_m);
     assert!((blind_m(&reckoning) - 0.1).abs() < 1e-12, "{:?}", reckoning.pose());
-    // The wheels are read twice before the flow sensor says that it was blind.
+    // The wheels are read twice before the flow sensor reports that it was blind.
     reckoning.roll([150, 300]);
     assert!((blind_m(&reckoning) - 0.1).abs() < 1e-12);
     reckoning.flow([1000, 500], 1);
@@ -128,45 +128,45 @@ fn encoders_count_without_slip_and_the_flow_sensor_by_its_weight_with_it() {
     let decision = SlipDecision { level_m: 0.001, flow_weight: 0.75 };
     assert_eq!(decision.travel_m(0.010, [0.0095, 0.0005]), [0.010, 0.0]);
     let [forward, left] = decision.travel_m(0.010, [0.002, 0.004]);
-    // 0.010 − 0.75·0.008, and 0.75·0.004.
+    // Expected travel in metres with a flow weight of 0.75: 0.010 − 0.75·0.008 forward, and 0.75·0.004 left.
     assert!((forward - 0.004).abs() < 1e-12 && (left - 0.003).abs() < 1e-12);
-    // A push sideways, without a turn of the wheels.
+    // A push to the side is counted, although the wheels do not turn.
     assert!(decision.travel_m(0.0, [0.0, 0.002])[1] > 0.0);
 }
 
 #[test]
 fn a_remembered_direction_corrects_later_headings_and_keeps_the_first_ones_error() {
     let mut database = DirectionDatabase::default();
-    // The wall runs at 0.65 rad; the first heading is 0.02 rad too great, and so is the direction remembered.
+    // The wall runs at 0.65 rad; the first heading is 0.02 rad too great, and so is the remembered direction of the wall.
     assert_eq!(database.correct(0.65 - 0.30, 0.32), None);
     let corrected = database.correct(0.65 - 1.00, 1.10).unwrap();
     assert!((corrected - 1.02).abs() < 1e-12, "{corrected}");
-    // A quarter turn on, the same wall is seen across.
+    // After a quarter turn more, the same wall is recognised although the robot now faces across it.
     assert!(database.correct(0.65 - 2.60 + std::f64::consts::FRAC_PI_2, 2.62).is_some());
 }
 
 #[test]
 fn headings_seen_bend_a_chain_of_odometry_that_turns_too_far() {
-    // Ten steps of 0.1 m straight on along y; the gyroscope says 0.02 rad of turn in each, the camera says none, and is believed.
+    // In ten steps of 0.1 m straight along y the gyroscope reads a turn of 0.02 rad each; the camera reads none, and has a far greater weight.
     let first = Pose { x_m: 0.0, y_m: 0.0, heading_rad: std::f64::consts::FRAC_PI_2 };
     let step = Step { travel_m: [0.1, 0.0], turn_rad: 0.02, heading_rad: Some(first.heading_rad) };
     let believed = Weights { travel_m: 0.001, turn_rad: 0.1, heading_rad: 1e-5 };
     let last = optimised(first, &[step; 10], &believed)[9];
     assert!(last.x_m.abs() < 1e-5 && (last.y_m - 1.0).abs() < 1e-6, "{last:?}");
-    // Equally believed, one step of 0.02 rad ends half way, with the wrap of a full turn taken out.
+    // With equal weights of gyroscope and camera one step of 0.02 rad ends half way, after a whole turn is removed from the heading that was seen.
     let equal = Weights { travel_m: 0.001, turn_rad: 0.01, heading_rad: 0.01 };
     let seen = Some(first.heading_rad + std::f64::consts::TAU);
     let one = optimised(first, &[Step { heading_rad: seen, ..step }], &equal)[0];
     assert!((one.heading_rad - first.heading_rad - 0.01).abs() < 1e-9, "{one:?}");
-    // Without headings, odometry alone.
+    // Without headings from the camera the result is odometry alone.
     let circle = optimised(first, &[Step { heading_rad: None, ..step }; 10], &believed)[9];
     assert!((circle.heading_rad - first.heading_rad - 0.2).abs() < 1e-12);
 }
 
 #[test]
 fn a_whole_chain_of_points_follows_headings_that_are_seen_late() {
-    // A metre in ten seconds along x, by a gyroscope that drifts to the left by 0.02 rad/s; each second a wall along x is seen from a picture that
-    // comes a tenth of a second late. What the first picture remembers of the wall is what had drifted by then.
+    // The robot moves one metre along x in ten seconds, and its gyroscope drifts to the left by 0.02 rad/s. Each second a wall along x is seen in
+    // an image that arrives a tenth of a second late. The wall's direction remembered from the first image contains the drift until then.
     let mut chain = CorrectedReckoning::new(Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 });
     let mut reckoned = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
     for step in 1..=1000 {
@@ -180,7 +180,7 @@ fn a_whole_chain_of_points_follows_headings_that_are_seen_late() {
         }
     }
     let pose = chain.pose();
-    // Dead reckoning ends at 0.2 rad and 0.1 m to the left. The database's mean takes over a share of the drift at each picture (1/2, 1/3, …), so
+    // Dead reckoning ends at 0.2 rad and 0.1 m to the left. The database's mean takes over a share of the drift at each image (1/2, 1/3, …), so
     // that its error grows too, but less than half as fast.
     assert!((reckoned.heading_rad - 0.2).abs() < 1e-9 && reckoned.y_m > 0.09, "{reckoned:?}");
     assert!(pose.heading_rad > 0.0 && pose.heading_rad < 0.1, "{pose:?}");

@@ -1,4 +1,4 @@
-//! Whole runs by `wall_directions` at 0.1 lx: soundness, what is judged of a claim, the bounds, exposures, the paper's chain.
+//! Tests of whole runs by `wall_directions` at 0.1 lx: soundness, judging of claims, bounds, exposures, and the paper's chain of image processing.
 
 use localizer::{Claim, Reading, Status};
 use sim::{
@@ -14,7 +14,7 @@ use crate::{
     render_studio::{judged, renderer},
 };
 
-/// The scene of the repository with some of its lines replaced, `setup` under `[localizer.wall_directions]`.
+/// The scene `dark/walls.toml` with some of its lines replaced, and with `setup` added under `[localizer.wall_directions]`.
 fn scene(changes: &[[&str; 2]], setup: &str) -> Scene {
     let mut text = scene_text("dark/walls.toml");
     for [from, to] in changes {
@@ -40,14 +40,14 @@ fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
     let metrics = &verdict.metrics;
     assert!(metrics["wall_images"] >= 39.0 && metrics["wall_fix_share"] > 0.5, "{metrics:?}");
     assert!(metrics["wall_fix_error_p95_deg"] < 0.4, "{metrics:?}");
-    // Ten images leave less than the start was known to.
+    // The heading after ten images is narrower than the heading known at the start.
     let width_deg = |index: usize| record.estimates[index].pose.hull()[2].width().to_degrees();
     assert!(width_deg(0) > 1.9 && width_deg(399) < 1.8, "{} to {}", width_deg(0), width_deg(399));
     let mut n_claims = 0;
     for image in &record.images {
         for claim in &image.claims {
             let is_so = |claim: &Claim| is_true(claim, &scene, &record.drawn, &image.truth);
-            // Turned by ten degrees about its first end, no edge runs along a wall, and none is upright.
+            // If an edge is turned by ten degrees about its first end, it runs along no wall and is not upright, so that the claim is false.
             let turned = |[first, last]: [[f64; 2]; 2]| {
                 let [du, dv] = [last[0] - first[0], last[1] - first[1]];
                 [first, [first[0] + du - 0.176 * dv, first[1] + dv + 0.176 * du]]
@@ -64,7 +64,7 @@ fn a_drive_in_the_dark_keeps_its_heading_by_the_walls() {
     assert!(n_claims > 80, "{n_claims} true claims");
 }
 
-/// A scene that broke something once.
+/// A scene of `scenes/found`, which once made the localizer fail, with some of its lines replaced.
 fn found(name: &str, changes: &[[&str; 2]]) -> Scene {
     let mut text = scene_text(&format!("found/{name}"));
     for [from, to] in changes {
@@ -109,7 +109,7 @@ fn furniture_as_askew_as_declared_is_no_false_claim_and_takes_no_heading() {
     assert!(10 * n_false(&scene) < n_claims && n_false(&untold) > 2 * n_false(&scene) + 5, "{}", n_false(&untold));
 }
 
-/// The full system on paper 2's rectangle: carpet, flow sensor, a gyroscope that is learnt.
+/// A scene with the full system on paper 2's rectangle: carpet, flow sensor, and a gyroscope whose errors are learnt.
 fn rectangle(duration_s: f64, event: &str) -> Scene {
     let text = scene_text("papers/dark_carpet.toml");
     let text = text.replace("duration_s = 872.0", &format!("duration_s = {duration_s:?}"));
@@ -127,9 +127,9 @@ fn the_whole_system_rounds_its_first_corner_with_the_heading_known() {
         verdict.containment
     );
     assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
-    // Of the pictures, 50 of 120 are taken at rest, from one place.
+    // The share of images that give a heading is low because 50 of the 120 images are taken at rest, from one place.
     assert!(verdict.metrics["wall_fix_share"] > 0.1, "{:?}", verdict.metrics);
-    // The start is known to 1 degree; the bound of each reading by itself, over 24 s, would add 2·24·(0.02 + 0.12) degrees.
+    // The heading at the start is known to 1 degree; the bound on single gyroscope readings would add 2·24·(0.02 + 0.12) degrees in 24 s.
     let last = record.estimates.last().unwrap().pose.hull()[2];
     assert!(last.width().to_degrees() < 1.9, "{last:?}");
     let truth = record.truths.last().unwrap();
@@ -159,7 +159,7 @@ fn a_direction_that_no_wall_has_is_named() {
     assert!((violation.true_value.to_degrees() - 1.5).abs() < 1e-9, "{violation:?}");
     let containment = verdict.containment.as_ref().unwrap();
     assert_eq!((containment.unsound, containment.perception), (0, 0), "{containment:?}");
-    // Lost, or noticed: images that agree on no heading are a contradiction.
+    // The true pose is lost, or the wrong wall direction is noticed: images that agree on no heading are a contradiction.
     let is_noticed = verdict.metrics["recovering_share"] > 0.5;
     assert!(containment.bound_broken > 0 || is_noticed, "{containment:?}");
 }
@@ -178,7 +178,7 @@ fn walls_as_askew_as_declared_keep_the_truth_and_ten_times_as_askew_are_named() 
     );
     assert!(verdict.violations.is_empty(), "{:?}", verdict.violations);
     assert!(verdict.metrics["wall_fix_share"] > 0.3, "{:?}", verdict.metrics);
-    // The same walls, of which the localizer is told that they are ten times as straight.
+    // The run is repeated with the same walls, but the localizer is given a tolerance of their direction that is ten times as narrow.
     let told = scene(&lines, "tolerance_deg = 0.03");
     let again = run_otherwise(
         &told,
@@ -198,7 +198,7 @@ fn walls_as_askew_as_declared_keep_the_truth_and_ten_times_as_askew_are_named() 
 
 #[test]
 fn a_wall_that_the_map_does_not_tell_is_named() {
-    // What is to be learnt has to be farther from what is told than what can be mistaken for it.
+    // A wall direction can be learnt only if it differs from the mapped ones by more than clutter does that is mistaken for a mapped wall.
     let learns = "mapped_deg = [0.0]\nlearns = true";
     let setups = [
         ("mapped_deg = [0.0]", 2.0, true),
@@ -238,7 +238,7 @@ fn exposures_are_short_while_the_robot_turns() {
     let to_the_left = ["heading_deg = 0", "heading_deg = -60"];
     let (record, _) = judged(&scene(&[["duration_s = 60.0", "duration_s = 4.0"], to_the_left], ""), 4);
     let (mut n_short, mut n_long) = (0, 0);
-    // Auto-exposure begins as for office light.
+    // The first three images are skipped, because auto-exposure begins with a setting for office light.
     for image in record.images.iter().skip(3) {
         let Some(Reading::Camera { exposure_s, .. }) = image.reading else { panic!() };
         let turn_rad_per_s = image.truth.velocity[2].abs();

@@ -1,4 +1,5 @@
-//! Straight edges, directions and features in pictures whose light is known: photons by Poisson, and a camera of the tests' own.
+//! Tests of straight edges, directions and features in images of known light, with Poisson photon noise and a camera model that the tests have for
+//! themselves.
 
 use image::{GrayImage, Luma};
 use localizer::vision::forward::{
@@ -12,7 +13,7 @@ use nalgebra::{Vector3, vector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A number of photons by Poisson's law: waiting times up to a mean of 60, the normal law above.
+/// A random number of photons by Poisson's law: from waiting times up to a mean of 60, from the normal law above.
 fn photons(mean: f64, rng: &mut ChaCha8Rng) -> f64 {
     if mean > 60.0 {
         let even: f64 = (0..12).map(|_| rng.random_range(0.0..1.0)).sum();
@@ -26,12 +27,12 @@ fn photons(mean: f64, rng: &mut ChaCha8Rng) -> f64 {
     number
 }
 
-/// Twice the photons on one side of the straight line through (0, `left_px`) and (639, `right_px`), and Poisson noise.
+/// An image with Poisson noise that has twice as many photons below the straight line through (0, `left_px`) and (639, `right_px`) as above it.
 fn step_edge(left_px: f64, right_px: f64, electrons: f64, seed: u64) -> Picture {
     step_below(|u| left_px + (right_px - left_px) * u / 639.0, electrons, seed)
 }
 
-/// The same for any edge, by the row at which it crosses a column.
+/// An image with Poisson noise and an edge of any shape, given by the row at which the edge crosses each column.
 fn step_below(edge: impl Fn(f64) -> f64, electrons: f64, seed: u64) -> Picture {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut picture = Picture::filled(640, 480, 0.0);
@@ -64,7 +65,8 @@ fn an_edge_of_twenty_electrons_is_found_within_its_claimed_bound() {
 
 #[test]
 fn what_bends_by_a_pixel_is_no_edge_of_a_building() {
-    // A hill that rises by so much over the picture's width; its fourths lie up to half of that from the line that fits best.
+    // The edge is an arch that rises by `rise_px` in the middle of the image; its quarters lie up to half of that from the straight line that fits
+    // best.
     let longest_px = |rise_px: f64, seed: u64| {
         let hill = |u: f64| 240.0 - 4.0 * rise_px * (u / 639.0) * (1.0 - u / 639.0) + 0.02 * u;
         let length = |[a, b]: [[f64; 2]; 2]| (b[0] - a[0]).hypot(b[1] - a[1]);
@@ -110,12 +112,12 @@ fn rolling_guidance_removes_dots_and_keeps_a_step() {
 
 #[test]
 fn equalised_levels_are_even_and_tiles_bring_out_a_dark_corner() {
-    // A ramp of squares: its ranks are even.
+    // The grey levels are a ramp of squares, whose ranks are evenly spaced.
     let ramp =
         Picture { width: 256, height: 1, values: (0..256).map(|level| (level * level) as f32 / 256.0).collect() };
     let even = equalise::equalised(&ramp);
     assert!((even.values[181] - even.values[90] - 91.0).abs() < 3.0, "{} {}", even.values[90], even.values[181]);
-    // Light everywhere but in a corner, whose own contrast is 4 levels of 255.
+    // The image is light except for one dark corner, whose own contrast is 4 levels of 255.
     let mut corner = Picture::filled(128, 96, 0.0);
     for (idx, value) in corner.values.iter_mut().enumerate() {
         let (u, v) = (idx % 128, idx / 128);
@@ -127,16 +129,17 @@ fn equalised_levels_are_even_and_tiles_bring_out_a_dark_corner() {
     assert!(tiles > 2.0 * whole, "{tiles} against {whole}");
 }
 
-/// Ceiling, skirting and door edges of a box-shaped room, drawn by a pinhole tilted up by 8.7° with the given heading.
+/// An image of a box-shaped room with edges of ceiling, skirting and door panel, by a pinhole camera with the given heading and upward tilt; and
+/// the focal length.
 fn room(heading_deg: f64, tilt_up_deg: f64) -> (GrayImage, f64) {
     let (focal_px, tilt) = (417.0, tilt_up_deg.to_radians());
     let (sin, cos) = heading_deg.to_radians().sin_cos();
     let image = GrayImage::from_fn(640, 480, |u, v| {
         let (x, y) = ((f64::from(u) - 319.5) / focal_px, (f64::from(v) - 239.5) / focal_px);
-        // Robot frame: forward, left, up; image right is −left; tilted up about left.
+        // The robot frame is forward, left, up. Image right is −left, and the camera is tilted up about the left axis.
         let (forward, left, up) = (tilt.cos() + y * tilt.sin(), -x, tilt.sin() - y * tilt.cos());
         let ray = [forward * cos - left * sin, forward * sin + left * cos, up];
-        // Walls at x = 3 and y = ±1.7, floor 0.25 m below, ceiling 1.5 m above.
+        // The walls are at x = 3 and y = ±1.7, the floor is 0.25 m below the camera, and the ceiling 1.5 m above it.
         let planes =
             [(3.0 / ray[0], 150), (1.7 / ray[1], 110), (-1.7 / ray[1], 80), (1.5 / ray[2], 220), (-0.25 / ray[2], 45)];
         let hit = planes.iter().filter(|(depth, _)| *depth > 0.0).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
@@ -155,11 +158,11 @@ fn the_papers_chain_tells_the_azimuth_of_a_room_and_a_wrong_tilt_sign_does_not()
         let ray = |[u, v]: [f64; 2]| vector![(u - 319.5) / focal_px, (v - 239.5) / focal_px, 1.0];
         let points = vanishing_points(&segments, ray).unwrap();
         let error = |tilt_deg: f64| azimuth_rad(&points, f64::to_radians(tilt_deg)).to_degrees() - heading_deg;
-        // Edges without noise are stairs of pixels; the paper states 1°.
+        // Edges without noise are staircases of pixels, which limits the accuracy of the azimuth; the paper states 1°.
         assert!(error(8.7).abs() < 0.5, "off by {}° at {heading_deg}°", error(8.7));
         let [a, b, c]: [Vector3<f64>; 3] = points.directions;
         assert!(a.dot(&b).abs() + b.dot(&c).abs() + c.dot(&a).abs() < 1e-9);
-        // Levelled the wrong way, level directions rise: note A2 tells 1.3° at the corner of 45°.
+        // With the wrong sign of the tilt, level directions appear to rise, which shifts the azimuth: note A2 states 1.3° for a corner at 45°.
         assert!((error(-8.7) - error(8.7)).abs() > 0.3, "{} {}", error(-8.7), error(8.7));
     }
 }

@@ -23,13 +23,13 @@ fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     (record, verdict)
 }
 
-/// When the localizer first doubts anything.
+/// Time at which the localizer first doubts an assumption; infinite if it never does.
 fn first_doubt_s(record: &RunRecord) -> f64 {
     let doubting = record.estimates.iter().find(|estimate| estimate.status == Status::Recovering);
     doubting.map_or(f64::INFINITY, |estimate| estimate.time_s)
 }
 
-/// Time after `from_s` in which the truth is outside.
+/// Total time after `from_s` for which the true pose is outside of the estimated boxes.
 fn outside_s(record: &RunRecord, from_s: f64) -> f64 {
     let steps = record.truths.iter().zip(&record.estimates);
     let outside = steps.filter(|(truth, estimate)| truth.time_s >= from_s && !estimate.pose.contains(truth.pose));
@@ -47,7 +47,7 @@ fn a_marker_off_its_place_is_doubted_and_the_truth_stays_among_what_is_possible(
             "{:?}",
             verdict.containment
         );
-        // The marker is 15 cm off: as soon as it is seen, it contradicts.
+        // The marker is 15 cm off its place, so that the first image of it contradicts the estimate.
         let seen = record.images.iter().find(|image| {
             image.claims.iter().any(|claim| format!("{claim:?}").contains("MarkerId(183)")) && image.constrained
         });
@@ -75,7 +75,7 @@ fn a_kick_beyond_reach_is_noticed_within_a_second_and_right_again_within_five() 
 
 #[test]
 fn a_robot_that_stands_below_the_same_markers_after_a_kick_is_sure_of_itself_again() {
-    // On errands a robot that doubts stands and turns about, so that no other markers come into view.
+    // On errands a robot that is in doubt stands still and turns round, so that no other markers come into view.
     let mut scene = scene("papers/ir_markers_lab.toml");
     scene.duration_s = 14.0;
     scene.events = vec![Event::Push { at_s: 6.0, displacement_m: [0.0, 0.6], lasts_s: 0.4 }];
@@ -113,8 +113,9 @@ fn a_push_among_tiles_alone_is_followed_tile_by_tile() {
 
 #[test]
 fn readings_of_wheels_that_come_late_leave_no_stale_box_and_cost_millimetres() {
-    // 5.5 mm with readings in time; the wheels can hardly change their speed in 50 ms. Readings that come 0.3 s late leave the first third
-    // of a second to reach, after which several tiles are possible.
+    // With wheel readings in time the mean box is 5.5 mm wide. Readings 50 ms late cost little, because the wheels can hardly change their speed
+    // in that time. With readings 0.3 s late, only the limits of speed and turn rate bound the motion in the first third of a second, after which
+    // several tiles are possible.
     for (late_s, latency_s, widest_m) in [(0.3, 0.03, 1.0), (0.05, 0.03, 0.009), (0.05, 0.005, 0.009)] {
         let mut scene = scene("tiles.toml");
         scene.duration_s = 10.0;
@@ -161,7 +162,7 @@ fn a_turn_faster_than_reach_leaves_no_empty_box() {
 fn readings_that_come_less_often_than_stamps_are_remembered_are_taken_all_the_same() {
     let mut scene = scene("papers/rigid_transform_loop.toml");
     scene.duration_s = 30.0;
-    // Slots are opened anew after two slip windows.
+    // New pose slots without a reading are opened after two slip windows, which makes 6 s here.
     scene.bounds.slip_window_s = 3.0;
     scene.robot.range_camera.as_mut().unwrap().period_s = 4.0;
     let record = run(&scene, 0, &mut IntervalLocalizer::of(&scene), None, &RunOptions::default(), &mut |_| {}).unwrap();
@@ -208,7 +209,7 @@ fn a_marker_off_its_place_at_the_very_start_takes_nothing_of_what_was_known_ther
 
 #[test]
 fn a_robot_that_drives_against_a_wall_by_a_wide_hull_is_outside_by_slip_for_two_seconds_at_most() {
-    // After the shove several tiles are possible; the robot follows the middle of them all, until it slips along a wall.
+    // After the shove several tiles are possible. The robot steers by the middle of the hull of all possible poses, until it slips along a wall.
     let mut scene = scene("found/shoved_in_the_dark.toml");
     (scene.duration_s, scene.route.as_mut().unwrap().repeat) = (24.0, true);
     let (record, verdict) = judged(&scene, 0);
@@ -220,7 +221,7 @@ fn a_robot_that_drives_against_a_wall_by_a_wide_hull_is_outside_by_slip_for_two_
     assert!(verdict.violations.iter().any(slips), "{:?}", verdict.violations);
 }
 
-/// Spans of steps in a row at which the truth is outside: the first of each, and the first after it.
+/// Spans of consecutive steps at which the true pose is outside of the boxes: for each the first step, and the first step after it.
 fn spans_outside(record: &RunRecord) -> Vec<[usize; 2]> {
     let mut spans: Vec<[usize; 2]> = Vec::new();
     for (step, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
@@ -235,7 +236,7 @@ fn spans_outside(record: &RunRecord) -> Vec<[usize; 2]> {
 
 #[test]
 fn wheels_that_are_wrong_all_the_time_are_found_out_by_markers_within_a_second_each_time() {
-    // A wheel is 5 % smaller than told, where 0.2 % is declared, as where other people's odometry has bounds that nobody measured.
+    // A wheel is 5 % smaller than the localizer is given, while 0.2 % is declared, as with odometry whose bounds nobody has measured.
     let mut scene = scene("papers/ir_markers_lab.toml");
     scene.duration_s = 14.0;
     scene.robot.wheel_wear = [0.05, 0.0];
@@ -249,10 +250,11 @@ fn wheels_that_are_wrong_all_the_time_are_found_out_by_markers_within_a_second_e
         "{n_doubted} of {n_outside} outside are doubted, {:?}, {containment:?}",
         verdict.metrics["recovering_share"]
     );
-    // Not while it is outside: when a marker contradicts, all that is possible is told, and the truth is among it.
+    // There is hardly any doubt while the true pose is outside of the boxes: once a marker contradicts, the estimate becomes all that is possible,
+    // and the true pose is inside.
     assert!(n_outside > 100 && 20 * n_doubted < n_outside, "{n_doubted} of {n_outside}");
     assert!(spans.iter().all(|[from, to]| to - from < 100), "{spans:?}");
-    // Those that last end with a doubt.
+    // Most spans of 0.2 s or longer in which the true pose is outside end with a doubt.
     let lasted = || spans.iter().filter(|[from, to]| to - from >= 20);
     let n_found_out = lasted().filter(|[_, to]| doubts(to)).count();
     println!("{n_found_out} of {} end with a doubt, {spans:?}", lasted().count());
@@ -276,7 +278,7 @@ fn wheels_that_are_wrong_all_the_time_are_found_out_by_landmarks_before_the_trut
 
 #[test]
 fn furniture_a_few_degrees_askew_that_nobody_tells_of_is_blamed_and_moves_a_heading_by_tenths_of_a_degree() {
-    // Its edges agree with each other, so that no reading contradicts another: nothing says Recovering.
+    // The edges of the furniture agree with each other, so that no reading contradicts another and the status never becomes `Recovering`.
     let mut scene = scene("home.toml");
     scene.duration_s = 41.0;
     let askew_deg = [

@@ -5,7 +5,7 @@ use sim::{
     scene::{Scene, SceneError},
 };
 
-/// Keys of a table as dotted paths without indices.
+/// Collects the keys of a scene's table as dotted paths without indices.
 fn stated(table: &toml::Table, path: &str, found: &mut BTreeSet<String>) {
     for (key, value) in table {
         let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
@@ -18,9 +18,10 @@ fn stated(table: &toml::Table, path: &str, found: &mut BTreeSet<String>) {
 
 #[test]
 fn every_key_that_scenes_have_is_drawn_but_those_without_effect_on_a_run() {
-    // Words for people, a file that is not there, what a scene expects of itself, and what only calibrations hang up.
+    // Keys of scenes that are never drawn: texts for people, a file that does not exist, a scene's own expectations, and a chessboard that only
+    // calibrations use.
     const NEVER: [&str; 4] = ["description", "expect", "navigation.map", "building.picture.chessboard"];
-    // Drawn, but taken out again, as what is drawn hangs where it hangs by default.
+    // Keys of scenes that are drawn and then removed again, because drawn dots and markers are at their default height.
     const BY_DEFAULT: [&str; 2] = ["building.dot.height_m", "markers.marker.height_m"];
     let mut found = BTreeSet::new();
     for number in 0..1500 {

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::command::{blind_scene, folder, outcome, wherein};
 
-/// A search into `out` of its folder that prints JSON.
+/// Exit code, JSON output and error output of a search for failing scenes that writes into the folder `out`.
 fn searched(place: &std::path::Path, more: &[&str]) -> (i32, Value, String) {
     let (code, output, errors) = outcome(&mut wherein(place, &[&["falsify", "--json", "--out", "out"], more].concat()));
     (code, serde_json::from_str(&output).unwrap_or_else(|error| panic!("{error}: {output}{errors}")), errors)
@@ -22,14 +22,14 @@ fn a_search_goes_on_where_it_stopped_and_sums_up_all_of_it() {
     let part = ["--seed", "1", "--without-cameras", "--tries", "0"];
     let (_, first, errors) = searched(&place, &[&part[..], &["--cases", "0..4"]].concat());
     assert!(errors.contains("4 cases run"), "{errors}");
-    // What a killed process leaves of its last line is not taken for a case.
+    // The incomplete last line that a killed process leaves in the search's journal must not count as a case.
     let journal = fs::read_dir(place.join("out")).unwrap().map(|entry| entry.unwrap().path());
     let journal = journal.into_iter().find(|path| path.to_string_lossy().contains("journal_")).unwrap();
     fs::OpenOptions::new().append(true).open(journal).unwrap().write_all(b"{\"case\":4,\"run_s").unwrap();
     let (_, second, errors) = searched(&place, &[&part[..], &["--cases", "0..6", "--jobs", "1"]].concat());
     assert!(errors.contains("2 cases run") && errors.contains("4 recorded earlier"), "{errors}");
     assert_eq!((&first["summary"]["runs"], &second["summary"]["runs"]), (&Value::from(4), &Value::from(6)));
-    // The same in one go, by more workers.
+    // The same search in one go, with more workers, has to give the same summary.
     let whole = folder("falsify_whole");
     let (_, whole, _) = searched(&whole, &[&part[..], &["--cases", "0..6", "--jobs", "3"]].concat());
     assert_eq!(whole["summary"], second["summary"]);
@@ -37,7 +37,7 @@ fn a_search_goes_on_where_it_stopped_and_sums_up_all_of_it() {
 
 #[test]
 fn a_search_by_time_begins_at_once_and_ends_with_its_time() {
-    // It made a list of all cases that there may be, four billion of them, before the first.
+    // The search must not list all four billion possible cases before it runs the first.
     let place = folder("falsify_minutes");
     let (code, told, errors) = searched(&place, &["--seed", "3", "--without-cameras", "--minutes", "0.05"]);
     assert!(code == 0 && told["summary"]["runs"].as_u64().unwrap() > 0, "{code} {told} {errors}");
@@ -52,7 +52,7 @@ fn a_process_that_nobody_waits_for_ends() {
     let mut input = child.stdin.take().unwrap();
     write!(input, "{}\n{text}", text.len()).unwrap();
     input.flush().unwrap();
-    // Ten hours of driving take minutes.
+    // Simulating ten hours of driving takes minutes, so that the process is still busy after 0.3 s.
     thread::sleep(Duration::from_millis(300));
     assert!(child.try_wait().unwrap().is_none(), "it waits for the end of its input");
     drop(input);
@@ -91,7 +91,7 @@ fn what_cannot_be_searched_is_told_with_code_2() {
     }
 }
 
-/// A minute of the search on two cores. The numbers were fixed before anybody ran them.
+/// A search for failing random scenes, of about a minute on two cores. The numbers of cases were fixed before the first run.
 #[test]
 fn random_scenes_keep_the_promise() {
     let place = folder("falsify_random");

@@ -15,7 +15,7 @@ fn scene() -> Scene {
     Scene::parse(&blind_scene(4.0, "[localizer]\nmethods = []\n"), "scene.toml").unwrap()
 }
 
-/// A robot that rests for four seconds, in a box that is `half_m` wide to either side and as much as `off_m` says off along x.
+/// A record of a robot that rests for four seconds; each estimate is a box of half width `half_m` whose middle is off along x by `off_m(time_s)`.
 fn record(scene: &Scene, half_m: f64, off_m: impl Fn(f64) -> f64) -> RunRecord {
     let mut record = RunRecord::new(1, None, Drawn::draw(scene, 1));
     for step in 0..=400 {
@@ -36,7 +36,7 @@ fn record(scene: &Scene, half_m: f64, off_m: impl Fn(f64) -> f64) -> RunRecord {
 }
 
 fn wishes(scene: &Scene, record: &RunRecord) -> Vec<Wish> {
-    // With the bound kept, the boxes of the same run are where the robot is.
+    // Replays with the bound kept give boxes that hold the true pose.
     let verdict = judge(scene, record, &mut |_| Ok(self::record(scene, 0.01, |_| 0.0))).unwrap();
     hits(scene, record, &verdict).into_iter().map(|hit| hit.wish).collect()
 }
@@ -67,7 +67,7 @@ fn a_localizer_that_says_that_it_recovers_is_not_sound_but_outside() {
 fn a_bound_excuses_only_where_an_estimate_relies_on_it() {
     let scene = scene();
     let mut record = record(&scene, 0.01, |time_s| if time_s > 1.0 { 0.05 } else { 0.0 });
-    // At half a second the left wheel spins by far more than its bound.
+    // From 0.5 s on the left wheel spins by far more than its bound.
     for truth in &mut record.truths {
         truth.wheel_angle_rad[0] += 10.0 * ((truth.time_s - 0.5) / 0.1).clamp(0.0, 1.0);
     }
@@ -79,7 +79,8 @@ fn a_bound_excuses_only_where_an_estimate_relies_on_it() {
 #[test]
 fn a_box_wider_than_the_walls_leave_to_the_robot_is_one_only_while_sound() {
     let scene = scene();
-    // The room is 2 m deep, and the body keeps its middle 0.25 m from either wall, of which contact takes a millimetre: 1.502 m are left.
+    // The room is 2 m deep. The body keeps the robot's middle 0.25 m from either wall, and contact may compress either side by a millimetre: 1.502
+    // m are left.
     assert_eq!(wishes(&scene, &record(&scene, 0.7505, |_| 0.0)), []);
     let mut wide = record(&scene, 0.7515, |_| 0.0);
     assert_eq!(wishes(&scene, &wide), [Wish::WiderThanRoom]);
@@ -96,7 +97,7 @@ fn a_box_of_no_pose_is_empty_whatever_the_status() {
     assert!(wishes(&scene, &record).contains(&Wish::EmptyBox));
 }
 
-/// An image taken at this time that claims a joint, where the floor has none, with so many wrong claims declared.
+/// An image taken at `measured_s` that claims a joint where the floor has none, from a method that declares up to `q_items` wrong claims.
 fn misread(record: &RunRecord, measured_s: f64, q_items: usize) -> ImageRecord {
     let at = (measured_s / 0.01).round() as usize;
     ImageRecord {
@@ -136,11 +137,13 @@ fn what_the_judge_makes_of_a_step_outside_does_not_excuse_it() {
 fn more_false_claims_than_declared_excuse_what_comes_after_them_and_no_others_do() {
     let scene = scene();
     let lost = || record(&scene, 0.01, |time_s| if time_s > 1.0 { 0.05 } else { 0.0 });
-    // In time, in time but declared, and only when the truth has been outside for more than a second.
+    // The false claim comes before the failure; before it but within the declared number of false claims; and only after the truth has been
+    // outside for more than a second.
     for (measured_s, q_items, is_excused) in [(0.5, 0, true), (0.5, 1, false), (2.5, 0, false)] {
         let mut record = lost();
         record.images.push(misread(&record, measured_s, q_items));
-        // The judge is shown replays that are no better, so that it finds no excuse: the wish is independent of that.
+        // The judge gets replays that are no better than the record, so that it finds no excuse: whether the search reports the failure does not
+        // depend on the judge.
         let verdict = judge(&scene, &record, &mut |_| Ok(lost())).unwrap();
         let found: Vec<Wish> = hits(&scene, &record, &verdict).into_iter().map(|hit| hit.wish).collect();
         assert_eq!(found.contains(&Wish::SoundButOutside), !is_excused, "{measured_s} {q_items}: {found:?}");

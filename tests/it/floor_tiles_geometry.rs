@@ -1,4 +1,4 @@
-//! From lines in an image to the pose, against a pinhole camera of the tests' own over joints of the tests' own.
+//! Tests of the step from lines in an image to the pose, with a pinhole camera and tile joints that the tests model for themselves.
 
 use interval::Interval;
 use localizer::{
@@ -16,17 +16,17 @@ const HEIGHT_M: f64 = 0.25;
 const SCALE: f64 = 640.0 / 0.48;
 const TILT_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
-/// Declared tilts of body and mount.
+/// Declared tilts of the body and of the camera's mount.
 #[derive(Clone, Copy)]
 struct Tilts {
     body: f64,
     mount: f64,
 }
 
-/// The usual ones.
+/// The tilts that most of the tests declare: 0.1° each.
 const SMALL: Tilts = Tilts { body: TILT_RAD, mount: TILT_RAD };
 
-/// A true situation, every error drawn inside its bound, half of them at the corner.
+/// A true situation of robot, camera and tiles, with every error drawn inside its bound, half of them at the bound.
 struct Situation {
     pose: [f64; 3],
     grid: TileGrid,
@@ -98,7 +98,7 @@ fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool, tilts: Tilts) -> Situatio
         rng.random_range(-20.0..20.0)
     };
     let pose = [rng.random_range(-3.0..3.0), rng.random_range(-3.0..3.0), heading];
-    // Body: tilt about a horizontal axis and heave, at the robot origin.
+    // The body is tilted about a horizontal axis and raised by the heave, at the robot origin.
     let tilted = |rng: &mut ChaCha8Rng, most_rad: f64| {
         let (angle, size) = (rng.random_range(0.0..std::f64::consts::TAU), most_rad * corner(rng));
         UnitQuaternion::from_scaled_axis(Vector3::new(angle.cos(), angle.sin(), 0.0) * size)
@@ -109,7 +109,7 @@ fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool, tilts: Tilts) -> Situatio
     );
     let position = [-0.15 + 0.0005 * corner(rng), 0.03 + 0.0005 * corner(rng)];
     let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TILT_RAD * corner(rng));
-    // Image right is robot right, image down is robot backward, the optical axis looks down.
+    // Image right is robot right, image down is robot backward, and the optical axis points down.
     let down = UnitQuaternion::from_rotation_matrix(&Rotation3::from_basis_unchecked(&[
         Vector3::new(0.0, -1.0, 0.0),
         Vector3::new(-1.0, 0.0, 0.0),
@@ -130,21 +130,21 @@ fn situation(rng: &mut ChaCha8Rng, axis_aligned: bool, tilts: Tilts) -> Situatio
     }
 }
 
-/// A leaning attitude turned about the vertical so that its forward axis, seen from above, has this heading, as roll, pitch and yaw tell it.
+/// A leaning attitude turned about the vertical so that its forward axis, seen from above, has the given heading, as with roll, pitch and yaw.
 fn with_forward_at(heading_rad: f64, lean: UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     let forward = lean * Vector3::x();
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad - forward.y.atan2(forward.x)) * lean
 }
 
 impl Situation {
-    /// Image of a point of the floor, if it is in the picture.
+    /// Image of a point of the floor; `None` if it lies outside of the image.
     fn project(&self, point: Point3<f64>) -> Option<[f64; 2]> {
         let seen = self.world_from_camera.inverse_transform_point(&point);
         let image = [319.5 + self.focal_px * seen.x / seen.z, 239.5 + self.focal_px * seen.y / seen.z];
         (seen.z > 0.0 && (0.0..=639.0).contains(&image[0]) && (0.0..=479.0).contains(&image[1])).then_some(image)
     }
 
-    /// Every joint in the picture, as exact points with a small random error inside the bound.
+    /// Every joint in the image, as exact points with a small random error inside their bound.
     fn lines(&self, rng: &mut ChaCha8Rng) -> FloorLines {
         let mut lines = Vec::new();
         let (sin, cos) = self.grid.rotation_rad.sin_cos();

@@ -1,4 +1,4 @@
-//! The flow sensor's motion against motion integrated much finer; certified slip.
+//! Tests of the flow sensor's motion against motion that is integrated in much finer steps, and of certified slip.
 
 use interval::Interval;
 use localizer::{
@@ -22,7 +22,8 @@ fn model() -> FlowModel {
     }
 }
 
-/// A sensor at the corners of its bounds and a body that drives, drifts sideways and turns: true motion, and the integral.
+/// True motion and the flow integral of a body that drives, drifts sideways and turns, seen by a flow sensor whose errors are at the limits of
+/// their bounds.
 fn drive(rng: &mut ChaCha8Rng, steps: usize) -> ([f64; 3], FlowIntegral) {
     let model = model();
     let mut side = || [-1.0, 1.0][rng.random_range(0..2)];
@@ -43,7 +44,7 @@ fn drive(rng: &mut ChaCha8Rng, steps: usize) -> ([f64; 3], FlowIntegral) {
             x += (forward * middle.cos() - left * middle.sin()) * dt;
             y += (forward * middle.sin() + left * middle.cos()) * dt;
             heading += rate * dt;
-            // The arm's own speed is ω × a.
+            // The robot's turning moves the flow sensor at the velocity ω × a, with a the lever arm.
             let speed = [forward - rate * arm[1], left + rate * arm[0]];
             seen[0] += (speed[0] * yaw.cos() + speed[1] * yaw.sin()) * dt;
             seen[1] += (speed[1] * yaw.cos() - speed[0] * yaw.sin()) * dt;
@@ -74,7 +75,7 @@ fn a_drive_that_drifts_sideways_stays_in_the_flow_sensors_box() {
 fn the_lever_arm_is_no_travel_when_the_robot_spins_on_the_spot() {
     let flow = FlowModel { yaw_rad: Interval::ZERO, ..model() };
     let mut integral = FlowIntegral::new();
-    // A turn of 1 rad in 100 steps: the sensor 0.06 m behind and 0.03 m left of the axle travels −0.03 m and −0.06 m in its own frame.
+    // The robot turns by 1 rad in 100 steps: the sensor, 0.06 m behind and 0.03 m left of the axle, travels −0.03 m and −0.06 m in its own frame.
     for step in 1..=100_i64 {
         let counts = [-600 * step / 100 + 600 * (step - 1) / 100, -1200 * step / 100 + 1200 * (step - 1) / 100];
         integral.advance(counts.map(|count| count as f64), Interval::point(0.01 * step as f64), 0.01, 0.0, &flow);
@@ -84,11 +85,12 @@ fn the_lever_arm_is_no_travel_when_the_robot_spins_on_the_spot() {
     assert!(motion.width(0) < 0.005 && motion.width(1) < 0.005, "{motion:?}");
 }
 
-/// What a scale does at an instant at which the sensor travels by `travel_m` along both axes of the world.
+/// Chooses the change of the flow sensor's scale, as a share from −1 to 1, at an instant at which the sensor moves by the given travel along world
+/// x and y.
 type Adversary<'a> = &'a dyn Fn([f64; 2]) -> f64;
 
-/// A body that drives `forward_m_per_s` and turns `rate_rad_per_s` for `steps` periods, seen by a sensor at `arm_m` whose scale is
-/// `calibration` times 1 and a share of `change` that `adversary` chooses anew every half millisecond: true motion, and the integral.
+/// True motion and the flow sensor's box for a body that drives at `forward_m_per_s` and turns at `rate_rad_per_s` for `steps` periods. The
+/// sensor's scale is `calibration` times 1 plus the share of the declared change that `adversary` chooses every half millisecond.
 fn flipped(
     [forward_m_per_s, rate_rad_per_s]: [f64; 2],
     steps: usize,
@@ -123,7 +125,7 @@ fn a_scale_that_flips_at_its_bounds_keeps_the_truth_in_a_box_as_narrow_as_the_ha
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     for scale_change in [0.002, 0.05, 0.2] {
         for drive in 0..60_u32 {
-            // Turns on the spot, in which the sensor travels along one of its axes, and curves; each of up to two turns.
+            // Turns on the spot, in which the sensor travels along one of its axes, alternate with curves; each drive has up to two turns.
             let (is_curve, arm_m) = (drive % 2 == 1, 0.18);
             let position_m = [-arm_m, if is_curve { 0.09 } else { 0.0 }].map(Interval::point);
             let model = FlowModel { position_m, yaw_rad: Interval::ZERO, scale_change, ..model() };
@@ -131,7 +133,8 @@ fn a_scale_that_flips_at_its_bounds_keeps_the_truth_in_a_box_as_narrow_as_the_ha
             let speeds = [if is_curve { rng.random_range(-0.3..0.3) } else { 0.0 }, rate_rad_per_s];
             let steps = rng.random_range(50..600);
             let calibration = 1.0 + 0.00099 * [-1.0, 1.0][rng.random_range(0..2)];
-            // One that always pushes to a side, one that does so after noon, one that knows no rule.
+            // Four adversaries always shift the travel that is counted to one side, in either direction along world x and world y; the fifth is
+            // random.
             let coin = std::cell::RefCell::new(ChaCha8Rng::seed_from_u64(u64::from(drive)));
             let adversaries: [Adversary; 5] = [
                 &|way: [f64; 2]| way[0].signum(),
@@ -144,11 +147,12 @@ fn a_scale_that_flips_at_its_bounds_keeps_the_truth_in_a_box_as_narrow_as_the_ha
             for (truth, motion) in &runs {
                 assert!(motion.contains(truth), "{truth:?} is not in {motion:?}: {speeds:?}, {steps} steps");
             }
-            // What the two extremes read of one motion differs by what no enclosure can tell apart.
+            // The travel counted under two opposite adversaries differs, for the same motion, by an amount that no enclosure can resolve.
             for axis in if is_curve { 0..0 } else { 0..2 } {
                 let harm_m = (runs[2 * axis].1[axis].mid() - runs[2 * axis + 1].1[axis].mid()).abs();
                 let widest_m = runs.iter().map(|(_, motion)| motion.width(axis)).fold(0.0, f64::max);
-                // The calibration, counts at the ends and in every step, and the middle of steps are paid besides.
+                // In addition the box is widened by the calibration, by counts at the ends and in every step, and by taking the heading at the
+                // middle of each step.
                 let step_rad = 0.01 * rate_rad_per_s;
                 let per_step_m = 2.0e-4 * scale_change + 1.3 * step_rad * (step_rad * arm_m + 1.0e-4);
                 let besides_m = 0.004 + per_step_m * steps as f64;
@@ -163,7 +167,8 @@ fn a_robot_that_goes_there_and_back_while_readings_are_lost_has_gone_the_whole_w
     let (mut model, reach) =
         (model(), Reach { speed_m_per_s: 0.5, turn_rate_rad_per_s: 0.1, acceleration_m_per_s2: 1.0 });
     (model.scale_change, model.position_m) = (0.2, [Interval::ZERO; 2]);
-    // 0.2 s with 1 m/s² forward and as long backward, twice as much with more counts ahead than back: readings of the ends are left.
+    // The robot moves forward for 0.2 s, accelerating and braking at 1 m/s², and back for as long. More counts are read on the way forward than on
+    // the way back, and only the readings at both ends of the motion are left.
     let ahead_m = 2.0 * 0.5 * 0.1 * 0.1;
     let counts = (ahead_m * COUNTS_PER_M * 1.2) as i64 - (ahead_m * COUNTS_PER_M * 0.8) as i64;
     let mut history = FlowHistory::new(model, 10.0);
@@ -193,7 +198,7 @@ fn wheels_that_spin_on_the_spot_are_dropped_by_a_certificate() {
     assert_eq!(agree(&rolled, None), Agreement::Both(rolled));
 }
 
-/// A gyroscope's readings of a heading, one in each of so many periods of 10 ms, whose noise is bounded by so much.
+/// A gyroscope history with one reading of the given heading in each of `n_readings` periods of 10 ms, and with this bound on the noise.
 fn gyro_told(n_readings: u32, heading_rad: impl Fn(f64) -> f64, noise_rad_per_s: f64) -> GyroHistory {
     let (period_s, scale, bias_rad_per_s) = (0.01, Interval::point(1.0), Interval::ZERO);
     let (angle_floor_rad, angle_rad_per_s, bias_wander_rad_per_s2) = (f64::INFINITY, 0.0, 0.0);
@@ -213,7 +218,7 @@ fn gyro_told(n_readings: u32, heading_rad: impl Fn(f64) -> f64, noise_rad_per_s:
     gyro
 }
 
-/// Wheels that no test of the flow sensor reads, but whose track tells how fast turn rates change.
+/// Wheels that the tests of the flow sensor do not read; their track only determines how fast turn rates change.
 fn wheels() -> WheelModel {
     WheelModel {
         radius_m: [Interval::point(0.035); 2],
@@ -236,7 +241,8 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
     );
     let (mut widest_m, mut answered) = (0.0_f64, 0);
     for _ in 0..40 {
-        // Speeds that swing within the reach, a millisecond at a time; the sensor is at the corners of its mount.
+        // Speeds oscillate within the declared limits and are integrated in steps of a millisecond; the sensor's mount is at the limits of its
+        // bounds.
         let [ahead, aside, about] =
             [0.3, 0.02, 0.4].map(|size: f64| [size, rng.random_range(1.0..2.0), rng.random_range(0.0..6.0)]);
         let swing = |[size, rate, phase]: [f64; 3], time_s: f64| size * (rate * time_s + phase).sin();
@@ -256,7 +262,7 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
                 readings.push((f64::from(step + 1) * 0.001, seen.map(|counts| counts.floor() as i64)));
             }
         }
-        // One in ten is lost; the others come in any order.
+        // One reading in ten is lost, and the others arrive out of order.
         readings.retain(|_| rng.random_range(0..10) > 0);
         (1..readings.len()).for_each(|idx| readings.swap(idx, rng.random_range(idx.saturating_sub(3)..=idx)));
         let mut history = FlowHistory::new(model, 10.0);
@@ -276,7 +282,7 @@ fn between_any_two_stamps_the_truth_is_in_the_box_with_readings_lost_and_out_of_
             answered += 1;
         }
     }
-    // Two counts, some interpolation, 0.6 % of up to 0.12 m and 0.003 rad of mount: a few millimetres.
+    // The width of a few millimetres comes from two counts, some interpolation, 0.6 % of up to 0.12 m, and 0.003 rad of the mount.
     assert!(answered > 3000 && widest_m < 0.006, "{answered} answers, up to {widest_m} m wide");
 }
 
@@ -288,6 +294,6 @@ fn a_blind_period_leaves_no_motion_across_it() {
     let gyro = gyro_told(20, |_| 0.0, 0.0);
     let told = |from_s: f64, to_s: f64| history.motion([from_s, to_s], Some(&gyro), &wheels(), &reach).is_some();
     assert!(told(0.0, 0.1) && told(0.11, 0.2) && !told(0.05, 0.15) && !told(0.104, 0.108));
-    // Neither before nor after what was told.
+    // No motion is given for times before the first reading or after the last one.
     assert!(!told(-0.01, 0.1) && !told(0.15, 0.21));
 }

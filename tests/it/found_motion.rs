@@ -1,4 +1,4 @@
-//! Scenes that once broke motion, its sensors and landmarks: each is run as it is, in a thread that may be given up.
+//! Scenes that once made motion, its sensors or landmarks fail: each is run unchanged, in a thread that is abandoned if the run does not end.
 
 use std::{sync::mpsc, thread, time::Duration};
 
@@ -13,7 +13,7 @@ use sim::{
 
 use crate::{command::root, judging::verdict_of};
 
-/// A run that takes longer than this on any machine never ends: the slowest takes seconds.
+/// Time after which a run counts as one that never ends, on any machine: the slowest run takes seconds.
 const PATIENCE: Duration = Duration::from_secs(400);
 
 /// A scene of the repository.
@@ -21,7 +21,7 @@ fn scene(path: &str) -> Scene {
     SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene
 }
 
-/// The verdict of a run that is given up if it does not end.
+/// The verdict of a run that is abandoned if it does not end.
 fn verdict(scene: Scene, seed: u64) -> Verdict {
     let (sender, receiver) = mpsc::channel();
     let told = scene.description.clone();

@@ -4,7 +4,7 @@ use sim::scene::Scene;
 
 use crate::command::{folder, outcome, root, wherein};
 
-/// Every scene that broke something once.
+/// Every scene of `scenes/found`, which holds scenes that once made something fail.
 fn found() -> Vec<PathBuf> {
     let entries = fs::read_dir(root().join("scenes/found")).unwrap().map(|entry| entry.unwrap().path());
     let mut files: Vec<PathBuf> =
@@ -13,7 +13,7 @@ fn found() -> Vec<PathBuf> {
     files
 }
 
-/// The seeds of a line `# seeds: 0 1 2`; seed 0 where there is none.
+/// The seeds in a scene's line `# seeds: 0 1 2`; seed 0 if there is no such line.
 fn seeds(text: &str) -> Vec<u64> {
     let stated = text.lines().find_map(|line| line.strip_prefix("# seeds:"));
     stated.map_or_else(|| vec![0], |listed| listed.split_whitespace().map(|seed| seed.parse().unwrap()).collect())

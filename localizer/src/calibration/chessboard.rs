@@ -1,7 +1,7 @@
-//! Intrinsics of a camera from views of a plane (Z. Zhang, *A flexible new technique for camera calibration*, TPAMI 22, 2000).
+//! Calibration of a camera's intrinsics from views of a plane (Z. Zhang, *A flexible new technique for camera calibration*, TPAMI 22, 2000).
 //!
-//! Closed form: each view's homography H = K (r₁ r₂ t) says h₁ᵀBh₂ = 0 and h₁ᵀBh₁ = h₂ᵀBh₂ of B = K⁻ᵀK⁻¹ (no skew). Then all reprojection
-//! errors are minimised over K, Brown's lens and the views' poses by Levenberg and Marquardt's method.
+//! Closed form: each view's homography H = K (r₁ r₂ t) gives h₁ᵀBh₂ = 0 and h₁ᵀBh₁ = h₂ᵀBh₂ for B = K⁻ᵀK⁻¹ (no skew). Then all reprojection errors
+//! are minimised over K, the coefficients of Brown's lens model and the views' poses by Levenberg and Marquardt's method.
 
 pub mod corners;
 mod refinement;
@@ -13,32 +13,33 @@ use refinement::refine;
 /// A corner of the board: `[u, v]` in pixels and `[x, y]` on the board in metres.
 pub type Corner = ([f64; 2], [f64; 2]);
 
-/// A pinhole camera with Brown's lens.
+/// A pinhole camera with Brown's lens model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intrinsics {
     /// Focal lengths along u and v.
     pub focal_px: [f64; 2],
-    /// Principal point.
+    /// Principal point of the camera.
     pub centre_px: [f64; 2],
-    /// k1, k2, p1, p2.
+    /// Coefficients k1, k2, p1, p2 of the lens.
     pub distortion: [f64; 4],
 }
 
-/// Which coefficients of the lens are sought; the others are 0.
+/// Which lens coefficients the calibration solves for; the others are 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bend {
-    /// k1 and k2, as Zhang has it. Tangential coefficients look much like another principal point, of which views of a board then say less.
+    /// Radial coefficients k1 and k2, as in Zhang's paper. Tangential coefficients have nearly the same effect as a shifted principal point, which
+    /// views of a board would then determine less well.
     Radial,
-    /// k1, k2, p1 and p2, for a lens whose parts are not centred.
+    /// Radial and tangential coefficients k1, k2, p1 and p2, for a lens whose elements are not centred.
     RadialAndTangential,
 }
 
-/// The camera that explains the views, and what it leaves unexplained.
+/// The camera that fits the views, and the residual of the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
-    /// What was asked for.
+    /// The calibrated intrinsics of the camera.
     pub intrinsics: Intrinsics,
-    /// Root of the mean squared distance between corners and where the camera puts them.
+    /// Root mean square distance between the corners in the images and where the calibrated camera projects them.
     pub rms_px: f64,
 }
 
@@ -49,7 +50,7 @@ struct View {
     translation_m: Vector3<f64>,
 }
 
-/// Calibrates from at least three views of at least four corners each, in different directions; `None` if they do not determine a camera.
+/// Calibrates a camera from at least three views of at least four corners each, in different directions; `None` if they do not determine a camera.
 pub fn calibrate(views: &[Vec<Corner>], bend: Bend) -> Option<Calibration> {
     if views.len() < 3 {
         return None;
@@ -61,7 +62,7 @@ pub fn calibrate(views: &[Vec<Corner>], bend: Bend) -> Option<Calibration> {
     refine(start, poses, views, bend)
 }
 
-/// H with pixel ~ H (x, y, 1), by the direct linear transform on coordinates scaled to about one (R. Hartley, TPAMI 19, 1997).
+/// Homography H with pixel ~ H (x, y, 1), by the direct linear transform on coordinates scaled to about one (R. Hartley, TPAMI 19, 1997).
 fn homography(corners: &[Corner]) -> Option<Matrix3<f64>> {
     if corners.len() < 4 {
         return None;
@@ -87,7 +88,7 @@ fn homography(corners: &[Corner]) -> Option<Matrix3<f64>> {
     (homography[(2, 2)].abs() > 1e-12).then(|| homography / homography[(2, 2)])
 }
 
-/// Brings points to mean 0 and mean square 2.
+/// Transform that brings image or board points to mean 0 and mean square 2.
 fn scaling(points: impl Iterator<Item = [f64; 2]> + Clone) -> Matrix3<f64> {
     let n = points.clone().count() as f64;
     let mean = points.clone().fold([0.0; 2], |sum, point| [sum[0] + point[0] / n, sum[1] + point[1] / n]);
@@ -103,14 +104,14 @@ fn least_eigenvector<const N: usize>(matrix: SMatrix<f64, N, N>) -> SVector<f64,
 
 /// Focal lengths and principal point from Zhang's two equations for each view.
 fn closed_form(homographies: &[Matrix3<f64>]) -> Option<([f64; 2], [f64; 2])> {
-    // Pixels of the order of the focal length make numbers of the order of one.
+    // Pixels are scaled by a unit of the order of the focal length, so that the numbers are of the order of one.
     const UNIT_PX: f64 = 500.0;
     let unit = Matrix3::new(1.0 / UNIT_PX, 0.0, 0.0, 0.0, 1.0 / UNIT_PX, 0.0, 0.0, 0.0, 1.0);
     let mut normal = SMatrix::<f64, 5, 5>::zeros();
     for homography in homographies {
         let h = unit * homography;
         let h = h / h.norm();
-        // hᵢᵀBhⱼ in the unknowns B₁₁, B₂₂, B₁₃, B₂₃, B₃₃.
+        // Row of coefficients of hᵢᵀBhⱼ for the unknowns B₁₁, B₂₂, B₁₃, B₂₃, B₃₃.
         let product = |i: usize, j: usize| {
             let (a, b) = (h.column(i), h.column(j));
             SVector::<f64, 5>::from([
@@ -141,7 +142,7 @@ fn board_pose(homography: &Matrix3<f64>, camera: &Intrinsics) -> Option<View> {
     let inverse = Matrix3::new(1.0 / fx, 0.0, -cx / fx, 0.0, 1.0 / fy, -cy / fy, 0.0, 0.0, 1.0);
     let columns = inverse * homography;
     let length = 0.5 * (columns.column(0).norm() + columns.column(1).norm());
-    // The board is before the camera.
+    // The sign is chosen such that the board is in front of the camera.
     let columns = columns / length.copysign(columns[(2, 2)]);
     let (first, second) = (columns.column(0).into_owned(), columns.column(1).into_owned());
     let near = Matrix3::from_columns(&[first, second, first.cross(&second)]).svd(true, true);
@@ -162,7 +163,7 @@ mod tests {
         distortion: [-0.12, 0.05, 0.0008, -0.0005],
     };
 
-    /// 20 views of a board of 11 × 8 corners 25 mm apart, leaning by up to 45°, as a camera of the test's own sees them.
+    /// 20 views of a board of 11 × 8 corners 25 mm apart, leaning by up to 45°, projected by a camera model that the test has for itself.
     fn views(noise_px: f64, random: &mut Random) -> Vec<Vec<Corner>> {
         let mut views = Vec::new();
         while views.len() < 20 {
@@ -197,14 +198,14 @@ mod tests {
     fn twenty_views_give_the_intrinsics_within_a_thousandth() {
         let mut random = Random::new(41);
         for _ in 0..5 {
-            // Corners to 0.05 px, as sub-pixel corner finders have them.
+            // Corners have noise of 0.05 px, as sub-pixel corner finders have.
             let found = calibrate(&views(0.05, &mut random), Bend::RadialAndTangential).expect("20 views");
             let Intrinsics { focal_px, centre_px, distortion } = found.intrinsics;
             for axis in 0..2 {
                 assert!((focal_px[axis] / TRUE.focal_px[axis] - 1.0).abs() < 0.001, "{found:?}");
                 assert!((centre_px[axis] - TRUE.centre_px[axis]).abs() < 0.001 * TRUE.focal_px[axis], "{found:?}");
             }
-            // Residuals are the noise, a little less for what 128 unknowns take of it; two axes make √2.
+            // Residuals are the corner noise, slightly less because 128 unknowns absorb some of it; the two axes give the factor √2.
             assert!((found.rms_px - 0.05 * std::f64::consts::SQRT_2).abs() < 0.005, "{found:?}");
             assert!((distortion[0] - TRUE.distortion[0]).abs() < 0.01, "{found:?}");
         }

@@ -1,39 +1,39 @@
-//! Where a sensor sits on a robot that spins on the spot.
+//! Position of a sensor on a robot, from a spin on the spot.
 //!
-//! The paper fits a circle to the sensor's places, which gives the radius of its mount and not its direction (erratum I8). With the headings,
-//! both are linear: as complex numbers place = centre + e^{iθ}·m, so that m = Σ c̄ d / Σ |c|² with c and d the deviations of e^{iθ} and of
-//! the place from their means over a spin.
+//! The paper fits a circle to the sensor's positions, which gives the radius of its mount and not the direction (erratum I8). With the headings
+//! the problem is linear in both: as complex numbers position = centre + e^{iθ}·m, so that m = Σ c̄ d / Σ |c|² with c and d the deviations of
+//! e^{iθ} and of the position from their means over a spin.
 
 use std::f64::consts::TAU;
 
-/// A place where the sensor found itself during a spin: world x and y, and the robot's heading.
+/// World x and y of the sensor during a spin, and the robot's heading there.
 pub type Stop = [f64; 3];
 
-/// Least spread of headings, as mean |c|²: a tenth of what a whole turn has.
+/// Least spread of headings, as mean |c|², for which the offset is solved: a tenth of the spread over a whole turn.
 const LEAST_SPREAD: f64 = 0.1;
 
 /// Offset of a sensor from the robot origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MountOffset {
-    /// Forward and left.
+    /// Position of the sensor in the robot frame: forward and left.
     pub position_m: [f64; 2],
-    /// Root of the mean squared distance of the stops from what the offset says.
+    /// Root mean square distance between the measured positions and those that the offset predicts.
     pub rms_m: f64,
 }
 
 impl MountOffset {
-    /// Distance from the robot origin.
+    /// Distance of the sensor from the robot origin.
     pub fn radius_m(&self) -> f64 {
         self.position_m[0].hypot(self.position_m[1])
     }
 
-    /// Direction from robot forward, counter-clockwise, in [0, 2π).
+    /// Direction of the sensor from robot forward, counter-clockwise, in [0, 2π).
     pub fn direction_rad(&self) -> f64 {
         self.position_m[1].atan2(self.position_m[0]).rem_euclid(TAU)
     }
 }
 
-/// The offset from one or more spins, each around a point of its own; `None` if the headings hardly differ.
+/// The sensor's offset from one or more spins on the spot, each around a point of its own; `None` if the headings hardly differ.
 pub fn solve(spins: &[Vec<Stop>]) -> Option<MountOffset> {
     let deviations: Vec<[f64; 4]> = spins.iter().flat_map(|spin| deviations(spin)).collect();
     let spread: f64 = deviations.iter().map(|[c, s, _, _]| c * c + s * s).sum();
@@ -52,7 +52,7 @@ pub fn solve(spins: &[Vec<Stop>]) -> Option<MountOffset> {
     Some(MountOffset { position_m, rms_m })
 }
 
-/// cos θ, sin θ, x, y of each stop, less their means.
+/// cos θ, sin θ, x, y of each stop of a spin, less their means over the spin.
 fn deviations(spin: &[Stop]) -> Vec<[f64; 4]> {
     let rows: Vec<[f64; 4]> = spin.iter().map(|[x, y, heading]| [heading.cos(), heading.sin(), *x, *y]).collect();
     let mean: [f64; 4] = std::array::from_fn(|k| rows.iter().map(|row| row[k]).sum::<f64>() / rows.len().max(1) as f64);
@@ -90,7 +90,7 @@ mod tests {
         for _ in 0..300 {
             let (radius, direction) = (random.between(0.15, 0.4), random.between(0.0, TAU));
             let offset = [radius * direction.cos(), radius * direction.sin()];
-            // Errors of a fix at 2.6 m: 3 mm and 0.2°, stop by stop.
+            // Each position in the spin has the errors of a marker fix at 2.6 m distance: 3 mm and 0.2°.
             let found = solve(&spins(offset, 72, 0.003, 0.0035, &mut random)).expect("headings all around");
             assert!((found.radius_m() - radius).abs() < 0.0005, "{found:?} {offset:?}");
             let turn = (found.direction_rad() - direction + 3.0 * TAU / 2.0).rem_euclid(TAU) - TAU / 2.0;
@@ -100,7 +100,8 @@ mod tests {
 
     #[test]
     fn a_sensor_at_the_back_is_found_at_the_back() {
-        // By hand: spinning about (1, 2), a sensor 0.2 m behind and 0.1 m left stands at (0.8, 2.1) at heading 0, at (0.9, 1.8) at 90°.
+        // Computed by hand: on a robot that spins about (1, 2), a sensor 0.2 m behind and 0.1 m left is at (0.8, 2.1) at heading 0, at (0.9, 1.8)
+        // at 90°.
         let quarter = TAU / 4.0;
         let found =
             solve(&[vec![[0.8, 2.1, 0.0], [0.9, 1.8, quarter], [1.2, 1.9, 2.0 * quarter]]]).expect("half a turn");

@@ -1,31 +1,31 @@
-//! What became of a reading of a camera.
+//! Accounts of readings: what a method and the localizer made of one camera reading.
 
 use interval::Interval;
 
 use crate::{Constraint, PoseUnion, method::Claim, quota::Quota, reading::LandmarkId};
 
-/// What became of a camera's reading.
+/// Account of what one method made of a camera's reading.
 #[derive(Clone, Debug)]
 pub struct Account {
-    /// The method that read it.
+    /// Name of the method that read the image.
     pub method: &'static str,
-    /// What the method claimed; empty when the cue was absent.
+    /// What the method claimed to see; empty when the reading did not show the method's cue.
     pub claims: Vec<Claim>,
-    /// How many of them may be false.
+    /// How many of the method's claims may be false.
     pub quota: Quota,
-    /// Segments looked at and rejected, `[u0, v0, u1, v1]` in pixels.
+    /// Segments that the method examined and rejected, `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
-    /// Heading that this reading told without those before it.
+    /// Heading by this reading alone, without the earlier ones.
     pub alone_heading_rad: Option<Interval>,
-    /// Whether a constraint was hung.
+    /// Whether the reading gave a constraint on the pose.
     pub constrained: bool,
-    /// Whether it left nothing of the union.
+    /// Whether the constraint left the pose union empty.
     pub emptied: bool,
-    /// Union at the stamp without this reading.
+    /// Pose union at the reading's stamp without this reading.
     pub prior: PoseUnion,
-    /// Union at the stamp, just after.
+    /// Pose union at the reading's stamp just after this reading.
     pub posterior: PoseUnion,
-    /// Landmarks as the method knows them now: code, and box of world x and y.
+    /// Landmarks as the method knows them after this reading: code, and box of world x and y.
     pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
 }
 

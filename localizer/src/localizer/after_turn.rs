@@ -1,9 +1,9 @@
-//! A constraint of the heading some turn later.
+//! A constraint on the heading at a later time, applied to the heading before the turn in between.
 
 use interval::contractor::{Contractor, Outcome};
 use interval::{Interval, IntervalBox};
 
-/// What `on_pose` says of the heading after a turn, said of the heading before it; x and y are left as they are.
+/// The constraint `on_pose` on the heading after a turn, as a constraint on the heading before that turn; x and y stay unchanged.
 pub(super) struct AfterTurn {
     pub(super) turn: Interval,
     pub(super) on_pose: Box<dyn Contractor<3> + Send + Sync>,

@@ -1,4 +1,5 @@
-//! Unions of poses carried from slot to slot, and slots recomputed when something is told of the past.
+//! Prediction of the pose unions of slots (the stamped entries of the localizer's ring), and their recomputation when a reading about the past
+//! arrives.
 
 use interval::{Interval, IntervalBox, contractor::Contractor};
 
@@ -12,7 +13,8 @@ use super::{
 };
 
 impl Localizer {
-    /// What is known of the pose at a past stamp; `None` when it lies outside of the memory, or before the end of the last doubt.
+    /// Pose union at a past stamp; `None` if the stamp is older than what is remembered, or lies before the end of the last doubt about an
+    /// assumption.
     pub(super) fn union_at(&self, stamp_s: f64) -> Option<PoseUnion> {
         if stamp_s < self.doubts.ended_s.max(self.now_s - REMEMBER_S) {
             return None;
@@ -20,14 +22,15 @@ impl Localizer {
         self.explained_at(self.ring.before(stamp_s)?, stamp_s)
     }
 
-    /// A slot carried to a later stamp by whatever explains the readings.
+    /// Pose union of a stored slot carried to a later stamp, for all hypotheses that explain the readings together.
     pub(super) fn explained_at(&self, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
         let carried: Option<Vec<PoseUnion>> =
             (0..self.hypotheses.len()).map(|hypothesis| self.carried_of(hypothesis, slot, stamp_s)).collect();
         Some(ring::merged(&carried?))
     }
 
-    /// One hypothesis's union of a slot, carried to a later stamp: by reach, too, where the memory of the wheels is shorter than the way.
+    /// One hypothesis's pose union in a stored slot, carried to a later stamp. Where the remembered wheel readings do not cover the time between,
+    /// the robot's limits of speed and turn rate bound the motion.
     pub(super) fn carried_of(&self, hypothesis: usize, slot: &Slot, stamp_s: f64) -> Option<PoseUnion> {
         self.wheels.latest()?;
         let doubted = !self.hypotheses[hypothesis].trusts_wheels(slot.stamp_s);
@@ -36,7 +39,8 @@ impl Localizer {
         carried.or_else(|| self.carried(union, slot.stamp_s, stamp_s, true))
     }
 
-    /// A union carried from one stamp to a later one, by reach when the wheels are doubted; `None` where their memory does not reach.
+    /// A pose union carried from one stamp to a later one by the wheels, or by the robot's limits of speed and turn rate while the wheels are
+    /// doubted; `None` if the remembered wheel readings do not cover the time between.
     pub(super) fn carried(&self, union: &PoseUnion, from_s: f64, to_s: f64, doubted: bool) -> Option<PoseUnion> {
         let latest_s = self.wheels.latest()?.time_s;
         if doubted {
@@ -48,7 +52,8 @@ impl Localizer {
         }
         match motion_between(&self.wheels, &self.robot, &self.slip, false, [from_s, to_s]) {
             Some(motion) => Some(self.as_fixed_before(self.inside_room(moved_union(union, &motion)), to_s)),
-            // Far ahead of the wheels: they tell the way so far, reach bounds the rest.
+            // The later stamp is far ahead of the wheel readings: these give the motion up to the last of them, and the robot's limits of speed
+            // and turn rate bound the rest.
             None if to_s > latest_s.max(from_s) => {
                 let known = self.carried(union, from_s, latest_s.max(from_s), false)?;
                 self.carried(&known, latest_s.max(from_s), to_s, true)
@@ -57,7 +62,8 @@ impl Localizer {
         }
     }
 
-    /// Recomputes every slot from `from_s` on for every hypothesis. Answers whether that showed that an assumption failed.
+    /// Recomputes the pose union of every stored slot from `from_s` on, for every hypothesis. Returns whether an assumption is thereby shown to
+    /// have failed.
     pub(super) fn replay_all(&mut self, from_s: f64) -> bool {
         if self.is_doubted() {
             (0..self.hypotheses.len()).for_each(|hypothesis| {
@@ -72,8 +78,8 @@ impl Localizer {
         contradiction.is_some()
     }
 
-    /// Recomputes one hypothesis's union of every slot from `from_s` on. Answers the stamps of constraints that contradict it, which are
-    /// left out; if nothing is thought to have failed, it stops at the first.
+    /// Recomputes one hypothesis's pose union in every stored slot from `from_s` on. Returns the stamps of the constraints that contradict the
+    /// hypothesis; these constraints are left out. If the hypothesis is that nothing failed, the recomputation stops at the first of them.
     pub(super) fn replay(&mut self, hypothesis: usize, from_s: f64) -> Vec<f64> {
         let failed = self.hypotheses[hypothesis].failed;
         let mut contradicting = Vec::new();
@@ -103,7 +109,7 @@ impl Localizer {
         contradicting
     }
 
-    /// The part of a union in which the body does not stand in a wall.
+    /// The part of a pose union in which the robot's body does not overlap a wall.
     pub(super) fn inside_room(&self, union: PoseUnion) -> PoseUnion {
         let room = self.whole_room();
         let mut branches: Vec<PoseBox> = union.branches.iter().map(|branch| branch.intersect(&room)).collect();
@@ -118,7 +124,7 @@ impl Localizer {
     }
 }
 
-/// Every branch, contracted and cut.
+/// Contracts every branch of a pose union, and splits it where the contractor does.
 pub(super) fn contract_union(union: &PoseUnion, contractor: &(dyn Contractor<3> + Send + Sync)) -> PoseUnion {
     PoseUnion { branches: union.branches.iter().flat_map(|branch| contractor.branches(branch)).collect() }
         .without_repeats()

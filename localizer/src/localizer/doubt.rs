@@ -1,15 +1,17 @@
-//! An assumption failed: what may have failed, how each hypothesis explains the readings, and when one of them is believed.
+//! Doubt after an assumption failed: what may have failed, how each hypothesis explains the readings, and when one of them is believed.
 //!
-//! An empty intersection proves that something assumed is false, but not what. While that is open, three hypotheses are followed side by
-//! side, and the answer is the union of what they leave: if one of them is right, the true pose is in it.
+//! An empty intersection proves that some assumption is false, but not which. Until that is known, three hypotheses are followed side by side, and
+//! the estimate is the union of what they leave: if one of them is right, the true pose is in the union.
 //!
-//! - *Reading*: the reading that contradicted is false, a wrong claim or a thing that is not where the map has it. All else stands.
-//! - *Motion*: wheels or flow sensor broke their bounds in the last second or seconds. Since then reach alone tells the way.
-//! - *Memory*: what was known is false from its beginning. Only what names its place on the map tells anything, as a marker's code does,
-//!   and the latest such reading is believed.
+//! - *Reading*: the reading that gave the contradiction is false, because of a wrong claim or a thing that is not where the map has it. Everything
+//!   else holds.
+//! - *Motion*: wheels or flow sensor broke their bounds in the last second or seconds. Since then reach (the robot's physical limits of motion)
+//!   alone bounds the motion.
+//! - *Memory*: everything known before is false. Only a reading that names its place on the map is informative, as a marker's code is, and the
+//!   latest such reading is believed.
 //!
-//! Each reading agrees with a hypothesis or contradicts it. Two witnesses that have nothing in common end one; with two that agree, and no
-//! other hypothesis elsewhere, one is believed.
+//! Each reading agrees with a hypothesis or contradicts it. Two witnesses that have nothing in common refute a hypothesis; with two that agree,
+//! and no other hypothesis that puts the robot elsewhere, a hypothesis is believed.
 
 use interval::{Interval, IntervalBox};
 
@@ -23,37 +25,42 @@ use super::{
     ring::{Slot, merged},
 };
 
-/// What was unlearnt gets so long to show whether it was enough.
+/// Time after the methods have unlearnt recent readings during which they do not unlearn again, so that it shows whether the first time was
+/// enough.
 const UNLEARN_PAUSE_S: f64 = 2.0;
-/// A contradiction so long after the last one has a cause of its own.
+/// Time after the last unlearning from which a contradiction is taken to have a cause of its own. An earlier one makes methods unlearn twice as
+/// far back.
 const UNLEARN_CALM_S: f64 = 15.0;
-/// A doubt goes back at least so far: what was hung since may already have been cut by the assumption that failed.
+/// Least time by which a doubt reaches back from the present: poses since then may already have been contracted wrongly by the assumption that
+/// failed.
 const DOUBT_S: f64 = 1.0;
-/// A contradiction so soon after the last doubt has its cause, which was farther back than was thought: it goes back twice as far.
+/// Time after the end of a doubt in which a new contradiction is taken to have the same cause, farther back than was assumed: the new doubt
+/// reaches back twice as far.
 const DOUBT_AGAIN_S: f64 = 5.0;
-/// A robot that may be anywhere is looked for in so many sectors of heading: contractors of poses narrow headings only within a part of a turn.
+/// Number of sectors of heading per turn in which a robot that may be anywhere is searched: contractors of poses narrow headings only within a
+/// part of a turn.
 const HEADINGS: usize = 8;
-/// Beyond so many turns sectors are wider.
+/// Number of turns of possible headings beyond which the sectors of heading become wider instead of more.
 const MOST_TURNS: f64 = 4.0;
 
-/// What a reading that is about to be hung tells of each hypothesis.
+/// What a reading, before its constraint is applied, says about each hypothesis on what failed.
 pub(super) struct Evidence {
     stamp_s: f64,
     witnesses: Vec<Witness>,
-    /// Whether it tells enough to make a hypothesis believed.
+    /// Whether the reading restricts the pose enough for a hypothesis to be believed by it.
     decides: bool,
-    /// For each hypothesis, whether the wheels lead from the image before to what the reading allows.
+    /// For each hypothesis, whether the motion by the wheels leads from the pose at the previous image to poses that the reading allows.
     agrees: Vec<bool>,
 }
 
-/// Doubts gone by.
+/// Times and depths of earlier doubts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doubts {
-    /// When the last one ended: what was settled then is not gone over again.
+    /// Time at which the last doubt about an assumption ended: poses before that time are not recomputed.
     pub(super) ended_s: f64,
-    /// How far back it went.
+    /// Time by which the last doubt reached back before the contradiction that began it.
     depth_s: f64,
-    /// When methods unlearnt last, and how far back.
+    /// Time at which the methods last unlearnt recent readings, and the time by which that reached back.
     unlearnt: (f64, f64),
 }
 
@@ -64,9 +71,10 @@ impl Default for Doubts {
 }
 
 impl Localizer {
-    /// An assumption failed, perhaps some time ago: every hypothesis is followed from where it parts from what was believed.
+    /// Begins a doubt because an assumption failed, perhaps some time ago. From the stamp at which it departs from the previous belief, every
+    /// hypothesis about what failed is followed.
     ///
-    /// `contradicting_s` is the stamp of the constraint that left nothing, if it was one.
+    /// `contradicting_s` is the stamp of the constraint that left the pose union empty, if a constraint did.
     pub(super) fn begin_doubt(&mut self, contradicting_s: Option<f64>) {
         if self.is_doubted() {
             self.begin_anywhere();
@@ -83,7 +91,7 @@ impl Localizer {
         let doubtful_s = self.now_s - depth_s;
         self.ring.drop_anchors_after(doubtful_s);
 
-        // What stood on what is unlearnt is gone over again.
+        // All constraints are applied again from the first one on that relied on something unlearnt.
         let reading = contradicting_s.map(|stamp_s| (Failed::Reading, stamp_s.min(renewed_s)));
         let since: Vec<(Failed, f64)> =
             reading.into_iter().chain([(Failed::Motion, doubtful_s), (Failed::Memory, doubtful_s)]).collect();
@@ -113,12 +121,12 @@ impl Localizer {
         }
     }
 
-    /// No hypothesis leaves anything: the robot may be anywhere in the room.
+    /// Begins the doubt anew when no hypothesis leaves any pose: the robot may be anywhere in the room.
     fn begin_anywhere(&mut self) {
         let mut failed = vec![Failed::Motion, Failed::Memory];
         let mut unions = vec![self.anywhere(), PoseUnion::default()];
         if self.anywhere().is_empty() {
-            // A room that has no place for the robot: nothing can be said.
+            // If the room has no place for the robot's body, nothing can be said about the pose.
             failed.truncate(1);
             unions.truncate(1);
         }
@@ -128,7 +136,8 @@ impl Localizer {
         self.restart_integral();
     }
 
-    /// Any place in the room, in sectors of the headings about those last known: a whole turn, and as far as the robot can have turned since.
+    /// Every position in the room, with all headings that are possible, divided into sectors about the last known heading: a whole turn, and as
+    /// far as the robot can have turned since.
     fn anywhere(&self) -> PoseUnion {
         let room = self.whole_room();
         let (known_s, known) = self.known_heading;
@@ -138,20 +147,21 @@ impl Localizer {
         if !n_turns.is_finite() || !middle_rad.is_finite() {
             return PoseUnion::single(room);
         }
-        // Headings count turns. What reaches beyond one has a sector more, so that as much lies on both sides of the middle one.
+        // Headings are not wrapped. If they extend beyond one turn, there is one more sector, so that equally many lie on both sides of the middle
+        // one.
         let n_aside = (n_turns.min(MOST_TURNS) * (HEADINGS / 2) as f64).ceil();
         let n_sectors = 2 * n_aside as usize + usize::from(n_turns > 1.0);
         let sector_rad = n_turns * std::f64::consts::PI / n_aside;
         let headings = (0..n_sectors).map(|sector| {
             let centre_rad = middle_rad + (sector as f64 - n_aside) * sector_rad;
-            // A hair wider, so that no heading falls between two sectors by rounding.
+            // Each sector of heading is 1e-9 rad wider on both sides, so that no heading falls between two sectors by rounding.
             Interval::centred(centre_rad, 0.5 * sector_rad + 1e-9)
         });
         let boxes = headings.map(|heading| IntervalBox::from([room[0], room[1], heading]));
         PoseUnion { branches: boxes.filter(|sector| !sector.is_empty()).collect() }
     }
 
-    /// Where a constraint that names its place on the map says that the robot is, whatever was known; nothing for any other.
+    /// Union of poses that a constraint allows anywhere in the room, if it names its place on the map; empty for any other constraint.
     pub(super) fn located(&self, constraint: &Constraint) -> PoseUnion {
         if named(constraint).is_empty() {
             return PoseUnion::default();
@@ -159,16 +169,16 @@ impl Localizer {
         contract_union(&self.anywhere(), constraint.on_pose.as_ref())
     }
 
-    /// What a constraint bears witness of: the one marker that it names, or those that do not agree with each other; else the reading. Markers of one
-    /// reading that agree are not all misplaced: if it is false, then for a reason of its own, such as a body that leaned, and the next
-    /// reading of the same markers is another witness.
+    /// Witnesses of a constraint: the one marker that it names, or its markers if they do not agree with each other, or else the reading. Markers
+    /// of one reading that agree are not all misplaced: if such a reading is false, it is for a reason of its own, such as a body that leaned, and
+    /// the next reading of the same markers is another witness.
     pub(super) fn witnesses(&self, constraint: &Constraint) -> Vec<Witness> {
         let named = named(constraint);
         let is_one_thing = named.len() == 1 || (named.len() > 1 && self.located(constraint).is_empty());
         if is_one_thing { named } else { vec![Witness::Reading(constraint.stamp_s)] }
     }
 
-    /// What a constraint that is about to be hung tells of each hypothesis; `None` without a doubt.
+    /// What a constraint, before it is applied, says about each hypothesis on what failed; `None` while nothing is doubted.
     pub(super) fn evidence(&self, constraint: &Constraint, witnesses: &[Witness]) -> Option<Evidence> {
         self.is_doubted().then(|| Evidence {
             stamp_s: constraint.stamp_s,
@@ -180,7 +190,8 @@ impl Localizer {
         })
     }
 
-    /// Follows each hypothesis from `from_s` on with a reading hung, and weighs what it tells. Answers whether it contradicts them all.
+    /// Recomputes each hypothesis from `from_s` on with a newly stored reading, and weighs what the reading says about the hypothesis. Returns
+    /// whether the reading contradicts every hypothesis.
     pub(super) fn weigh(&mut self, evidence: Evidence, from_s: f64) -> bool {
         let mut n_against = 0;
         let n_hypotheses = self.hypotheses.len();
@@ -191,7 +202,8 @@ impl Localizer {
             }
             let agrees = evidence.decides && evidence.agrees[hypothesis];
             if evidence.decides && !agrees {
-                // Before it is followed: what the wheels do not lead to may still be within reach.
+                // The disagreement is noted before the hypothesis is recomputed: poses to which the wheels do not lead may still be possible by
+                // the robot's limits of motion.
                 self.hypotheses[hypothesis].disagree();
             }
             let contradicting = self.replay(hypothesis, from_s);
@@ -204,7 +216,7 @@ impl Localizer {
             } else if agrees {
                 weighed.agree(&evidence.witnesses, evidence.stamp_s);
             } else if evidence.decides && weighed.failed == Failed::Memory && !is_lost {
-                // What found its place anew has its first witness in that.
+                // The reading from which a hypothesis has found the robot's place anew is the first witness for that hypothesis.
                 weighed.note(&evidence.witnesses);
             }
         }
@@ -213,12 +225,13 @@ impl Localizer {
         n_against == n_hypotheses
     }
 
-    /// Drops what two witnesses contradict, and what no pose is left of; the last one stays, whatever speaks against it.
+    /// Drops hypotheses that two witnesses contradict or that leave no pose; the last hypothesis stays, whatever contradicts it.
     fn drop_refuted(&mut self) {
         let is_empty = |hypothesis: usize| self.ring.last().is_some_and(|last| last.unions[hypothesis].is_empty());
         let mut dropped: Vec<usize> = Vec::new();
         for (index, hypothesis) in self.hypotheses.iter().enumerate() {
-            // Memory is empty until something names its place, and begins anew at whatever contradicts it.
+            // The hypothesis that everything known is false leaves no pose until a reading names its place, and begins anew at whatever
+            // contradicts it.
             let is_dead = hypothesis.failed != Failed::Memory && (hypothesis.is_refuted() || is_empty(index));
             let others_left = (0..self.hypotheses.len()).any(|other| {
                 other != index && !dropped.contains(&other) && !is_empty(other) && !self.hypotheses[other].is_refuted()
@@ -235,7 +248,7 @@ impl Localizer {
         }
     }
 
-    /// Believes what is left once one hypothesis has witnesses enough and no other is elsewhere.
+    /// Ends the doubt once one hypothesis has enough witnesses and no other puts the robot elsewhere.
     fn end_doubt_when_decided(&mut self) {
         let Some(last) = self.ring.last() else { return };
         let mut followed = self.hypotheses.iter().zip(&last.unions);
@@ -249,7 +262,7 @@ impl Localizer {
         if last.unions.iter().any(is_elsewhere) {
             return;
         }
-        // What was false from its beginning has taught nothing.
+        // If everything known before was false, nothing true was learnt from it.
         if let (Failed::Memory, Some(fixes)) = (hypothesis.failed, &mut self.fixes) {
             fixes.forget_since(f64::NEG_INFINITY);
         }
@@ -263,15 +276,16 @@ impl Localizer {
         );
     }
 
-    /// Whether the wheels lead from the last image's union to one that this constraint allows.
+    /// Whether the motion by the wheels leads from the pose union at the last image to poses that this constraint allows.
     fn agrees_with_wheels(&self, hypothesis: usize, constraint: &Constraint) -> bool {
         let Some(before) = self.ring.image_before(constraint.stamp_s) else { return false };
         self.carried(&before.unions[hypothesis], before.stamp_s, constraint.stamp_s, false)
             .is_some_and(|predicted| !contract_union(&predicted, constraint.on_pose.as_ref()).is_empty())
     }
 
-    /// Lets the methods unlearn what they learnt in the last seconds. A push that hid in the width of a box may have been learnt from
-    /// long before it showed: when that was not enough, twice as much is taken back. Answers from which stamp on constraints were made anew.
+    /// Lets the methods unlearn what they learnt in the last seconds. Before it is noticed, a push that is smaller than the pose box may have been
+    /// learnt from for a long time; so if unlearning was not enough, it goes twice as far back the next time. Returns the stamp from which on
+    /// constraints were made anew.
     fn unlearn_deeper(&mut self) -> f64 {
         let (latest_s, depth_s) = self.doubts.unlearnt;
         let since_s = self.now_s - latest_s;
@@ -283,7 +297,8 @@ impl Localizer {
         self.unlearn_since(self.now_s - depth_s)
     }
 
-    /// Lets the methods unlearn, and makes the constraints anew that stood on what they had learnt; answers the stamp of the first of them.
+    /// Lets the methods unlearn what they learnt since `since_s`, and recomputes the constraints that relied on it. Returns the stamp of the first
+    /// of these constraints.
     fn unlearn_since(&mut self, since_s: f64) -> f64 {
         let mut first_s = f64::INFINITY;
         if let Some(fixes) = &mut self.fixes {
@@ -304,7 +319,7 @@ impl Localizer {
     }
 }
 
-/// The branches of several unions, those that overlap made one.
+/// The branches of several pose unions, in which branches that overlap are replaced by their hull.
 fn joined(unions: &[PoseUnion]) -> PoseUnion {
     let mut branches = merged(unions).branches;
     if unions.len() == 1 {

@@ -1,7 +1,8 @@
-//! Headings fixed before: what they tell of the gyroscope's bias and scale, and of the heading now.
+//! Heading fixes: what earlier headings say about the gyroscope's bias and scale, and about the present heading.
 //!
-//! A heading carried from slot to slot pays at every slot for readings that the slot cuts in two; carried from where it was fixed, it
-//! pays once. So all that was fixed in the last while is carried at once, and a good view of walls serves through the poor ones.
+//! A heading that the gyroscope carries from one stored pose to the next becomes wider at every stamp that splits the averaging span of a
+//! gyroscope reading; carried directly from the stamp of its fix, it becomes wider only once. Therefore all recent fixes are carried directly, and
+//! a good view of walls still helps while views are poor.
 
 use std::collections::VecDeque;
 
@@ -14,39 +15,41 @@ use crate::{
     robot::{GyroModel, Reach},
 };
 
-/// The bound that a bias learnt at rest stands on.
+/// Name of the bound that a bias learnt at rest relies on.
 const REST: Assumption = bounds::WHEELS_REST;
 
-/// Age up to which fixes and readings are kept. Two fixes this far apart tell the bias to the sum of their widths over 900 s; older ones would tell
-/// little more, as the bias itself drifts meanwhile.
+/// Age up to which heading fixes and gyroscope readings are kept. Two fixes 900 s apart determine the bias to the sum of their widths divided by
+/// 900 s; older fixes would add little, as the bias itself drifts meanwhile.
 const KEEP_S: f64 = 900.0;
-/// `[max age, window]` of each age class: up to the max age, the narrowest heading fix of every window is kept, and the others are dropped.
+/// `[max age, window]` of each age class of heading fixes: up to the maximum age, the narrowest fix of every window is kept, and the others are
+/// dropped.
 const WHILES_S: [[f64; 2]; 3] = [[10.0, 1.0], [60.0, 5.0], [KEEP_S, 30.0]];
-/// Time without a tick after which the robot counts as standing: wheels that brake may roll on for less than a tick during it.
+/// Time without an encoder tick after which the robot counts as standing: braking wheels may roll on by less than a tick during it.
 const SETTLED_S: f64 = 0.5;
-/// Period at which the bias is learnt again while the robot stands.
+/// Period at which the gyroscope's bias is learnt again while the robot stands.
 const REST_AGAIN_S: f64 = 1.0;
-/// Age up to which a heading fix is carried forward by the gyroscope. Older ones have become wider than newer ones, by the errors of scale and
-/// bias added up.
+/// Age up to which a heading fix is carried forward by the gyroscope. Older fixes have become wider than newer ones through the accumulated errors
+/// of scale and bias.
 const CARRY_S: f64 = 60.0;
 
-/// What is known of the bias, and the fixes that it is learnt from.
+/// What is known of the gyroscope's bias, and the heading fixes from which it is learnt.
 pub(super) struct HeadingFixes {
     model: GyroModel,
-    /// Greatest change of the turn rate.
+    /// Greatest change of the robot's turn rate per time.
     change_rad_per_s2: f64,
-    /// Greatest turn at rest, if it is declared.
+    /// Greatest turn of the body at rest, if it is declared.
     rest_turn_rad: Option<f64>,
     errors: GyroErrors,
     readings: GyroHistory,
-    /// Stamp and heading.
+    /// Stamp and heading interval of each heading fix.
     fixes: VecDeque<(f64, Interval)>,
-    /// When the bias was last learnt at rest.
+    /// Time at which the gyroscope's bias was last learnt at rest.
     rested_s: f64,
 }
 
 impl HeadingFixes {
-    /// A gyroscope on a robot whose turn rate changes by at most `change_rad_per_s2` and which at rest turns by at most `rest_turn_rad`.
+    /// Heading fixes for a gyroscope on a robot whose turn rate changes by at most `change_rad_per_s2` and which turns by at most `rest_turn_rad`
+    /// at rest.
     pub(super) fn new(model: GyroModel, change_rad_per_s2: f64, rest_turn_rad: Option<f64>) -> Self {
         HeadingFixes {
             model,
@@ -59,18 +62,18 @@ impl HeadingFixes {
         }
     }
 
-    /// Begins anew at time 0 with the heading there.
+    /// Forgets all heading fixes, and begins again with the heading at time 0.
     pub(super) fn begin(&mut self, heading: Interval) {
         *self = Self::new(self.model, self.change_rad_per_s2, self.rest_turn_rad);
         self.fixes.push_back((0.0, heading));
     }
 
-    /// The bounds that this stands on.
+    /// The declared bounds that the learnt gyroscope errors rely on.
     pub(super) fn relies_on(&self) -> impl Iterator<Item = Assumption> + use<> {
         std::iter::once(self.errors.relies_on()).chain(self.rest_turn_rad.map(|_| REST))
     }
 
-    /// Learns from encoders that have counted nothing for a span.
+    /// Learns the gyroscope's bias from a time span in which the encoders counted nothing.
     pub(super) fn rest(&mut self, [since_s, now_s]: [f64; 2]) -> Outcome {
         let from_s = since_s + SETTLED_S;
         let Some(turn_rad) = self.rest_turn_rad.filter(|_| now_s >= self.rested_s.max(from_s) + REST_AGAIN_S) else {
@@ -88,7 +91,7 @@ impl HeadingFixes {
         self.readings.push(time_s, rate_rad_per_s);
     }
 
-    /// Learns from a heading fixed at a stamp; what contradicts the headings before is not kept.
+    /// Learns the gyroscope's errors from a heading fixed at a stamp. A heading that contradicts the earlier ones is not kept.
     pub(super) fn learn(&mut self, stamp_s: f64, heading: Interval) -> Outcome {
         for &(fixed_s, before) in &self.fixes {
             if let Some(read) = self.readings.sum(fixed_s, stamp_s, self.change_rad_per_s2)
@@ -102,7 +105,7 @@ impl HeadingFixes {
         Outcome::Feasible
     }
 
-    /// Keeps the narrowest fix of each while.
+    /// Keeps the narrowest heading fix of every window of each age class.
     fn thin_out(&mut self, now_s: f64) {
         let while_of = |fixed_s: f64| {
             let [_, while_s] = WHILES_S.into_iter().find(|[old_s, _]| now_s - fixed_s <= *old_s)?;
@@ -120,7 +123,7 @@ impl HeadingFixes {
         self.fixes = kept;
     }
 
-    /// Heading at a stamp by every fix of the last while.
+    /// Heading at a stamp: the intersection of all recent heading fixes, each carried to the stamp by the gyroscope.
     pub(super) fn heading(&self, stamp_s: f64) -> Interval {
         let carried = self.fixes.iter().filter(|(fixed_s, _)| (stamp_s - CARRY_S..=stamp_s).contains(fixed_s));
         carried.fold(Interval::ENTIRE, |heading, (fixed_s, fixed)| match self.turn(*fixed_s, stamp_s) {
@@ -129,12 +132,13 @@ impl HeadingFixes {
         })
     }
 
-    /// Turn between two stamps by the gyroscope alone, while wheels keep their acceleration.
+    /// Turn between two stamps by the gyroscope alone, while the wheels keep within their acceleration bound.
     pub(super) fn turn(&self, from_s: f64, to_s: f64) -> Option<Interval> {
         self.turn_at_change(from_s, to_s, self.change_rad_per_s2)
     }
 
-    /// The same whatever happens to a robot that keeps its reach.
+    /// Turn between two stamps by the gyroscope alone, also if the robot is pushed, as long as its motion stays within the physical limits
+    /// `reach`.
     pub(super) fn turn_if_pushed(&self, from_s: f64, to_s: f64, reach: &Reach) -> Option<Interval> {
         self.turn_at_change(from_s, to_s, sudden_change_rad_per_s2(reach, self.model.period_s))
     }
@@ -144,17 +148,17 @@ impl HeadingFixes {
         Some(self.errors.turn([from_s, to_s], read))
     }
 
-    /// Bias over the span before a time.
+    /// Enclosure of the gyroscope's bias over the last `span_s` before a time.
     pub(super) fn bias_over(&self, span_s: f64, now_s: f64) -> Interval {
         self.errors.bias_over([now_s - span_s, now_s])
     }
 
-    /// Scale of the gyroscope.
+    /// Enclosure of the gyroscope's scale.
     pub(super) fn scale(&self) -> Interval {
         self.errors.scale()
     }
 
-    /// Unlearns what was learnt later than `since_s`.
+    /// Forgets everything that was learnt later than `since_s`.
     pub(super) fn forget_since(&mut self, since_s: f64) {
         self.errors.forget_since(since_s);
         self.fixes.retain(|(fixed_s, _)| *fixed_s <= since_s);

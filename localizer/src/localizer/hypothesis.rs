@@ -1,37 +1,37 @@
-//! What may have failed, and what speaks for it and against it.
+//! Hypotheses about which assumption failed, and the readings that support or contradict each.
 
 use interval::contractor::Contractor;
 
 use crate::{Constraint, markers::MarkerId, method::Claim};
 
-/// As many witnesses, of which no two have anything in common, make or break a hypothesis. No reading as a whole is
-/// declared to be wrong, so that one may be by an assumption that failed, and two are not by chance.
+/// Number of witnesses, no two of which have anything in common, that confirm or refute a hypothesis. No declared bound
+/// lets a whole reading be wrong: one may be because an assumption failed, but two are not by chance.
 const WITNESSES: usize = 2;
 
-/// What a hypothesis says has failed.
+/// The part of the assumptions that a hypothesis says has failed: a reading, the motion, or everything known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Failed {
-    /// Nothing; there is no doubt.
+    /// Hypothesis that nothing has failed; there is no doubt.
     Nothing,
-    /// The reading that contradicted.
+    /// Hypothesis that the reading that gave the contradiction is false.
     Reading,
-    /// The motion of the last second or seconds.
+    /// Hypothesis that the bounds on motion were broken in the last second or seconds.
     Motion,
-    /// All that was known.
+    /// Hypothesis that everything that was known before is false.
     Memory,
 }
 
-/// One explanation of the readings, and what speaks for it and against it.
+/// One explanation of the readings, and the readings that support or contradict it.
 #[derive(Clone, Debug)]
 pub(super) struct Hypothesis {
     pub(super) failed: Failed,
-    /// Witnesses that agreed since the last that did not.
+    /// Witnesses that agreed with the hypothesis since the last reading that did not.
     agreeing: Vec<Witness>,
-    /// Readings that contradicted, of which no two have a witness in common.
+    /// Witnesses of each reading that contradicted the hypothesis. No two of these readings have a witness in common.
     against: Vec<Vec<Witness>>,
-    /// Readings in a row between which the wheels lead from one to the next.
+    /// Number of consecutive readings such that the motion by the wheels leads from each to the next.
     n_in_a_row: usize,
-    /// Since when that is so: whatever failed before, the wheels are trusted again.
+    /// Stamp from which the wheels are trusted again, whatever failed before, because consecutive readings agreed with them.
     rolls_since_s: f64,
 }
 
@@ -44,17 +44,19 @@ impl Hypothesis {
         Hypothesis { failed, agreeing: Vec::new(), against: Vec::new(), n_in_a_row: 0, rolls_since_s }
     }
 
-    /// Whether the wheels tell the way from a stamp on.
+    /// Whether the hypothesis trusts the wheels for the motion from a given stamp on.
     pub(super) fn trusts_wheels(&self, from_s: f64) -> bool {
         from_s >= self.rolls_since_s
     }
 
-    /// Whether a reading is left out: where one is said to be false, all else that its witnesses tell is.
+    /// Whether this hypothesis leaves a reading out. If it says that a reading is false, every other reading with one of the same witnesses is
+    /// left out too.
     pub(super) fn disbelieves(&self, witnesses: &[Witness]) -> bool {
         self.failed == Failed::Reading && self.knows_any(witnesses)
     }
 
-    /// What of a constraint is believed: nothing that stands on motion, where it is the motion that is said to be false.
+    /// The part of a constraint that this hypothesis believes: nothing that relies on motion, if it says that the motion or everything known was
+    /// false.
     pub(super) fn believed<'a>(&self, constraint: &'a Constraint) -> &'a (dyn Contractor<3> + Send + Sync) {
         let by_itself =
             constraint.by_itself.as_ref().filter(|_| matches!(self.failed, Failed::Motion | Failed::Memory));
@@ -80,7 +82,7 @@ impl Hypothesis {
         }
     }
 
-    /// The wheels do not lead to what a reading allows.
+    /// Notes that the motion by the wheels does not lead to the poses that a reading allows.
     pub(super) fn disagree(&mut self) {
         self.agreeing.clear();
         self.n_in_a_row = 0;
@@ -89,7 +91,7 @@ impl Hypothesis {
         }
     }
 
-    /// The wheels lead to what a reading of `stamp_s` allows.
+    /// Notes that the motion by the wheels leads to poses that a reading of `stamp_s` allows.
     pub(super) fn agree(&mut self, witnesses: &[Witness], stamp_s: f64) {
         self.n_in_a_row += 1;
         if self.n_in_a_row >= WITNESSES {
@@ -107,15 +109,16 @@ impl Hypothesis {
     }
 }
 
-/// What a reading bears witness of: things that the map names, which are misplaced for every reading that sees them, or the reading itself.
+/// A witness for or against a hypothesis: a thing that the map names, whose misplacement affects every reading that sees it, or else the reading
+/// itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Witness {
     Marker(MarkerId),
-    /// By its stamp.
+    /// The reading itself as a witness, identified by its stamp.
     Reading(f64),
 }
 
-/// The things that a constraint names.
+/// The markers that a constraint's claims name, as witnesses.
 pub(super) fn named(constraint: &Constraint) -> Vec<Witness> {
     let markers = constraint.claims.iter().filter_map(|claim| match claim {
         Claim::Marker { marker, .. } => Some(Witness::Marker(*marker)),

@@ -1,4 +1,4 @@
-//! What the localizer learns of the gyroscope, at rest and from headings fixed, and what that tells of the heading now.
+//! Learning of the gyroscope's bias and scale, at rest and from heading fixes, and what both give for the present heading.
 
 use interval::{Interval, contractor::Outcome};
 
@@ -7,8 +7,8 @@ use crate::{Constraint, Localizer, PoseUnion, motion::greatest_change_rad_per_s2
 use super::{after_turn::AfterTurn, heading_fixes::HeadingFixes, moves::memory_s};
 
 impl Localizer {
-    /// The same, learning the gyroscope's bias and scale between fixes of the heading, and at rest if the body turns by at most
-    /// `rest_turn_rad` there.
+    /// The localizer, which in addition learns the gyroscope's bias and scale between heading fixes; also at rest, if it is declared that the body
+    /// turns by at most `rest_turn_rad` there.
     pub fn learning_gyro(mut self, rest_turn_rad: Option<f64>) -> Self {
         let change_rad_per_s2 = greatest_change_rad_per_s2(&self.robot.wheels, &self.robot.reach);
         self.fixes = self.robot.gyro.map(|model| HeadingFixes::new(model, change_rad_per_s2, rest_turn_rad));
@@ -16,7 +16,7 @@ impl Localizer {
         self
     }
 
-    /// The start is the first heading known.
+    /// Begins learning with the heading at the start as the first heading fix.
     pub(super) fn begin_fixes(&mut self) {
         if let Some(fixes) = &mut self.fixes {
             self.relies_on.extend(fixes.relies_on());
@@ -24,7 +24,7 @@ impl Localizer {
         }
     }
 
-    /// The gyroscope's bias as known now: as declared unless it is learnt; `None` without a gyroscope.
+    /// The gyroscope's bias as known at present: the declared one unless it is learnt; `None` without a gyroscope.
     pub fn gyro_bias_rad_per_s(&self) -> Option<Interval> {
         let declared = self.robot.gyro?.bias_rad_per_s;
         Some(self.fixes.as_ref().map_or(declared, |fixes| fixes.bias_over(0.0, self.now_s)))
@@ -43,8 +43,8 @@ impl Localizer {
         self.tell_wheels_of_gyro();
     }
 
-    /// A constraint of the heading, told at the stamp of the wheel reading before it: a slot that cuts no reading in two costs the
-    /// motion nothing, and a heading is carried over the few milliseconds by the gyroscope.
+    /// Moves a constraint on the heading to the stamp of the wheel reading before it, by the gyroscope's turn in the few milliseconds between. A
+    /// pose stored at the stamp of a wheel reading does not split the span between two readings, which would make the predicted motion wider.
     pub(super) fn on_a_reading(&self, constraint: Constraint) -> Constraint {
         let at_s = self.wheels.reading_before(constraint.stamp_s);
         let turn = at_s
@@ -59,8 +59,8 @@ impl Localizer {
         }
     }
 
-    /// Learns the gyroscope's bias from a heading just fixed, unless an assumption is doubted. Answers whether that agrees with what was
-    /// known: if not, an assumption failed.
+    /// Learns the gyroscope's bias from a new heading fix, unless an assumption is doubted. Returns whether the fix agrees with what was known; if
+    /// not, an assumption has failed.
     pub(super) fn learn_heading(&mut self, stamp_s: f64, heading: Interval) -> bool {
         let is_doubted = self.is_doubted();
         let Some(fixes) = &mut self.fixes else { return true };
@@ -69,14 +69,15 @@ impl Localizer {
         agrees
     }
 
-    /// Tells what is known of bias and scale now: a bias that wanders is known the less the longer it has not been learnt.
+    /// Passes the learnt bias and scale of the gyroscope to the wheel history. A bias that drifts is known less well the longer it has not been
+    /// learnt.
     pub(super) fn tell_wheels_of_gyro(&mut self) {
         if let Some(fixes) = &self.fixes {
             self.wheels.learn_gyro(fixes.bias_over(memory_s(&self.robot), self.now_s), fixes.scale());
         }
     }
 
-    /// A union at a stamp without the headings that those fixed before rule out.
+    /// A pose union at a stamp without the headings that earlier heading fixes rule out.
     pub(super) fn as_fixed_before(&self, mut union: PoseUnion, stamp_s: f64) -> PoseUnion {
         let Some(fixes) = self.fixes.as_ref().filter(|_| !self.is_doubted()) else { return union };
         let heading = fixes.heading(stamp_s);

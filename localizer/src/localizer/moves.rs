@@ -1,4 +1,4 @@
-//! How the robot moved between two stamps, and which declared bounds that stands on.
+//! The robot's motion between two stamps, and the declared bounds that it relies on.
 
 use crate::{
     RobotModel, bounds,
@@ -8,7 +8,7 @@ use crate::{
 
 use super::{REMEMBER_S, slip::CertifiedSlip};
 
-/// The bounds that a prediction by wheels stands on.
+/// Declared bounds that a prediction of the motion by the wheels relies on.
 pub(super) const WHEELS: [Assumption; 6] = [
     bounds::WHEELS_RADIUS,
     bounds::WHEELS_TRACK,
@@ -17,11 +17,11 @@ pub(super) const WHEELS: [Assumption; 6] = [
     bounds::REACH_ACCELERATION,
     bounds::ROOM_WALLS,
 ];
-/// The bounds that a prediction by reach stands on.
+/// Declared bounds that a prediction of the motion by the robot's physical limits alone relies on.
 pub(super) const REACH: [Assumption; 3] = [bounds::REACH_SPEED, bounds::REACH_TURN_RATE, bounds::ROOM_WALLS];
-/// What a gyroscope adds to both.
+/// Declared bounds that a prediction of the motion relies on in addition if there is a gyroscope.
 const GYRO: [Assumption; 4] = [bounds::GYRO_BIAS, bounds::GYRO_SCALE, bounds::GYRO_NOISE, bounds::GYRO_ANGLE];
-/// What a flow sensor adds to the wheels.
+/// Declared bounds that a prediction of the motion by the wheels relies on in addition if there is a flow sensor.
 const FLOW: [Assumption; 7] = [
     bounds::FLOW_POSITION,
     bounds::FLOW_YAW,
@@ -32,14 +32,14 @@ const FLOW: [Assumption; 7] = [
     bounds::REACH_TURN_RATE,
 ];
 
-/// How long motion is remembered: as far back as stamps may lie from now, or as slots may lie apart, which are opened anew after two slip
-/// windows, with as much for readings that come late.
+/// Time for which readings of motion are remembered: as long as stamps may be old; or as long as stored poses may lie apart (there is a new one
+/// after two slip windows), and as much again as stamps may be old, for readings that come late.
 pub(super) fn memory_s(robot: &RobotModel) -> f64 {
     let apart_s = 2.0 * robot.wheels.slip_window_s;
     if apart_s < REMEMBER_S { REMEMBER_S } else { apart_s + REMEMBER_S }
 }
 
-/// The memory of what moves this robot.
+/// An empty history of wheel, gyroscope and flow readings for this robot's sensors.
 pub(super) fn motion_history(robot: &RobotModel) -> WheelHistory {
     let wheels = WheelHistory::new(memory_s(robot));
     let wheels = match robot.gyro {
@@ -52,7 +52,8 @@ pub(super) fn motion_history(robot: &RobotModel) -> WheelHistory {
     }
 }
 
-/// Motion between two stamps of the memory, by reach alone while the wheels are doubted.
+/// The robot's motion between two stamps by the remembered readings; by the robot's limits of speed and turn rate alone while the wheels are
+/// doubted.
 pub(super) fn motion_between(
     wheels: &WheelHistory,
     robot: &RobotModel,
@@ -68,7 +69,7 @@ pub(super) fn motion_between(
     slip.motion([from_s, to_s], rolled, flow, wheels, robot)
 }
 
-/// The bounds that a prediction without doubt stands on.
+/// Declared bounds that a prediction of the motion relies on while nothing is doubted.
 pub(super) fn assumptions(robot: &RobotModel) -> Vec<Assumption> {
     let mut names = WHEELS.to_vec();
     if robot.gyro.is_some() {

@@ -1,4 +1,4 @@
-//! Stamped slots in the order of their stamps: the window of the recent past.
+//! Ring of slots in the order of their stamps. Each slot holds what is known of the pose at one stamp of the recent past.
 
 use std::{
     collections::VecDeque,
@@ -12,27 +12,27 @@ use super::hypothesis::Witness;
 /// What is known of the pose at one stamp.
 pub(super) struct Slot {
     pub(super) stamp_s: f64,
-    /// Union at the stamp with the slot's own constraint, for each hypothesis of what failed.
+    /// For each hypothesis about what failed, the pose union at the slot's stamp, with the slot's own constraint applied.
     pub(super) unions: Vec<PoseUnion>,
-    /// What an image says of this stamp; none for an anchor.
+    /// The constraint by an image at this stamp; `None` for an anchor, which is a slot without an image.
     pub(super) constraint: Option<Constraint>,
-    /// What the image bears witness of.
+    /// Witnesses of the slot's image: the markers that it names, or the image itself.
     pub(super) witnesses: Vec<Witness>,
 }
 
 impl Slot {
-    /// A slot of no image.
+    /// A slot without an image.
     pub(super) fn anchor(stamp_s: f64, unions: Vec<PoseUnion>) -> Slot {
         Slot { stamp_s, unions, constraint: None, witnesses: Vec::new() }
     }
 
-    /// The pose is in this, if one of the hypotheses is right.
+    /// The pose union that holds the true pose if at least one of the hypotheses about what failed is right.
     pub(super) fn merged(&self) -> PoseUnion {
         merged(&self.unions)
     }
 }
 
-/// All branches of several unions.
+/// The pose union of all branches of several unions.
 pub(super) fn merged(unions: &[PoseUnion]) -> PoseUnion {
     if let [union] = unions {
         return union.clone();
@@ -40,7 +40,7 @@ pub(super) fn merged(unions: &[PoseUnion]) -> PoseUnion {
     PoseUnion { branches: unions.iter().flat_map(|union| union.branches.iter().copied()).collect() }.without_repeats()
 }
 
-/// The window.
+/// The slots of the last `keep_s` seconds, in the order of their stamps.
 pub(super) struct Ring {
     slots: VecDeque<Slot>,
     keep_s: f64,
@@ -59,32 +59,32 @@ impl Ring {
         self.slots.back()
     }
 
-    /// Last slot strictly before a stamp or at it.
+    /// The ring's last slot whose stamp is at or before the given one.
     pub(super) fn before(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s <= stamp_s)
     }
 
-    /// Last image's slot strictly before a stamp or at it; anchors between are passed over.
+    /// The ring's last slot of an image whose stamp is at or before the given one; slots without an image are passed over.
     pub(super) fn image_before(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s <= stamp_s && slot.constraint.is_some())
     }
 
-    /// Last slot at exactly this stamp.
+    /// The ring's last slot whose stamp is exactly the given one.
     pub(super) fn at(&self, stamp_s: f64) -> Option<&Slot> {
         self.slots.iter().rev().find(|slot| slot.stamp_s == stamp_s)
     }
 
-    /// Stamp of the first slot after a time.
+    /// Stamp of the ring's first slot after a time.
     pub(super) fn first_after(&self, time_s: f64) -> Option<f64> {
         self.slots.iter().map(|slot| slot.stamp_s).find(|stamp_s| *stamp_s > time_s)
     }
 
-    /// Every slot, the oldest first, to be changed.
+    /// Mutable access to every slot of the ring, the oldest first.
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Slot> {
         self.slots.iter_mut()
     }
 
-    /// Index of the first slot at a stamp or after it.
+    /// Index of the ring's first slot whose stamp is at or after the given one.
     pub(super) fn index_at(&self, stamp_s: f64) -> Option<usize> {
         self.slots.iter().position(|slot| slot.stamp_s >= stamp_s)
     }
@@ -94,8 +94,9 @@ impl Ring {
         self.forget();
     }
 
-    /// Puts a slot in its place; anchors after it go, because what they hold is out of date and the slot anchors as well. Nothing is
-    /// forgotten yet: what the slot holds is told from the one before it, however old that is.
+    /// Inserts a slot into the ring, in the order of stamps. Later slots without an image are removed, because their pose unions are out of date
+    /// and the new slot serves the prediction as well. No old slot is forgotten here: the new slot is predicted from the one before it, however
+    /// old that is.
     pub(super) fn insert(&mut self, slot: Slot) {
         let place = self.slots.iter().rposition(|other| other.stamp_s <= slot.stamp_s).map_or(0, |index| index + 1);
         self.slots.insert(place, slot);
@@ -109,19 +110,20 @@ impl Ring {
         }
     }
 
-    /// Removes the anchors after a stamp, but for the oldest slot, from which all others are told.
+    /// Removes the slots without an image after a stamp, except for the oldest slot, from which all others are predicted.
     pub(super) fn drop_anchors_after(&mut self, stamp_s: f64) {
         let oldest_s = self.slots.front().map_or(stamp_s, |oldest| oldest.stamp_s);
         self.slots.retain(|slot| slot.stamp_s <= stamp_s.max(oldest_s) || slot.constraint.is_some());
     }
 
-    /// Forgets everything but one slot.
+    /// Replaces all slots of the ring by a single one.
     pub(super) fn restart(&mut self, slot: Slot) {
         self.slots.clear();
         self.slots.push_back(slot);
     }
 
-    /// Forgets what is older than the window, but for two slots: a reading taken before the newest is told from the one before.
+    /// Forgets slots older than the ring's window, except for the newest two: a reading taken before the newest slot is predicted from the slot
+    /// before.
     pub(super) fn forget(&mut self) {
         let Some(newest_s) = self.slots.back().map(|slot| slot.stamp_s) else { return };
         while self.slots.len() > 2 && self.slots[0].stamp_s < newest_s - self.keep_s {

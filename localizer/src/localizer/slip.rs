@@ -1,17 +1,18 @@
-//! When slip was certified: wheels and flow sensor had nothing in common, so that the wheels are left out.
+//! Certified slip: wheels and flow sensor contradict each other, which proves that the wheels slipped, so that the wheels are left out.
 
 use crate::{
     RobotModel,
     motion::{Agreement, Motion, WheelHistory, agree},
 };
 
-/// Wheels are left out for so long after they were last seen to slip: slip that goes on needs some time to show anew.
+/// Time for which the wheel readings are left out after the wheels were last seen to slip: slip that continues needs some time to be detected
+/// again.
 const LEFT_OUT_S: f64 = 0.5;
-/// Slip that is seen now may have begun so long before: until wheels and flow sensor are farther apart than both are wide, what they have
-/// in common may already be beside the truth.
+/// Time before the detection of slip at which the slip may have begun. Until wheels and flow sensor differ by more than the widths of both, their
+/// intersection may already exclude the truth.
 pub(super) const UNSEEN_S: f64 = 1.0;
 
-/// Spans in which the wheels are left out.
+/// Time spans in which the wheels are left out because they were seen to slip.
 #[derive(Clone, Debug)]
 pub(super) struct CertifiedSlip {
     spans_s: Vec<[f64; 2]>,
@@ -19,13 +20,13 @@ pub(super) struct CertifiedSlip {
 }
 
 impl CertifiedSlip {
-    /// None yet; a span is kept for as long as the wheels are remembered.
+    /// No span of slip yet; a span is kept for as long as wheel readings are remembered.
     pub(super) fn new(keep_s: f64) -> Self {
         CertifiedSlip { spans_s: Vec::new(), keep_s }
     }
 
-    /// The wheels slipped somewhere in this span, the last of which is now, and perhaps [`UNSEEN_S`] before it. Answers whether that is
-    /// news: whether no span before reached as far.
+    /// Notes that the wheels slipped somewhere in this time span, which ends at the present, or up to [`UNSEEN_S`] before it. Returns whether this
+    /// begins a new span of slip, which is so if no earlier one reached up to it.
     pub(super) fn certify(&mut self, [from_s, now_s]: [f64; 2]) -> bool {
         self.spans_s.retain(|span_s| span_s[1] > now_s - self.keep_s);
         match self.spans_s.last_mut() {
@@ -40,14 +41,14 @@ impl CertifiedSlip {
         }
     }
 
-    /// Whether the wheels are left out of a span.
+    /// Whether the wheels are left out in a part of this time span because they slipped.
     fn covers(&self, [from_s, to_s]: [f64; 2]) -> bool {
         self.spans_s.iter().any(|span_s| span_s[0] < to_s && from_s < span_s[1])
     }
 
-    /// Motion of the robot over a span of time: what wheels and flow sensor both allow. Where the wheels are known to slip, what the flow sensor alone
-    /// allows, and if it followed nothing then, what the limits of speed and acceleration allow. `None` if the remembered readings of the wheels do not
-    /// cover the span.
+    /// Motion of the robot over a span of time: what wheels and flow sensor both allow. Where the wheels are known to slip, what the flow sensor
+    /// alone allows, and if it followed nothing then, what the limits of speed and turn rate allow. `None` if the remembered readings of the
+    /// wheels do not cover the span.
     pub(super) fn motion(
         &self,
         span_s: [f64; 2],

@@ -1,23 +1,23 @@
-//! Which identities are given out, so that a damaged marker is not taken for another one.
+//! Sets of marker identities in use, chosen so that a damaged marker is not taken for another one.
 
 use super::{MarkerId, N_CODED};
 
-/// A set of identities.
+/// A set of marker identities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coding {
-    /// All 4096, as in the paper: no error is detected.
+    /// All 4096 identities, as in the paper: no error is detected.
     Plain,
-    /// The lexicode of distance 4: 128 words, up to 3 wrong dots are detected.
+    /// Lexicode of distance 4, as marker identities: 128 words, up to 3 wrong dots are detected.
     Lexicode,
-    /// 118 of the 132 hexads of the Steiner system S(5, 6, 12): six coded dots each, distance 4. Up to 3 wrong dots are detected, and
-    /// any number of them when dots are only missing, or only too many: what dirt and covers do. No word is the mirror image of a word, so that a
-    /// film pasted the wrong way round is refused.
+    /// Marker identities that are 118 of the 132 hexads of the Steiner system S(5, 6, 12): six coded dots each, distance 4. Up to 3 wrong dots are
+    /// detected. If dots are only missing, or only added, as by dirt and covers, any number of them is detected. No word is the mirror image of
+    /// another word, so that a film pasted with the wrong side up is refused.
     #[default]
     Hexads,
 }
 
 impl Coding {
-    /// All identities of the set, rising.
+    /// All identities of the set, in rising order.
     pub fn identities(self) -> Vec<MarkerId> {
         let words = match self {
             Coding::Plain => (0..1 << N_CODED).collect(),
@@ -27,7 +27,7 @@ impl Coding {
         words.into_iter().map(MarkerId).collect()
     }
 
-    /// Whether the identity belongs to the set, as one bit for each of the 4096.
+    /// Whether each of the 4096 identities belongs to the set, one `bool` for each.
     pub fn table(self) -> Vec<bool> {
         let mut table = vec![false; 1 << N_CODED];
         self.identities().iter().for_each(|id| table[usize::from(id.0)] = true);
@@ -35,7 +35,8 @@ impl Coding {
     }
 }
 
-/// Greedily every word that differs from all before it in at least `distance` bits (J. Conway, N. Sloane, IEEE Trans. Inf. Theory 32, 1986).
+/// Lexicode: every word, in rising order, that differs from all accepted before it in at least `distance` bits (J. Conway, N. Sloane, IEEE Trans.
+/// Inf. Theory 32, 1986).
 fn lexicode(distance: u32) -> Vec<u16> {
     let mut words: Vec<u16> = Vec::new();
     for word in 0..1 << N_CODED {
@@ -46,15 +47,15 @@ fn lexicode(distance: u32) -> Vec<u16> {
     words
 }
 
-/// Of each word and its mirror image the lesser; none that is its own.
+/// Of each code word and its mirror image the smaller one; words that are their own mirror images are left out.
 fn without_mirror_images(words: Vec<u16>) -> Vec<u16> {
     let mirrored = |word: u16| MarkerId::from_dots(MarkerId(word).dots().map(|[i, j]| [j, i])).0;
     let is_kept = |word: &u16| mirrored(*word) > *word || !words.contains(&mirrored(*word));
     words.iter().copied().filter(|word| mirrored(*word) != *word && is_kept(word)).collect()
 }
 
-/// The images of {∞, 1, 3, 4, 5, 9} under z → z + 1, z → 3z and z → −1/z modulo 11; bit 11 stands for ∞
-/// (J. Conway, N. Sloane, *Sphere Packings, Lattices and Groups*, chapter 11).
+/// The code words called hexads: the images of {∞, 1, 3, 4, 5, 9} under z → z + 1, z → 3z and z → −1/z modulo 11; bit 11 stands for ∞ (J. Conway,
+/// N. Sloane, *Sphere Packings, Lattices and Groups*, chapter 11).
 fn hexads() -> Vec<u16> {
     const P: u16 = 11;
     let inverse = |z: u16| (1..P).find(|other| z * other % P == 1).unwrap_or(P);
@@ -111,7 +112,7 @@ mod tests {
         let words = Coding::Hexads.identities();
         assert!(words.len() >= 100);
         for word in &words {
-            // A mirror exchanges the places (i, j) and (j, i): corners X and Y change roles.
+            // A mirror exchanges the places (i, j) and (j, i) of a marker's dots: corners X and Y change roles.
             let mirrored = MarkerId::from_dots(word.dots().map(|[i, j]| [j, i]));
             assert!(!words.contains(&mirrored), "{word:?}");
         }
@@ -123,7 +124,7 @@ mod tests {
         for word in &words {
             assert!(words.iter().all(|other| other == word || other.0 & word.0 != other.0));
         }
-        // The lexicode cannot say so: its word 0 is what is left of any marker with all coded dots covered.
+        // Unlike the hexads, the lexicode contains the word 0, which any marker becomes when all its coded dots are covered.
         assert!(Coding::Lexicode.identities().contains(&MarkerId(0)));
     }
 

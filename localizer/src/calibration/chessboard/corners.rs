@@ -1,4 +1,4 @@
-//! Where black and white squares meet in a picture of a chessboard.
+//! Detection of chessboard corners: where black and white squares meet in an image of the board.
 //!
 //! ```text
 //! saddles of the smoothed picture ──> the strongest, as many as the board has ──> sub-pixel ──> grid
@@ -10,33 +10,34 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::{Corner, homography};
 
-/// Standard deviation of the smoothing before saddles are looked for: more than sensor noise's grain, less than a square.
+/// Standard deviation of the smoothing before saddle points are searched: larger than the grain of sensor noise, smaller than a square.
 const SMOOTHING_PX: f32 = 1.5;
-/// A saddle is the strongest one this far around.
+/// Half width, in pixels, of the neighbourhood in which a saddle point has to be the strongest one.
 const APART_PX: usize = 5;
-/// Pixels weighted about a corner, and the standard deviation of their weights: the nearest squares' other corners stay outside.
+/// Half width of the window that refines a corner, and the standard deviation of the weights in it: the other corners of the nearest squares stay
+/// outside.
 const REACH_PX: i64 = 6;
 const WEIGHT_PX: f64 = 2.5;
 const MOST_STEPS: usize = 30;
-/// Distance, in squares, of a corner from where the board's four outermost ones put it; lenses bend the board by less.
+/// Greatest distance, in squares, of a corner from the grid place predicted by the board's four outermost corners; lenses bend the board by less.
 const OFF_GRID: f64 = 0.4;
 
-/// A board of `columns × rows` squares.
+/// A chessboard of `columns × rows` squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Board {
-    /// Squares along the board's x.
+    /// Number of squares along the board's x axis.
     pub columns: usize,
-    /// Squares along its y.
+    /// Number of squares along the board's y axis.
     pub rows: usize,
-    /// Side of a square.
+    /// Side length of a square.
     pub square_m: f64,
 }
 
 type Picture = ImageBuffer<Luma<f32>, Vec<f32>>;
 
-/// All `(columns − 1)(rows − 1)` inner corners of a board; `None` unless it is whole in the picture, its squares some 14 px wide or wider.
+/// All `(columns − 1)(rows − 1)` inner corners of a board; `None` unless the whole board is in the image with squares at least some 14 px wide.
 ///
-/// Which of the outermost corners is the first is arbitrary, which changes the board's pose and not the camera.
+/// Which of the outermost corners comes first is arbitrary, which changes the board's pose and not the camera.
 pub fn find(image: &GrayImage, board: &Board) -> Option<Vec<Corner>> {
     let picture = Picture::from_fn(image.width(), image.height(), |u, v| Luma([f32::from(image.get_pixel(u, v)[0])]));
     let count = (board.columns - 1) * (board.rows - 1);
@@ -47,7 +48,7 @@ pub fn find(image: &GrayImage, board: &Board) -> Option<Vec<Corner>> {
     on_grid(&places, board)
 }
 
-/// Local maxima of I_uv² − I_uu·I_vv with their strengths.
+/// Local maxima of the saddle strength I_uv² − I_uu·I_vv, with their strengths.
 fn saddles(smooth: &Picture) -> Vec<(f32, [f64; 2])> {
     let (width, height) = (smooth.width() as usize, smooth.height() as usize);
     let grey = |u: usize, v: usize| smooth.as_raw()[v * width + u];
@@ -67,7 +68,7 @@ fn saddles(smooth: &Picture) -> Vec<(f32, [f64; 2])> {
         let here = strengths[v * width + u];
         let mut around =
             (v - APART_PX..=v + APART_PX).flat_map(|v| (u - APART_PX..=u + APART_PX).map(move |u| v * width + u));
-        // Of equals the last one counts.
+        // Of neighbouring saddle points with equal strength the last one counts.
         if here > 0.0
             && around.all(|other| strengths[other] < here || (strengths[other] == here && other <= v * width + u))
         {
@@ -77,8 +78,9 @@ fn saddles(smooth: &Picture) -> Vec<(f32, [f64; 2])> {
     found
 }
 
-/// The place q that all gradients about it are at right angles to the way to: Σ w·g·gᵀ·(p − q) = 0 (W. Förstner, E. Gülch, ISPRS
-/// Intercommission Workshop, 1987), the weights w moving with it until it rests.
+/// Sub-pixel position q of a corner: the point for which all gradients around it are perpendicular to the lines from q to their pixels p, Σ
+/// w·g·gᵀ·(p − q) = 0 (W. Förstner, E. Gülch, ISPRS Intercommission Workshop, 1987). The window of weights w is moved to q until q no longer
+/// changes.
 fn sub_pixel(picture: &Picture, start: [f64; 2]) -> Option<[f64; 2]> {
     let grey = |u: i64, v: i64| f64::from(picture.get_pixel(u as u32, v as u32)[0]);
     let (width, height) = (i64::from(picture.width()), i64::from(picture.height()));
@@ -108,12 +110,12 @@ fn sub_pixel(picture: &Picture, start: [f64; 2]) -> Option<[f64; 2]> {
     None
 }
 
-/// Names corners by the homography of the four outermost ones.
+/// Assigns corners to the board's grid by the homography of the four outermost ones.
 fn on_grid(places: &[[f64; 2]], board: &Board) -> Option<Vec<Corner>> {
     let last = [board.columns - 2, board.rows - 2].map(|last| last as f64);
     let outermost = widest_quadrilateral(&hull(places))?;
     let corners = [[0.0, 0.0], [last[0], 0.0], last, [0.0, last[1]]];
-    // The first of the four is at the start of a long side or of a short one.
+    // The first of the four outermost corners is at the start of a long side of the board or of a short one, so both are tried.
     (0..2).find_map(|first| {
         let pairs: Vec<Corner> = (0..4).map(|k| (corners[k], outermost[(first + k) % 4])).collect();
         let grid_from_pixels = homography(&pairs)?;
@@ -153,11 +155,11 @@ fn hull(places: &[[f64; 2]]) -> Vec<[f64; 2]> {
     around
 }
 
-/// The four of a convex polygon's corners, in its order, that span the most.
+/// The four corners of a convex polygon, in the polygon's order, whose quadrilateral has the greatest area.
 fn widest_quadrilateral(hull: &[[f64; 2]]) -> Option<[[f64; 2]; 4]> {
     let mut widest: Option<(f64, [[f64; 2]; 4])> = None;
     for (i, k) in (0..hull.len()).flat_map(|i| (i + 2..hull.len()).map(move |k| (i, k))) {
-        // Either side of the diagonal spans most with the corner farthest from it.
+        // On either side of the diagonal, the corner farthest from it gives the quadrilateral of greatest area.
         let farthest = |range: &mut dyn Iterator<Item = usize>| {
             let area = |j: usize| twice_area(hull[i], hull[k], hull[j]).abs();
             range.map(|j| (area(j), j)).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -172,7 +174,7 @@ fn widest_quadrilateral(hull: &[[f64; 2]]) -> Option<[[f64; 2]; 4]> {
     widest.map(|(_, corners)| corners)
 }
 
-/// Positive if the three turn from u towards v.
+/// Twice the signed area of a triangle: positive if its corners turn from u towards v.
 fn twice_area(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

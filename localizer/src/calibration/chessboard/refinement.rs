@@ -1,24 +1,24 @@
-//! Least squares over intrinsics and board poses together.
+//! Least-squares refinement of intrinsics and board poses together.
 //!
-//! Each view's pose meets only its own corners: with U the block of the intrinsics, Vᵢ that of view i and Wᵢ between them, the step of the
-//! intrinsics solves (U − Σ WᵢVᵢ⁻¹Wᵢᵀ) δ = a − Σ WᵢVᵢ⁻¹bᵢ, and each pose follows.
+//! Each view's pose affects only the view's own corners: with U the block of the intrinsics, Vᵢ that of view i and Wᵢ the one between them, the
+//! step of the intrinsics solves (U − Σ WᵢVᵢ⁻¹Wᵢᵀ) δ = a − Σ WᵢVᵢ⁻¹bᵢ, and the step of each pose follows.
 
 use nalgebra::{Matrix2x3, Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3};
 
 use super::{Bend, Calibration, Corner, Intrinsics, View};
 
-/// fx, fy, cx, cy, k1, k2, p1, p2.
+/// Number of intrinsics: fx, fy, cx, cy, k1, k2, p1, p2.
 const N_INTRINSICS: usize = 8;
-/// Where p1 and p2 begin.
+/// Index of the tangential lens coefficient p1 among the intrinsics; p2 follows.
 const TANGENTIAL: usize = 6;
-/// A small turn about the camera's axes and a shift.
+/// Parameters of a pose's step: a small turn about the camera's axes, and a shift.
 const N_POSE: usize = 6;
 const MOST_STEPS: usize = 60;
 
 type Intrinsic = SVector<f64, N_INTRINSICS>;
 type Pose = SVector<f64, N_POSE>;
 
-/// Normal equations at a guess.
+/// Normal equations at a guess of the intrinsics and poses.
 struct Normal {
     intrinsic: SMatrix<f64, N_INTRINSICS, N_INTRINSICS>,
     intrinsic_right: Intrinsic,
@@ -26,7 +26,7 @@ struct Normal {
     cost: f64,
 }
 
-/// Levenberg and Marquardt's method from a first guess.
+/// Refines a first guess of intrinsics and board poses by Levenberg and Marquardt's method.
 pub(super) fn refine(
     start: Intrinsics,
     start_views: Vec<View>,
@@ -77,7 +77,7 @@ impl Normal {
                     by_camera.fixed_columns_mut::<2>(TANGENTIAL).fill(0.0);
                 }
                 let residual = Vector2::from(*pixel) - image;
-                // A turn w moves the point by w × turned.
+                // A small turn w of the board moves the point by w × turned, the vector product with the point's rotated position.
                 let mut by_pose = SMatrix::<f64, 2, N_POSE>::zeros();
                 by_pose.fixed_columns_mut::<3>(0).copy_from(&(by_point * -turned.cross_matrix()));
                 by_pose.fixed_columns_mut::<3>(3).copy_from(&by_point);
@@ -91,7 +91,7 @@ impl Normal {
             normal.views.push((own, between, right));
         }
         if bend == Bend::Radial {
-            // Nothing moves them, and the equations stay regular.
+            // With their derivatives set to 0, the lens coefficients p1 and p2 do not change; ones on the diagonal keep the equations regular.
             (TANGENTIAL..N_INTRINSICS).for_each(|k| normal.intrinsic[(k, k)] = 1.0);
         }
         normal
@@ -124,7 +124,7 @@ fn damped<const N: usize>(mut matrix: SMatrix<f64, N, N>, damping: f64) -> SMatr
     matrix
 }
 
-/// Image of a point, with derivatives by the intrinsics and by the point.
+/// Image of a point, with its derivatives by the intrinsics and by the point.
 fn project(camera: &Intrinsics, point: &Vector3<f64>) -> (Vector2<f64>, SMatrix<f64, 2, N_INTRINSICS>, Matrix2x3<f64>) {
     let ([fx, fy], [k1, k2, p1, p2]) = (camera.focal_px, camera.distortion);
     let (x, y) = (point.x / point.z, point.y / point.z);
