@@ -1,13 +1,13 @@
-//! What a run leaves behind, and the localizer on a recording of it.
+//! What a run leaves behind, and the replay of a recorded run through the localizer.
 //!
 //! | module | what it writes or reads |
 //! |---|---|
 //! | [`run_files`] | the folder of one run: `summary.json`, trajectories, boxes, steps |
-//! | [`recording`] | a run as a stream of messages: an MCAP file, or live to a viewer |
-//! | [`replay`] | a localizer on a recording, without the simulator |
+//! | [`recording`] | a run as a stream of messages, in an MCAP file or live to a viewer |
+//! | [`replay`] | a recording, whose readings it gives to a localizer without the simulator |
 //! | [`debug_frames`] | pictures of one run: what a camera saw, with what the localizer made of it drawn over |
 //! | [`result_table`] | the table of results that a terminal and README show |
-//! | [`machine`] | the words for the machine that ran, which files name |
+//! | [`machine`] | the description in words of the computer that ran, which result files name |
 
 pub mod run_files;
 pub mod recording;

@@ -1,4 +1,5 @@
-//! Compares a run's estimates with its truth and names what was broken. Pure but for the replays that it is given.
+//! Compares a run's estimates with its truth, and finds what was to blame where the truth was outside. The only side effect is to call the
+//! replays that the judge is given.
 
 mod bounds;
 mod claims;
@@ -37,12 +38,13 @@ use crate::{
 };
 use claims::FalseClaims;
 
-/// Simulates the judged run again with something otherwise, by its recorded commands: [`run_otherwise`](crate::run::run_otherwise).
+/// A function that simulates the judged run again with its recorded commands and given changes: [`run_otherwise`](crate::run::run_otherwise).
 pub type Replay<'a> = dyn FnMut(&Counterfactual) -> Result<RunRecord, RenderError> + 'a;
 
 /// Judges a run: containment and blame at every step, errors, widths, counts, and the scene's expectations.
 ///
-/// `replay` is asked only when the truth was outside: a cause is to blame if the run without it holds the truth. Errors when it does.
+/// `replay` is called only when the truth was outside the boxes: a cause is to blame if the run without it holds the truth. Returns an
+/// error when `replay` does.
 pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Result<Verdict, RenderError> {
     let violations = violations(scene, record);
     let judged = methods::false_claims(scene, record);
@@ -76,16 +78,16 @@ pub fn judge(scene: &Scene, record: &RunRecord, replay: &mut Replay<'_>) -> Resu
         metrics: metrics(scene, record, &judged),
         verdict: Passed::default(),
     };
-    // A verdict of numbers and strings always has a value; were it otherwise, every expectation would be told as unmet.
+    // A verdict consists of numbers and strings and can always be serialised; if that failed, every expectation would be reported as unmet.
     let failed = scene.expect.evaluate(&serde_json::to_value(&verdict).unwrap_or_default());
     verdict.verdict = Passed { passed: failed.is_empty(), failed };
     Ok(verdict)
 }
 
-/// The pose that a method on markers told of a picture.
+/// A function that takes the pose from a marker baseline's answer to one picture.
 type ToldPose = fn(&PaperAnswer) -> Option<Pose>;
 
-/// Odometry alone, and what others made of the same readings.
+/// The figures of the baselines: odometry alone, and other methods on the same readings.
 fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> {
     let point = |poses: &[Pose]| {
         let known = truths.get(truths.len() - poses.len()..).unwrap_or_default();
@@ -126,7 +128,7 @@ fn baselines(record: &RunRecord, truths: &[Pose]) -> BTreeMap<String, Baseline> 
     baselines
 }
 
-/// Share of steps that are sound, hold the truth and are narrower than the scene declares.
+/// Share of the steps at which the status is sound, the box holds the truth and the box is narrower than the scene's declared width.
 fn availability(scene: &Scene, record: &RunRecord) -> f64 {
     let (width_m, width_rad) = (scene.localizer.declared_width_m, scene.localizer.declared_width_deg.to_radians());
     let available = record.estimates.iter().zip(&record.truths).filter(|(estimate, truth)| {
@@ -140,7 +142,7 @@ fn availability(scene: &Scene, record: &RunRecord) -> f64 {
     share(available.count(), record.estimates.len())
 }
 
-/// What helps to understand a run besides: how far it drove, how many branches there were, how long it was in doubt or outside.
+/// Further figures that help to understand a run, such as the distance driven, the number of branches, and the time in doubt or outside.
 fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<String, f64> {
     let distance_m: f64 = record
         .truths
@@ -167,7 +169,7 @@ fn metrics(scene: &Scene, record: &RunRecord, judged: &[FalseClaims]) -> BTreeMa
     metrics
 }
 
-/// Longest time without the truth in the union.
+/// Longest time for which the truth was continuously outside the union of boxes.
 fn longest_outside_s(record: &RunRecord) -> f64 {
     let mut longest_s = 0.0_f64;
     let mut since_s = None;

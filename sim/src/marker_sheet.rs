@@ -1,7 +1,8 @@
-//! Markers to print: one a page of A4, at true scale.
+//! Ceiling markers to print, one on each A4 page, at true scale.
 //!
-//! A page shows a marker as the camera sees it from below: with O to X to the right, O to Y goes down. Whoever holds the page overhead, printed
-//! side down and the arrow along world x, has y where it belongs; seen from above, through the paper, X to Y turns counter-clockwise.
+//! A page shows a marker as the camera sees it from below: with the direction from O to X pointing right, the direction from O to Y points
+//! down. When the page is held overhead, printed side down and with the arrow along world x, its y axis points along world y; seen from
+//! above, through the paper, the turn from X to Y is counter-clockwise.
 
 mod pdf;
 
@@ -12,14 +13,14 @@ use crate::{
 
 use pdf::{A4_MM, Page, document};
 
-/// From the middle of a marker to the edge of its square.
+/// Distance from the middle of a marker to the edge of its square.
 const HALF_WIDTH_MM: f64 = 80.0;
-/// The middle of the marker on its page.
+/// Position of the marker's middle on its page.
 const MIDDLE_MM: [f64; 2] = [A4_MM[0] / 2.0, 125.0];
-/// Length of the ruler, by which a print is checked.
+/// Length of the printed ruler, by which the scale of a print is checked.
 const RULER_MM: f64 = 50.0;
 
-/// The pages of a scene's markers that are on the map, as a PDF.
+/// A PDF with one page for each of the scene's markers that are on the map.
 pub fn marker_sheet(scene: &Scene, markers: &Markers) -> Vec<u8> {
     let on_map = markers.all().iter().filter(|marker| marker.on_map);
     document(on_map.map(|marker| page(marker, markers, scene)).collect())
@@ -30,7 +31,7 @@ fn page(marker: &Marker, markers: &Markers, scene: &Scene) -> Page {
     let [middle_x, middle_y] = MIDDLE_MM;
     let at = |along_m: f64, across_m: f64| [middle_x + 1e3 * along_m, middle_y + 1e3 * across_m];
     for place in (0..4).flat_map(|i| (0..4).map(move |j| [i, j])).filter(|place| marker.is_printed(*place)) {
-        // Seen from below: x to the right, y down.
+        // The page shows the marker from below: x to the right, y down.
         let [x_m, y_m] = place.map(|index: u8| (f64::from(index) - 1.5) * PITCH_M);
         page.disc(at(x_m, y_m), 1e3 * DOT_RADIUS_M);
     }
@@ -52,7 +53,7 @@ fn page(marker: &Marker, markers: &Markers, scene: &Scene) -> Page {
             marker.y_m
         ),
     );
-    // Along O to X, beyond the dots but within the square, and along O to Y.
+    // One arrow points along O to X, beyond the dots but within the square, and one along O to Y.
     let arrow_y = middle_y - 76.0;
     arrow(&mut page, [middle_x - 30.0, arrow_y], [middle_x + 30.0, arrow_y]);
     page.text([middle_x - 29.0, arrow_y + 4.5], 3.5, &direction(marker));
@@ -93,7 +94,7 @@ fn arrow(page: &mut Page, from: [f64; 2], to: [f64; 2]) {
     }
 }
 
-/// Two strokes at each corner of the square, outside of it.
+/// Draws two strokes at each corner of the marker's square, outside of it.
 fn cutting_marks(page: &mut Page) {
     for (side_x, side_y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
         let [x, y] = [MIDDLE_MM[0] + side_x * HALF_WIDTH_MM, MIDDLE_MM[1] + side_y * HALF_WIDTH_MM];

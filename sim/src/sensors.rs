@@ -1,4 +1,4 @@
-//! Truth to readings: each sensor with its own clock, errors and delay.
+//! From the true state to readings: each sensor has its own clock, errors and delay.
 
 mod camera_sensor;
 mod fitted_camera;
@@ -24,34 +24,34 @@ use crate::{
 pub use camera_sensor::CameraSensor;
 pub use fitted_camera::FittedCamera;
 
-/// A camera that is told to exposes for a shorter time when the gyroscope tells of a faster turn: 100 ms of it then blur by 4 pixels.
+/// Turn rate above which a camera that has a shorter exposure for turns uses it: at this rate an exposure of 100 ms blurs by 4 pixels.
 const TURNING_RAD_PER_S: f64 = 0.1;
 
 /// All sensors of the robot.
 pub struct Sensors {
-    /// Those on the base first; the wheels are the last of them.
+    /// The sensors other than wheels and cameras; readings of those on the base are sent before those of the wheels.
     fitted: Vec<FittedSensor>,
     wheels: WheelSensor,
     cameras: Vec<CameraSensor>,
     delivery: Delivery,
-    /// Whether the gyroscope's latest reading tells of a turn that blurs.
+    /// Whether the latest reading of the gyroscope shows a turn that blurs images.
     turns: bool,
     proximity: Option<ProximitySensor>,
-    /// Taken but not yet delivered.
+    /// Readings that have been taken but not yet delivered.
     on_the_way: Vec<Observation>,
 }
 
-/// The world as cameras look at it, on the device that draws it.
+/// The world that the cameras see, and the renderer that draws it.
 pub struct Stage<'a> {
     renderer: &'a mut Renderer,
     world: RenderedWorld,
 }
 
 impl<'a> Stage<'a> {
-    /// Prepares what the scene's cameras look at: the floor alone for a floor camera alone.
+    /// Prepares the world that the scene's cameras see: the floor alone where a floor camera is the only camera.
     ///
     /// # Errors
-    /// If the driver reported an error.
+    /// If the graphics driver reports an error.
     pub fn new(scene: &Scene, drawn: &Drawn, renderer: &'a mut Renderer) -> Result<Self, RenderError> {
         let world = if scene.robot.cameras() == [Camera::Floor] {
             renderer.upload(scene, drawn)?
@@ -61,14 +61,14 @@ impl<'a> Stage<'a> {
         Ok(Stage { renderer, world })
     }
 
-    /// Mean illuminance at the floor before any switch.
+    /// Mean illuminance at the floor before the first light event.
     fn illuminance_at_floor_lux(&self, scene: &Scene) -> f64 {
         self.world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
     }
 }
 
 impl Sensors {
-    /// Sensors of a drive; those that take pictures need a stage to look at.
+    /// The sensors of a drive. Cameras are included only with a stage, the rendered world of which they take pictures.
     pub fn new(scene: &Scene, seed: u64, drawn: &Drawn, stage: Option<&Stage<'_>>) -> Self {
         let at_first_lux = stage.map(|stage| stage.illuminance_at_floor_lux(scene));
         let camera = |name| CameraSensor::new(name, scene, seed, drawn, at_first_lux?);
@@ -83,7 +83,7 @@ impl Sensors {
         }
     }
 
-    /// Looks at the world at one physics step; answers with what arrives at the localizer by then, in order of arrival.
+    /// Observes the world at one physics step. Returns the readings that arrive at the localizer by then, in order of arrival.
     pub fn observe(
         &mut self,
         truth: &Truth,
@@ -95,7 +95,8 @@ impl Sensors {
             let to = if sensor.is_on_base { &mut sent } else { &mut measured };
             to.extend(sensor.observe(truth, people));
         }
-        // Before the wheels, so that a turn up to the same instant is known when they tell how far they rolled.
+        // The gyroscope's readings come before those of the wheels, so that a turn up to the same instant is known when the distance rolled
+        // is given.
         for observation in &sent {
             if let Reading::Gyro { rate_rad_per_s, .. } = &observation.reading {
                 self.turns = rate_rad_per_s.abs() > TURNING_RAD_PER_S;
@@ -115,13 +116,13 @@ impl Sensors {
         Ok(arrived)
     }
 
-    /// What the driver may know besides the estimate: a reading of the proximity sensor when one is due.
+    /// A reading of the proximity sensor when one is due: what the driver may know besides the estimate.
     pub fn look_out(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
         self.proximity.as_mut().and_then(|proximity| proximity.observe(truth, people))
     }
 }
 
-/// The pictures whose exposure ends at this step, all in one submit.
+/// Takes the pictures whose exposure ends at this step, all in one submission to the renderer.
 fn take_pictures(
     cameras: &mut [CameraSensor],
     truth: &Truth,

@@ -1,4 +1,4 @@
-//! What a localizer is told of a scene: map, robot and bounds, and never a drawn value.
+//! What a localizer is given about a scene: map, robot and bounds, and never a value drawn at random.
 
 mod models;
 mod declared;

@@ -1,4 +1,4 @@
-//! Debug frames: what a camera gave, and what the localizer made of it.
+//! Debug frames: pictures of what a camera gave and of what the localizer made of it.
 
 use std::path::Path;
 
@@ -25,12 +25,14 @@ mod tones;
 pub use contact_sheet::{Column, contact_sheet};
 pub use tones::tone_mapped;
 
-/// Draws what the localizer saw in an image beside where that put the robot; none when the record did not keep the image.
+/// Draws a figure: what the localizer saw in an image, beside a map of where that image put the robot. `None` when the record did not keep
+/// the image.
 pub fn figure(file: &SceneFile, record: &RunRecord, image: &ImageRecord) -> Option<RgbImage> {
     Some(figure::draw(file, record, image, &Seen::of(file, image.reading.as_ref()?)?))
 }
 
-/// Writes `image_*.png` as a camera gave it and `figure_*.png` for every reading that `record` kept, and says of how many.
+/// Writes `image_*.png`, the image as the camera gave it, and `figure_*.png` for every reading that `record` kept. Returns the number of
+/// these readings.
 pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<usize, RecordError> {
     let mut count = 0;
     for image in &record.images {
@@ -41,7 +43,7 @@ pub(crate) fn write(folder: &Path, file: &SceneFile, record: &RunRecord) -> Resu
     Ok(count)
 }
 
-/// Writes `errands.png`, the map of a run's errands, if it had any.
+/// Writes `errands.png`, the map of a run's errands, if the run had errands.
 pub(crate) fn write_errands(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
     if record.errands.is_none() {
         return Ok(());
@@ -50,7 +52,7 @@ pub(crate) fn write_errands(folder: &Path, file: &SceneFile, record: &RunRecord)
     naming("write", &path, errand_map::draw(file, record).save(&path).map_err(std::io::Error::other))
 }
 
-/// Writes the same of the reading that left the widest box.
+/// Writes the debug frames (`image_*.png` and `figure_*.png`) of the reading that left the widest box.
 pub(crate) fn write_widest(folder: &Path, file: &SceneFile, record: &RunRecord) -> Result<(), RecordError> {
     let widest = record.widest_image.as_ref();
     let Some((image, reading)) = widest.and_then(|(index, reading)| Some((record.images.get(*index)?, reading))) else {
@@ -76,11 +78,11 @@ fn write_one(
     naming("write", &drawn, figure.save(&drawn).map_err(std::io::Error::other))
 }
 
-/// What a figure shows at its left.
+/// What a figure shows in its left panel.
 enum Seen<'a> {
-    /// Grey levels, and how long they were exposed.
+    /// A camera image: its grey levels and its exposure time.
     Image { pixels: &'a GrayImage, exposure_s: f64 },
-    /// Codes that a range camera measured.
+    /// Landmark codes that a range camera measured.
     Codes { camera: &'a RangeCamera },
 }
 

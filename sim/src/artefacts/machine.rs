@@ -1,8 +1,8 @@
-//! The machine that runs, in words.
+//! A description in words of the computer that runs the simulation.
 
 use std::{env::consts, fs, sync::OnceLock, thread};
 
-/// Processor, number of cores and system, such as `AMD EPYC 7B13, 2 cores, linux x86_64`.
+/// Description of this computer: processor, number of cores and system, such as `AMD EPYC 7B13, 2 cores, linux x86_64`.
 pub fn machine() -> &'static str {
     static MACHINE: OnceLock<String> = OnceLock::new();
     MACHINE.get_or_init(|| {
@@ -13,12 +13,12 @@ pub fn machine() -> &'static str {
     })
 }
 
-/// Cores that this process may use.
+/// Number of processor cores that this process may use.
 pub fn cores() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// What Linux calls the processor; other systems tell only to programs of their own.
+/// The processor's name as Linux gives it in `/proc/cpuinfo`; `None` on other systems, which have no such file.
 fn processor() -> Option<String> {
     let text = fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;

@@ -1,20 +1,21 @@
-//! All that the localizer is told during a run, what it answers, and what viewers draw of it, as a stream of messages: into a file, or live to
-//! whoever looks on.
+//! A run as a stream of messages, into a file or live to viewers: everything that the localizer is given during the run, its estimates, and
+//! drawings for viewers.
 //!
-//! `recording.mcap` or `rosbag2/` is an MCAP file (<https://mcap.dev/spec>) of the profile `ros2`: messages in CDR, their definitions along with
-//! them. Its order is the order of events, its times are simulated times, so that equal runs give equal bytes.
+//! `recording.mcap` and `rosbag2/` hold an MCAP file (<https://mcap.dev/spec>) of the profile `ros2`: messages in the encoding CDR, with their
+//! definitions. Messages stand in the order of events and carry simulated times, so that equal runs give equal bytes.
 //!
 //! | topic | content |
 //! |---|---|
 //! | `/wherein/…` | readings, starts and estimates to the last bit: what [`crate::artefacts::replay`] reads |
-//! | `/floor_camera/image`, `/floor_camera/camera_info` | images without loss, and the nominal calibration; likewise `forward_camera`, `ceiling_camera` |
+//! | `/floor_camera/image`, `/floor_camera/camera_info` | lossless images and the nominal calibration; likewise `forward_camera`, `ceiling_camera` |
 //! | `/joint_states`, `/imu` | wheels and gyroscope as ROS 2 has them |
-//! | `/truth`, `/estimate`, `/odometry` | poses in frame `world`: true, middle of the hull, wheels alone |
-//! | `/tf`, `/tf_static` | `robot` where it is believed to be, `true_robot`, the cameras' nominal mounts |
+//! | `/truth`, `/estimate`, `/odometry` | poses in frame `world`: true, middle of the estimate's hull, by wheel odometry alone |
+//! | `/tf`, `/tf_static` | frames `robot` at the estimated pose and `true_robot` at the true pose; the cameras' nominal mounts |
 //! | `/boxes` | the union of boxes, 20 times a second |
-//! | `/log` | doubt while it lasts, contradictions, broken bounds, and who is to blame |
+//! | `/log` | when doubt begins and ends, contradictions, broken bounds, and who is to blame |
 //!
-//! The metadata `wherein_format` stands first. The scene's text is the attachment `scene.toml`; the metadata `wherein` at the end names seed, version, adapter and digests.
+//! The metadata record `wherein_format` comes first. The scene's text is the attachment `scene.toml`; the metadata record `wherein` at the
+//! end names seed, version, adapter and digests.
 
 use localizer::{Estimate, Pose, Reading, RobotModel, Status, localizer::Account};
 
@@ -38,28 +39,28 @@ pub use live::{Live, LiveError, LiveServer};
 use messages::{Level, ROBOT, TRUE_ROBOT};
 pub use reader::RecordingError;
 
-/// Name of the attachment that holds the scene's text.
+/// Name of the attachment of a recording that holds the scene's text.
 pub(crate) const SCENE_ATTACHMENT: &str = "scene.toml";
-/// Name of the metadata that holds seed, version, adapter and digests.
+/// Name of the metadata record of a recording that holds seed, version, adapter and digests.
 pub(crate) const METADATA: &str = "wherein";
-/// Name of the metadata that holds [`FORMAT`]; it stands before all else.
+/// Name of the metadata record that holds the recording's [`FORMAT`]; it comes before everything else in the file.
 pub(crate) const FORMAT_METADATA: &str = "wherein_format";
-/// Changes whenever a message or the order of messages under `/wherein/` does.
+/// Version of the recording format. It changes whenever a message under `/wherein/` or the order of these messages changes.
 pub(crate) const FORMAT: &str = "1";
-/// Boxes are drawn at each fifth step of 10 ms: a viewer shows no more.
+/// Boxes are drawn at every fifth step of 10 ms, because a viewer shows no more than 20 drawings a second.
 const STEPS_PER_DRAWING: usize = 5;
 
-/// In whose messages the boxes are drawn; all else is the same.
+/// The message type in which the boxes are drawn; all other messages are the same in both forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// `foxglove_msgs/SceneUpdate`, for Foxglove and its open fork.
+    /// Boxes as `foxglove_msgs/SceneUpdate`, for Foxglove and its open fork Lichtblick.
     Foxglove,
-    /// `visualization_msgs/MarkerArray`, for a plain ROS 2.
+    /// Boxes as `visualization_msgs/MarkerArray`, for a plain ROS 2.
     Ros2,
 }
 
 impl Form {
-    /// Where the recording lies in the run's folder.
+    /// Path of the recording within the run's folder.
     pub fn path(self) -> &'static str {
         match self {
             Form::Foxglove => "recording.mcap",
@@ -68,13 +69,13 @@ impl Form {
     }
 }
 
-/// Takes the messages of a stream.
+/// Receiver of the messages of a stream, such as a file or a server for viewers.
 trait Sink {
-    /// A message of a topic; `kind` is `package/Type`, `time_ns` the simulated time.
+    /// Takes a message of a topic; `kind` is the message type `package/Type`, `time_ns` the simulated time.
     fn put(&mut self, topic: &'static str, kind: &str, time_ns: u64, message: &[u8]);
 }
 
-/// What of a run becomes which message.
+/// A run as a stream of messages: turns readings, estimates and truth into messages and hands them to a sink.
 pub struct Stream<S> {
     sink: S,
     form: Form,
@@ -109,7 +110,7 @@ impl<S: Sink> Stream<S> {
     }
 
     fn put(&mut self, topic: &'static str, kind: &str, time_s: f64, message: &[u8]) {
-        // No simulated time is negative.
+        // Simulated times are never negative, so that the conversion cannot fail.
         self.sink.put(topic, kind, u64::try_from(cdr::nanoseconds(time_s)).unwrap_or(0), message);
     }
 }

@@ -1,4 +1,4 @@
-//! A localizer on a recording, without the simulator: the same readings give the same estimates, bit for bit.
+//! Replays a recording through a localizer, without the simulator: the same readings give the same estimates, bit for bit.
 
 use std::path::Path;
 
@@ -19,42 +19,42 @@ use crate::{
     subject::{Answer, IntervalLocalizer, Subject},
 };
 
-/// Why a recording cannot be replayed. Its text follows "failed to".
+/// Reason why a recording cannot be replayed. The error's text is phrased to follow "failed to".
 #[derive(Debug, Error)]
 pub enum ReplayError {
     /// The recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// The scene in it is none of this version.
+    /// The scene in the recording is not valid in this version.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }
 
-/// What the localizer answered, and how that compares with what was recorded.
+/// The localizer's estimates in a replay, and how they compare with the recorded ones.
 #[derive(Clone, Debug, Default)]
 pub struct Replay {
-    /// Name of the scene.
+    /// Name of the recorded scene.
     pub scene: String,
-    /// Seed of the run.
+    /// Seed of the recorded run.
     pub seed: String,
-    /// One for each that was recorded.
+    /// The replayed estimates, one for each recorded one.
     pub estimates: Vec<Estimate>,
-    /// How many differ from the recorded ones in any bit of time, status or bounds.
+    /// Number of replayed estimates that differ from the recorded ones in any bit of time, status or bounds.
     pub n_different: usize,
-    /// Time of the first that differs.
+    /// Time of the first estimate that differs from the recorded one.
     pub first_different_s: Option<f64>,
-    /// `digest.estimates` of the recorded run.
+    /// The digest `digest.estimates` of the recorded run.
     pub recorded_digest: String,
 }
 
 impl Replay {
-    /// `digest.estimates` of the replay.
+    /// The digest `digest.estimates` of the replay.
     pub fn digest(&self) -> String {
         estimates_digest(&self.estimates)
     }
 }
 
-/// Replays a recording with the localizer that its own scene asks for, or `other` if given.
+/// Replays a recording with the localizer that the recorded scene asks for, or with that of the scene `other` if given.
 pub fn replay(path: &Path, other: Option<&Scene>) -> Result<Replay, ReplayError> {
     let mut replayer = Replayer {
         path,
@@ -69,9 +69,9 @@ pub fn replay(path: &Path, other: Option<&Scene>) -> Result<Replay, ReplayError>
 
 struct Replayer<'a> {
     path: &'a Path,
-    /// The localizer with the scene that it was told of.
+    /// The localizer, and the scene from which it was built.
     subject: Option<(Scene, IntervalLocalizer)>,
-    /// Of the image that comes next.
+    /// Stamp of the image that comes next in the recording.
     stamp: Option<ImageStamp>,
     offset_s: f64,
     found: Replay,
@@ -102,7 +102,7 @@ impl Replayer<'_> {
         Ok(())
     }
 
-    /// Hands on what a message holds; `None` when it does not hold what its topic promises.
+    /// Hands the content of a message to the localizer; `None` when the message does not have the content that its topic requires.
     fn take(&mut self, topic: &str, message: &[u8]) -> Option<()> {
         let (scene, localizer) = self.subject.as_mut()?;
         match topic {
@@ -125,14 +125,14 @@ impl Replayer<'_> {
                     return None;
                 };
                 estimate.time_s += self.offset_s;
-                // Bytes, as −0 equals 0 and no NaN equals itself.
+                // Encoded bytes are compared instead of numbers, because −0 equals 0 and NaN does not equal itself.
                 if RecordedEstimate::of(&estimate).encode() != message {
                     self.found.n_different += 1;
                     self.found.first_different_s.get_or_insert(recorded.time_s);
                 }
                 self.found.estimates.push(estimate);
             }
-            // What the simulator or a viewer wants to know.
+            // Messages for viewers, and those that only the simulator needs, are skipped.
             _ if Camera::ALL.iter().all(|camera| topics(*camera).image != topic) => {}
             _image => {
                 localizer.observe(&self.stamp.take()?.with_image(message)?);

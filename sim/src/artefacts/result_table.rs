@@ -1,5 +1,5 @@
-//! The result table: a line for each run, one for all seeds of a scene, one for each method where several share the work, and one for each
-//! baseline.
+//! The result table. It has a line for each run, one for all seeds of a scene, one for each method where several share the work, and one
+//! for each baseline.
 
 use serde_json::Value;
 
@@ -13,7 +13,7 @@ pub(crate) use pool::{methods, pool};
 
 pub use layout::{as_markdown, as_text};
 
-/// One run as its summary and its timing tell it.
+/// The outcome of one run, taken from its summary and its timing.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Name of the scene.
@@ -22,38 +22,38 @@ pub struct Outcome {
     pub seed: u64,
     /// Whether the scene's expectations were met.
     pub passed: bool,
-    /// Everything measured.
+    /// All figures that were measured in the run.
     pub figures: Figures,
 }
 
-/// What a line of the table is about.
+/// What a line of the result table is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// One run, or all of a scene.
+    /// One run, or all runs of a scene.
     Runs,
-    /// A method's part in them.
+    /// A method's part in the runs of a scene.
     Method,
-    /// What others made of the same readings.
+    /// A baseline: another method's result from the same readings.
     Baseline,
 }
 
-/// One line of the table.
+/// One line of the result table.
 #[derive(Clone, Debug)]
 pub struct Line {
     /// Name of the scene.
     pub scene: String,
     /// What the line is about.
     pub kind: Kind,
-    /// Seed, number of seeds, or name of a method or baseline.
+    /// Text in the column that names the run: seed, number of seeds, or name of a method or baseline.
     pub run: String,
-    /// `passed`, `FAILED`, or how many passed; empty for a method or baseline.
+    /// `passed`, `FAILED`, or the number of runs that passed; empty for a method or baseline.
     pub verdict: String,
-    /// What the cells show.
+    /// The figures that the line's cells show.
     pub figures: Figures,
 }
 
 impl Outcome {
-    /// Reads `summary.json` and `timing.json`.
+    /// Reads the outcome of a run from the contents of `summary.json` and `timing.json`.
     pub fn of(summary: &Value, timing: &Value) -> Outcome {
         let mut measured = figures(summary);
         for name in ["wall_s", "real_time_factor"] {
@@ -71,7 +71,7 @@ impl Outcome {
     }
 }
 
-/// Lines for `outcomes`, scene by scene in order of appearance; `each_seed` for whether single runs have lines of their own.
+/// The lines of the table for `outcomes`, grouped by scene in order of appearance. With `each_seed` every single run has a line of its own.
 pub fn lines(outcomes: &[Outcome], each_seed: bool) -> Vec<Line> {
     let mut scenes: Vec<&str> = Vec::new();
     for outcome in outcomes {

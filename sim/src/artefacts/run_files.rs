@@ -1,15 +1,15 @@
-//! What a run leaves behind in `DIR/<scene>/<seed>/`, written whole or not at all.
+//! The files that a run leaves behind in `DIR/<scene>/<seed>/`. The folder is written completely or not at all.
 //!
 //! | file | content |
 //! |---|---|
 //! | `summary.json` | the verdict with all its figures; equal bytes for equal runs |
-//! | `timing.json` | how long it took, apart because it differs from run to run |
+//! | `timing.json` | how long the run took, in a file of its own because it differs from run to run |
 //! | `truth.tum`, `estimate.tum` | poses, for tools that read TUM trajectories |
 //! | `boxes.csv` | every branch of every estimate |
 //! | `steps.csv` | error, width and judgement at every step |
-//! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when there are any |
+//! | `errands.csv`, `errands.png` | what became of each errand and a map of them, when the scene has errands |
 //! | `marker_tables.md` | paper 5's Tables 1 to 3, of a run at stations under markers |
-//! | `recording.mcap` or `rosbag2/` | all that the localizer was told and answered, when asked for |
+//! | `recording.mcap` or `rosbag2/` | all that the localizer was given and answered, when asked for |
 //! | `image_*.png`, `figure_*.png` | debug frames, when asked for |
 
 use std::{
@@ -40,53 +40,53 @@ pub(crate) use digest::estimates_digest;
 pub use digest::{program_digest, scene_digest};
 pub use summary::{Summary, Timing};
 
-/// Why a run cannot be recorded. Its text follows "failed to".
+/// Reason why a run cannot be recorded. The error's text is phrased to follow "failed to".
 #[derive(Debug, Error)]
 #[error("{action} {}: {source}", path.display())]
 pub struct RecordError {
-    /// What was tried.
+    /// The action that failed.
     pub action: &'static str,
-    /// The file or folder.
+    /// The file or folder that the action was about.
     pub path: PathBuf,
-    /// What the system said.
+    /// Error that the system reported.
     pub source: io::Error,
 }
 
-/// Names `action` and `path` in the error of a file operation.
+/// Adds `action` and `path` to the error of a file operation.
 pub(crate) fn naming<T>(action: &'static str, path: &Path, result: io::Result<T>) -> Result<T, RecordError> {
     result.map_err(|source| RecordError { action, path: path.to_owned(), source })
 }
 
-/// The folder of one run.
+/// Path of the folder of one run.
 pub fn folder(out: &Path, scene: &str, seed: u64) -> PathBuf {
     out.join(scene).join(seed.to_string())
 }
 
-/// Creates `out` and makes sure that files can be written there, before hours of simulation rely on it.
+/// Creates `out` and makes sure that files can be written into it, so that hours of simulation are not lost at the end.
 pub fn prepare(out: &Path) -> Result<(), RecordError> {
     naming("create the folder", out, fs::create_dir_all(out))?;
     let probe = out.join(format!(".probe-{}", process::id()));
     let written = fs::write(&probe, b"wherein");
-    // On a full disk the file is there all the same, and empty.
+    // On a full disk the probe file exists in spite of the error, and is empty.
     let removed = fs::remove_file(&probe);
     naming("write into the folder", out, written)?;
     naming("delete", &probe, removed)
 }
 
-/// Does the same for the folder of a file that is to be written in the end.
+/// Creates the folder of a file that will be written at the end, and makes sure that files can be written into it.
 pub fn prepare_for(file: &Path) -> Result<(), RecordError> {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     prepare(folder)
 }
 
-/// Writes everything about a run, frames of the images whose reading `record` kept included, and returns where.
+/// Writes all files of a run, with debug frames of the images whose reading `record` kept, and returns the run's folder.
 ///
-/// A folder that the run left before is replaced. An error leaves it as it was.
+/// An existing folder of the same run is replaced. If an error occurs, the existing folder stays as it was.
 pub fn write(out: &Path, file: &SceneFile, record: &RunRecord, verdict: &Verdict) -> Result<PathBuf, RecordError> {
     write_with(out, file, record, verdict, None)
 }
 
-/// Writes like [`write()`], with the recording that was made during the run.
+/// Writes like [`write()`], and adds the recording that was made during the run.
 pub fn write_with(
     out: &Path,
     file: &SceneFile,
@@ -100,7 +100,7 @@ pub fn write_with(
     Ok(target)
 }
 
-/// Puts a new folder, filled by `fill`, in the place of `target`: whole or, when `fill` errs, not at all.
+/// Puts a new folder, filled by `fill`, in the place of `target`: completely or, when `fill` fails, not at all.
 pub(crate) fn replace_whole(
     target: &Path,
     fill: impl FnOnce(&Path) -> Result<(), RecordError>,
@@ -112,13 +112,13 @@ pub(crate) fn replace_whole(
     let created = naming("create the folder", &partial, fs::create_dir_all(&partial));
     let written = created.and_then(|()| fill(&partial)).and_then(|()| replace(target, &partial));
     if written.is_err() {
-        // The error at hand says what is wrong; what cannot be deleted now is cleared by a later run.
+        // The error that is returned says what is wrong; what cannot be deleted here is cleared by a later run.
         let _ = fs::remove_dir_all(&partial);
     }
     written
 }
 
-/// Writes `estimate.tum` and `boxes.csv` of estimates into `folder`, in the place of older ones.
+/// Writes `estimate.tum` and `boxes.csv` of the given estimates into `folder`, replacing older ones.
 pub fn write_estimates(folder: &Path, estimates: &[Estimate]) -> Result<(), RecordError> {
     naming("create the folder", folder, fs::create_dir_all(folder))?;
     for (name, text) in [("estimate.tum", poses::estimate_tum(estimates)), ("boxes.csv", poses::boxes_csv(estimates))] {
@@ -133,7 +133,7 @@ pub fn write_estimates(folder: &Path, estimates: &[Estimate]) -> Result<(), Reco
     Ok(())
 }
 
-/// The summary and the timing that a run left in `folder`; none when it left no summary.
+/// Reads the summary and the timing that a run left in `folder`; `None` when there is no summary.
 pub fn read(folder: &Path) -> Result<Option<(Value, Value)>, RecordError> {
     let summary = folder.join("summary.json");
     if !summary.exists() {
@@ -147,10 +147,10 @@ fn read_json(path: &Path) -> Result<Value, RecordError> {
     naming("read", path, serde_json::from_str(&text).map_err(io::Error::from))
 }
 
-/// Ending of a folder that is still being filled.
+/// Ending of the name of a folder or file that is still being written.
 const PARTIAL: &str = ".partial";
 
-/// Ending of a folder that has made way for a newer one.
+/// Ending of the name of a folder that has been moved aside for a newer one.
 const REPLACED: &str = ".replaced";
 
 /// Writes all files of a run into an empty folder.
@@ -188,7 +188,7 @@ pub(crate) fn fill(
     write("summary.json", summary.to_text())
 }
 
-/// Puts `partial` in the place of `target`. A run that is killed between the two renames leaves the old folder aside.
+/// Puts the folder `partial` in the place of `target`. A run that is killed between the two renames leaves the old folder under another name.
 fn replace(target: &Path, partial: &Path) -> Result<(), RecordError> {
     let old = partial.with_extension(&REPLACED[1..]);
     if target.exists() {
@@ -203,7 +203,7 @@ fn replace(target: &Path, partial: &Path) -> Result<(), RecordError> {
     if old.exists() { naming("delete", &old, fs::remove_dir_all(&old)) } else { Ok(()) }
 }
 
-/// Deletes what runs that were killed while writing left in `folder`. What is younger may belong to a process at work.
+/// Deletes what runs that were killed while writing left in `folder`. Entries less than an hour old stay: they may belong to a running process.
 fn clear_stale(folder: &Path) {
     const STALE: Duration = Duration::from_secs(3600);
     let Ok(entries) = fs::read_dir(folder) else { return };
@@ -212,7 +212,7 @@ fn clear_stale(folder: &Path) {
         let modified = entry.metadata().and_then(|metadata| metadata.modified()).unwrap_or_else(|_| SystemTime::now());
         let is_stale = modified.elapsed().is_ok_and(|age| age > STALE);
         if name.starts_with('.') && (name.ends_with(PARTIAL) || name.ends_with(REPLACED)) && is_stale {
-            // Another process may clear the same folder at the same time; either way it is gone.
+            // Another process may be clearing the same folder at the same time; in either case the entry is gone.
             let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
         }
     }

@@ -1,4 +1,4 @@
-//! What cameras have in common: true mount and lens, how they are drawn, and how far they are off.
+//! What cameras have in common: true mount and lens, how these are drawn at random, and how far they differ from the nominal ones.
 
 mod lenses;
 
@@ -19,30 +19,30 @@ pub use lenses::{world_from_camera, world_from_floor_camera};
 /// True mount and lens of the floor camera.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnFloorCamera {
-    /// Optical centre in the robot frame: forward and left.
+    /// Position of the camera's optical centre in the robot frame: forward and left.
     pub position_m: [f64; 2],
-    /// Optical centre above the floor with the body at rest.
+    /// Height of the camera's optical centre above the floor with the body at rest.
     pub height_m: f64,
-    /// Focal length, so that `focal_px / height_m` is the true scale at rest.
+    /// Focal length in pixels; `focal_px / height_m` is the true scale of the image at rest.
     pub focal_px: f64,
     /// Rotation of the image about the body's vertical, counter-clockwise seen from above.
     pub yaw_rad: f64,
-    /// Rotation vector of the optical axis off the body's vertical, about robot x and robot y; its norm is within the tolerance.
+    /// Rotation vector by which the optical axis deviates from the body's vertical, about robot x and robot y; its norm is within the tolerance.
     pub tilt_rad: [f64; 2],
-    /// Brown and Conrady's k1, k2, p1, p2, k3.
+    /// Distortion coefficients k1, k2, p1, p2, k3 of Brown and Conrady's model.
     pub distortion: [f64; 5],
 }
 
 /// True mount and lens of a camera that looks ahead or up.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnCamera {
-    /// Pose in the robot frame.
+    /// Pose of the camera in the robot frame.
     pub body_from_camera: Isometry3<f64>,
-    /// Focal lengths along u and v.
+    /// Focal lengths of the camera along u and v.
     pub focal_px: [f64; 2],
-    /// Where the optical axis meets the image.
+    /// Point at which the optical axis meets the image.
     pub principal_point_px: [f64; 2],
-    /// Brown and Conrady's k1, k2, p1, p2, k3.
+    /// Distortion coefficients k1, k2, p1, p2, k3 of Brown and Conrady's model.
     pub distortion: [f64; 5],
 }
 
@@ -68,7 +68,7 @@ impl DrawnCamera {
         }
     }
 
-    /// This camera, nominal, with errors of mount and lens within their tolerances; its distortion stays.
+    /// This nominal camera with errors of mount and lens drawn within their tolerances; its distortion stays.
     pub(super) fn misplaced(
         self,
         calibration: &Calibration,
@@ -89,13 +89,13 @@ impl DrawnCamera {
     }
 }
 
-/// How far a camera is off its calibration.
+/// How far a camera's true mount and lens differ from their nominal values.
 pub(super) struct Off {
-    /// Distance from its place on the body: forward or left, whichever is more, and up.
+    /// Distance of the camera from its nominal position on the body: the greater of forward and left, then up.
     pub(super) place_m: [f64; 2],
     pub(super) tilt_rad: f64,
     pub(super) yaw_rad: f64,
-    /// Share of the focal length, along the axis where it is more.
+    /// Error of the focal length as a share of it, along the axis where it is greater.
     pub(super) focal: f64,
     pub(super) principal_point_px: f64,
 }
@@ -115,14 +115,14 @@ impl Off {
     }
 }
 
-/// The two parts of a small turn: by how much it tips the vertical, and by how much it turns about it.
+/// The two parts of a small rotation: the angle by which it tilts the vertical, and the angle by which it turns about the vertical.
 fn tilt_and_yaw(turn: UnitQuaternion<f64>) -> (f64, f64) {
     let yaw_rad = 2.0 * turn.k.atan2(turn.w);
     ((turn * Vector3::z()).xy().norm().asin(), yaw_rad)
 }
 
-/// Greatest distance, along u or v, between what the true coefficients and the declared ones make of the same ray: at a corner, as the error
-/// grows with the third power of the distance from the middle.
+/// Greatest distance in pixels, along u or v, between the image points of one ray with the true and with the declared distortion
+/// coefficients. It occurs at a corner of the image, as the error grows with the third power of the distance from the middle.
 pub(super) fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
     let declared = Lens { distortion: declared, ..lens.clone() };
     let off_px = lens.corners().into_iter().flat_map(|ray| {
@@ -132,7 +132,7 @@ pub(super) fn bent_px(lens: &Lens, declared: [f64; 5]) -> f64 {
     off_px.fold(0.0, f64::max)
 }
 
-/// Bounds of a camera that is calibrated as a whole, by the keys of its calibration.
+/// Names of the bounds on the calibration of a camera that is calibrated as a whole, grouped by the key that states them.
 pub(super) struct CalibrationBounds {
     pub(super) position: &'static [Assumption],
     pub(super) angles: &'static [Assumption],
@@ -142,7 +142,7 @@ pub(super) struct CalibrationBounds {
 }
 
 impl CalibrationBounds {
-    /// The keys of a calibration that tell these bounds; none of a bound without a name.
+    /// The keys of a camera's calibration that state these bounds, without keys whose bound has no name.
     pub(super) fn told_keys<'a>(&self, calibration: &'a mut Calibration) -> Vec<ToldKey<'a>> {
         let keys = [
             ToldKey::is(self.position, &mut calibration.position_tolerance_m),

@@ -1,4 +1,4 @@
-//! The infrared camera that looks up, at markers.
+//! The ceiling camera: an infrared camera that looks up at markers.
 
 use interval::Interval;
 use localizer::{
@@ -70,13 +70,13 @@ impl Device for CeilingCamera {
 }
 
 impl CeilingCamera {
-    /// What the localizer is told of it.
+    /// The model of the ceiling camera that the localizer is given.
     pub(crate) fn model(&self) -> CeilingCameraModel {
         let (calibration, sensor) = (&self.calibration, self.sensor_model());
         let angle_rad = calibration.angle_tolerance_deg.to_radians();
         let place = |nominal_m: f64| Interval::centred(nominal_m, calibration.position_tolerance_m);
         let around = |at_px: f64| Interval::centred(at_px, calibration.principal_point_tolerance_px);
-        // Fixed or not, no image has more gain than the greatest; a fixed one has the least.
+        // This gain is an upper bound for any image: automatic exposure uses at most the greatest gain, and a fixed exposure the least.
         let gain = AutoExposure::new(&sensor).greatest_gain_levels_per_electron();
         CeilingCameraModel {
             width_px: self.width_px,
@@ -87,7 +87,8 @@ impl CeilingCamera {
             distortion_px: calibration.distortion_tolerance_px,
             height_m: place(self.height_m),
             position_m: [place(self.forward_m), place(self.left_m)],
-            // The model's image shows the robot's left at its right; half a turn makes that what this camera shows.
+            // In the image of the localizer's model the robot's left is at the right; a yaw of half a turn turns that into the image of
+            // this camera.
             yaw_rad: Interval::centred(std::f64::consts::PI, angle_rad),
             lean_rad: [-self.lean_forward_deg.to_radians(), -self.lean_left_deg.to_radians()],
             tilt_rad: angle_rad,

@@ -1,4 +1,4 @@
-//! The way of readings from the sensor to the localizer: late, lost or doubled.
+//! The path of readings from the sensor to the localizer, on which they are delayed, lost or duplicated.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -10,10 +10,10 @@ use crate::{
 
 use super::Observation;
 
-/// The bus that readings of what moves the robot take.
+/// The bus over which the base sends the readings of its motion sensors: wheels, gyroscope and flow sensor.
 pub struct Delivery {
     keys: scene::Delivery,
-    /// By how much stamps are late.
+    /// By how much the base's clock, and with it every stamp, is late.
     clock_s: f64,
     errors: Distribution,
     n_late: u64,
@@ -21,25 +21,25 @@ pub struct Delivery {
 }
 
 impl Delivery {
-    /// The scene's.
+    /// The base's bus for readings, with the settings that the scene states.
     pub fn new(keys: &scene::Delivery, clock_s: f64, errors: Distribution, seed: u64) -> Self {
         Delivery { keys: keys.clone(), clock_s, errors, n_late: 0, luck: stream(seed, "delivery") }
     }
 
-    /// What becomes of a reading: none of it, one, or two.
+    /// Sends a reading over the bus; what arrives is no reading, one, or two copies.
     pub fn send(&mut self, mut observation: Observation) -> Vec<Observation> {
         if self.keys.stamp_tolerance_s > 0.0 {
             let taken_s = observation.truth.time_s;
-            // The robot stood still before the start, so that what is read first was so at the clock's own 0 as well.
+            // The robot stands still before the start, so that the first reading is also true at time 0 of the base's clock.
             let stamp_s = if taken_s == 0.0 { self.clock_s.min(0.0) } else { taken_s + self.clock_s };
             observation.reading.stamp_anew(stamp_s);
-            // Nothing arrives before its stamp, however late that is.
+            // The delay ensures that no reading arrives before its stamp, however late the stamp is.
             observation.reading.delay(self.keys.stamp_tolerance_s);
         }
         if self.keys.is_perfect() {
             return vec![observation];
         }
-        // Always as many draws, so that the fate of one reading does not move that of the next.
+        // The number of draws is the same for every reading, so that the fate of one reading does not change that of the next.
         let mut draw = || self.luck.random_range(0.0..1.0);
         let (dropped, doubled, lateness): (f64, f64, [f64; 2]) = (draw(), draw(), [draw(), draw()]);
         if dropped < self.keys.dropped_share {
@@ -50,7 +50,7 @@ impl Delivery {
         lateness.into_iter().take(n_copies).map(|share| late(&observation, self.lateness(share) * late_s)).collect()
     }
 
-    /// How late a reading is, as a share of the most: as drawn, or at an end of what may be; in a drift at one end and the other in turn.
+    /// Delay of a reading as a share of the greatest one: as drawn, or with the error distribution `corner` 0 or 1; with `drift` 0 and 1 in turn.
     fn lateness(&mut self, drawn: f64) -> f64 {
         self.n_late += 1;
         match self.errors {

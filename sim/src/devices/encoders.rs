@@ -1,4 +1,4 @@
-//! Incremental encoders: whole ticks of each wheel since the start.
+//! Incremental encoders, which count the whole ticks of each wheel since the start.
 
 use std::f64::consts::TAU;
 
@@ -13,26 +13,27 @@ use crate::{
 
 use super::{BoundCheck, Observation, Sensor};
 
-/// After their last count, wheels may roll on for so long.
+/// Time for which wheels may roll on after their last count, before they are taken to be at rest.
 const SETTLED_S: f64 = 0.5;
 
-/// Counters of both wheels.
+/// The tick counters of both wheels.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     ticks_per_turn: f64,
-    /// Where in a tick each wheel stood at the start, `[0, 1)`.
+    /// Position of each wheel within a tick at the start, in `[0, 1)`.
     phase: [f64; 2],
 }
 
 impl Encoder {
-    /// Encoders whose wheels stand anywhere within a tick at the start, or at its very begin or end where errors are drawn at corners.
+    /// Encoders whose wheels stand anywhere within a tick at the start, or with the error distribution `corner` at the very beginning or
+    /// end of a tick.
     pub fn new(encoders: &Encoders, errors: Distribution, seed: u64) -> Self {
         let mut rng = stream(seed, "encoder.phase");
         let phase = [draw_phase(errors, &mut rng), draw_phase(errors, &mut rng)];
         Encoder { ticks_per_turn: f64::from(encoders.ticks_per_turn), phase }
     }
 
-    /// Cumulative ticks of the left and of the right wheel: `⌊angle/2π·ticks_per_turn + phase⌋`, 0 at the start.
+    /// Cumulative ticks of the left and of the right wheel, `⌊angle/2π·ticks_per_turn + phase⌋`, which is 0 at the start.
     pub fn latch(&self, truth: &Truth) -> [i64; 2] {
         [0, 1]
             .map(|wheel| (truth.wheel_angle_rad[wheel] / TAU * self.ticks_per_turn + self.phase[wheel]).floor() as i64)
@@ -44,22 +45,22 @@ pub struct WheelSensor {
     encoder: Encoder,
     period_s: f64,
     n_readings: u64,
-    /// What `wheels.rest` allows, where anybody relies on it.
+    /// Greatest turn of the body at rest that the bound `wheels.rest` allows; `None` where the localizer does not rely on that bound.
     rest_turn_rad: Option<f64>,
     rest: Option<Rest>,
 }
 
-/// Since when the encoders have counted nothing.
+/// A time of rest: since when the encoders have counted nothing.
 #[derive(Clone, Copy, Debug)]
 struct Rest {
     ticks: [i64; 2],
     since_s: f64,
-    /// Once settled: since when, the heading then, and the greatest turn since.
+    /// For settled wheels: the time at which they settled, the heading at that time, and the greatest turn of the body since then.
     settled: Option<(f64, f64, f64)>,
 }
 
 impl WheelSensor {
-    /// The scene's.
+    /// The encoders that the scene states.
     pub fn new(scene: &Scene, seed: u64) -> Self {
         let encoders = &scene.robot.encoders;
         WheelSensor {
@@ -71,7 +72,7 @@ impl WheelSensor {
         }
     }
 
-    /// The turn of the body while nothing is counted.
+    /// Checks the bound `wheels.rest` on the turn of the body while the encoders count nothing.
     fn check(&mut self, truth: &Truth, ticks: [i64; 2]) -> Option<BoundCheck> {
         let declared = self.rest_turn_rad?;
         let heading_rad = truth.pose.heading_rad;
@@ -88,9 +89,9 @@ impl WheelSensor {
 }
 
 impl Sensor for WheelSensor {
-    /// Answers with counts when they are due.
+    /// Returns the tick counts when they are due.
     fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
-        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.period_s {
             return None;
         }

@@ -1,4 +1,4 @@
-//! The camera that looks straight down at the floor.
+//! The floor camera, which looks straight down at the floor.
 
 use interval::Interval;
 use localizer::{
@@ -90,7 +90,7 @@ impl Device for FloorCamera {
 }
 
 impl FloorCamera {
-    /// What the localizer is told of it.
+    /// The model of the floor camera that the localizer is given.
     pub(crate) fn model(&self) -> FloorCameraModel {
         let place = |nominal_m: f64| Interval::centred(nominal_m, self.position_tolerance_m);
         FloorCameraModel {
@@ -109,7 +109,7 @@ impl FloorCamera {
         }
     }
 
-    /// Pixels in a metre of floor at rest, as calibrated.
+    /// Pixels per metre of floor with the body at rest, according to the calibration.
     fn nominal_px_per_m(&self) -> f64 {
         f64::from(self.width_px) / self.footprint_width_m
     }

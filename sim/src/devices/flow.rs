@@ -17,14 +17,14 @@ use super::{Device, Sensor, ToldKey, Widens, farthest, relative, unsampled};
 
 pub use sensor::FlowSensor;
 
-/// True mount and scale of the flow sensor.
+/// True mount and scale of the optical flow sensor.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnFlow {
-    /// Where it looks in the robot frame: forward and left.
+    /// Position in the robot frame of the spot that the flow sensor looks at: forward and left.
     pub position_m: [f64; 2],
-    /// Turn of its forward axis from the robot's, counter-clockwise.
+    /// Angle of the sensor's forward axis from the robot's, counter-clockwise.
     pub yaw_rad: f64,
-    /// Counts per metre over nominal, at the mounted height.
+    /// True counts per metre over the nominal ones, at the mounted height.
     pub scale: f64,
 }
 
@@ -49,7 +49,7 @@ impl Device for Flow {
         true
     }
 
-    /// Nothing is made of the flow without a gyroscope beside it.
+    /// The localizer uses the flow sensor only together with a gyroscope.
     fn is_relied_on(&self, scene: &Scene) -> bool {
         scene.robot.gyro.is_some()
     }
@@ -68,14 +68,14 @@ impl Device for Flow {
             ToldKey::is(&[bounds::FLOW_POSITION], &mut self.position_tolerance_m),
             ToldKey::is_in_deg(&[bounds::FLOW_YAW], &mut self.yaw_tolerance_deg),
             ToldKey::is(&[bounds::FLOW_CALIBRATION], &mut self.calibration_tolerance),
-            // Of it, what the calibration leaves may vary.
+            // The part of the scale's tolerance that the calibration leaves is the bound on how far the scale may vary.
             ToldKey::is_part(&[bounds::FLOW_SCALE, bounds::FLOW_CALIBRATION], &mut self.scale_tolerance, Widens::By),
             ToldKey::is(&[bounds::FLOW_BACK_AND_FORTH], &mut self.back_and_forth_m),
         ]
     }
 
-    /// What is drawn of its scale is part of what is declared of it: its calibration of the whole, surfaces and noise together of what the
-    /// calibration leaves.
+    /// The errors of the scale that are drawn at random are parts of its declared tolerance: the calibration's tolerance is part of the
+    /// whole, and those of surfaces and noise together are part of what the calibration leaves.
     fn contradictions(&self) -> Vec<(String, String)> {
         let mut found = Vec::from_iter(unsampled(self.period_s).map(|expected| ("period_s".to_owned(), expected)));
         if self.calibration_tolerance > self.scale_tolerance {
@@ -86,7 +86,7 @@ impl Device for Flow {
             found.push(("calibration_tolerance".to_owned(), expected));
             return found;
         }
-        // Sums like 0.01 + 0.02 are not exact.
+        // Sums such as 0.01 + 0.02 are not exact.
         const ROUNDING: f64 = 1e-12;
         if self.surface_tolerance + self.noise_tolerance > self.varying_share() + ROUNDING {
             let key =
@@ -103,13 +103,13 @@ impl Device for Flow {
 }
 
 impl Flow {
-    /// What the localizer is told of it.
+    /// The model of the optical flow sensor that the localizer is given.
     pub(crate) fn model(&self) -> FlowModel {
         let place = |nominal_m: f64| Interval::centred(nominal_m, self.position_tolerance_m);
         FlowModel {
             position_m: [place(self.forward_m), place(self.left_m)],
             metres_per_count: Interval::point(1.0) / relative(self.counts_per_m, self.calibration_share()),
-            // |s − s₀| ≤ v makes |s/s₀ − 1| ≤ v/s₀, at most where s₀ is least.
+            // From |s − s₀| ≤ v follows |s/s₀ − 1| ≤ v/s₀, which is greatest where s₀ is least.
             scale_change: self.varying_share() / (1.0 - self.calibration_share()),
             yaw_rad: Interval::centred(0.0, self.yaw_tolerance_deg.to_radians()),
             quantisation_counts: 1.0,

@@ -1,4 +1,4 @@
-//! The camera that looks ahead, at walls.
+//! The forward camera, which looks ahead at walls.
 
 use interval::Interval;
 use localizer::{
@@ -20,7 +20,7 @@ use super::{
     relative,
 };
 
-/// A heading by walls does not depend on where the camera is.
+/// Names of the forward camera's calibration bounds; none for its position, because a heading from walls does not depend on where the camera is.
 const BOUNDS: CalibrationBounds = CalibrationBounds {
     position: &[],
     angles: &[bounds::FORWARD_CAMERA_YAW, bounds::FORWARD_CAMERA_TILT],
@@ -82,7 +82,7 @@ impl Device for ForwardCamera {
 }
 
 impl ForwardCamera {
-    /// What the localizer is told of it.
+    /// The model of the forward camera that the localizer is given.
     pub(crate) fn model(&self) -> ForwardCameraModel {
         let calibration = &self.calibration;
         let angle_rad = calibration.angle_tolerance_deg.to_radians();

@@ -18,10 +18,10 @@ use super::{Device, Sensor, ToldKey, farthest};
 
 pub use sensor::GnssSensor;
 
-/// Where the antenna truly is on the robot.
+/// True position of the satellite navigation antenna on the robot.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnGnss {
-    /// In the robot frame: forward and left.
+    /// Position of the antenna in the robot frame: forward and left.
     pub position_m: [f64; 2],
 }
 
@@ -62,7 +62,8 @@ impl Device for Gnss {
 }
 
 impl Gnss {
-    /// What the localizer is told of it. Stamps are the receiver's own, and where the base has another clock, off by as much more.
+    /// The model of the receiver that the localizer is given. Stamps are those of the receiver's own clock; where the base has another
+    /// clock, the bound on their error grows by the bound on that clock.
     fn model(&self, scene: &Scene) -> ReceiverModel {
         let place = |nominal_m: f64| Interval::centred(nominal_m, self.position_tolerance_m);
         ReceiverModel {

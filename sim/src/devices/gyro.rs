@@ -1,4 +1,4 @@
-//! The gyroscope about the vertical.
+//! The gyroscope, which measures the turn rate about the vertical.
 
 mod bias;
 mod sensor;
@@ -22,20 +22,20 @@ pub use sensor::GyroSensor;
 /// True bias and scale of the gyroscope.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnGyro {
-    /// At time 0; constant over a run unless it is said to wander.
+    /// True bias of the gyroscope at time 0; it is constant over a run unless the scene lets it wander.
     pub bias_rad_per_s: f64,
-    /// Constant over a run.
+    /// True scale of the gyroscope, constant over a run.
     pub scale: f64,
-    /// Which bounds its noise is cut to, in a run as it should have been.
+    /// Bounds to which the gyroscope's noise is cut in a counterfactual run.
     pub cuts: GyroCuts,
 }
 
-/// Bounds of a gyroscope beyond which nothing of its noise is left; none of them in a run as a seed draws it.
+/// Bounds of a gyroscope to which a counterfactual run cuts the noise; none in a run as a seed draws it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GyroCuts {
-    /// `gyro.noise`, of each reading.
+    /// Whether the noise of each reading is cut to the bound `gyro.noise`.
     pub noise: bool,
-    /// `gyro.angle`, of what errors of readings add up to.
+    /// Whether the noise is cut so that the sum of the readings' errors keeps to the bound `gyro.angle`.
     pub angle: bool,
 }
 
@@ -84,7 +84,7 @@ impl Device for Gyro {
         keys
     }
 
-    /// Noise is drawn reading by reading: the sensor takes off what is beyond.
+    /// Noise is drawn reading by reading, so that the sensor itself cuts off the noise that exceeds its bounds.
     const CLIPPED: &'static [Assumption] = &[bounds::GYRO_NOISE, bounds::GYRO_ANGLE];
 
     fn clip(&self, drawn: &mut DrawnGyro, bound: &str) {
@@ -119,7 +119,7 @@ impl Device for Gyro {
 }
 
 impl Gyro {
-    /// What the localizer is told of it.
+    /// The model of the gyroscope that the localizer is given.
     pub(crate) fn model(&self) -> GyroModel {
         GyroModel {
             bias_rad_per_s: Interval::centred(0.0, self.bias_tolerance_deg_per_s.to_radians()),

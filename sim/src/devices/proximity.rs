@@ -1,4 +1,4 @@
-//! Rangefinders that look out for what is in the way. What they say goes to the driver of errands, never to the localizer.
+//! Rangefinders that detect obstacles in the robot's path. Their readings go to the driver of errands, never to the localizer.
 
 use nalgebra::Point3;
 
@@ -9,25 +9,25 @@ use crate::{
     truth::Truth,
 };
 
-/// One reading of the fan.
+/// One reading of the proximity sensor, a fan of beams.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fan {
-    /// When it was taken; it arrives at once.
+    /// Time at which the reading was taken; it arrives without delay.
     pub measured_s: f64,
-    /// Beams from right to left.
+    /// The beams of the fan, from right to left.
     pub beams: Vec<Beam>,
 }
 
-/// What one beam met.
+/// What one beam of the proximity sensor met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
-    /// Direction from robot forward, counter-clockwise.
+    /// Direction of the beam from robot forward, counter-clockwise.
     pub bearing_rad: f64,
-    /// Distance of the nearest surface from the robot's origin; none within the range.
+    /// Distance of the nearest surface from the robot's origin; `None` when there is none within the range.
     pub distance_m: Option<f64>,
 }
 
-/// The fan on a robot.
+/// The proximity sensor on a robot: rangefinders whose beams form a fan.
 pub struct ProximitySensor {
     keys: Proximity,
     obstacles: Obstacles,
@@ -36,7 +36,7 @@ pub struct ProximitySensor {
 }
 
 impl ProximitySensor {
-    /// The fan that a scene states, if any.
+    /// The proximity sensor that a scene states, if it states one.
     pub(crate) fn new(scene: &Scene, seed: u64) -> Option<Self> {
         Some(ProximitySensor {
             keys: scene.robot.proximity.clone()?,
@@ -46,9 +46,9 @@ impl ProximitySensor {
         })
     }
 
-    /// A reading when one is due.
+    /// Returns a reading when one is due.
     pub(crate) fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
-        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.keys.period_s {
             return None;
         }

@@ -1,4 +1,4 @@
-//! The range camera for coded landmarks.
+//! The range camera, which measures coded landmarks.
 
 mod codes;
 mod sensor;
@@ -22,23 +22,23 @@ use super::{Device, Sensor, ToldKey, farthest, relative};
 pub use codes::CodeCuts;
 pub use sensor::{RangeCameraSensor, world_from_range_camera};
 
-/// Time of the first reading: no stamp is to lie before the start of the clock, whatever its error.
+/// Time of the first reading. It is late enough that no stamp lies before the start of the clock, whatever the stamp's error.
 const FIRST_S: f64 = 0.1;
 
 /// True mount and optics of the range camera.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnRangeCamera {
-    /// Optical centre of the first view in the robot frame: forward and left.
+    /// Position of the first view's optical centre in the robot frame: forward and left.
     pub position_m: [f64; 2],
-    /// Direction of the optical axis from robot forward, counter-clockwise.
+    /// Direction of the range camera's optical axis from robot forward, counter-clockwise.
     pub yaw_rad: f64,
-    /// Rotation vector of the sensor's vertical off the body's, about robot x and robot y; its norm is within the tolerance.
+    /// Rotation vector by which the sensor's vertical deviates from the body's, about robot x and robot y; its norm is within the tolerance.
     pub tilt_rad: [f64; 2],
-    /// Focal length.
+    /// Focal length in pixels.
     pub focal_px: f64,
-    /// Distance between the optical centres.
+    /// Distance between the optical centres of the range camera's two views.
     pub baseline_m: f64,
-    /// Which bounds its wrong codes are cut to, in a run as it should have been.
+    /// Bounds to which wrong landmark codes are cut in a counterfactual run.
     pub cuts: CodeCuts,
 }
 
@@ -119,7 +119,7 @@ impl Device for RangeCamera {
         ]
     }
 
-    /// Codes are drawn reading by reading: the sensor leaves those out that are wrong beyond what is declared.
+    /// Codes are drawn reading by reading, so that the sensor itself leaves out codes that are wrong beyond what is declared.
     const CLIPPED: &'static [Assumption] =
         &[bounds::RANGE_CAMERA_HEIGHT_SPAN, bounds::RANGE_LANDMARKS_Q_ITEMS, bounds::RANGE_LANDMARKS_WRONG_SPACING];
 
@@ -130,14 +130,14 @@ impl Device for RangeCamera {
 }
 
 impl RangeCamera {
-    /// What the localizer is told of it.
+    /// The model of the range camera that the localizer is given.
     pub(crate) fn model(&self) -> RangeCameraModel {
         let place = |nominal_m: f64| Interval::centred(nominal_m, self.position_tolerance_m);
         RangeCameraModel {
             focal_px: relative(self.focal_px, self.focal_tolerance),
             baseline_m: relative(self.baseline_m, self.baseline_tolerance),
             centre_px: self.centre_px(),
-            // A step is twice the greatest error that rounding makes; noise before it adds to that on both sides.
+            // A rounding step is twice the greatest error that rounding causes; noise before rounding adds to the error on both sides.
             step_px: [self.column_step_px, self.match_step_px].map(|step_px| step_px + 2.0 * self.column_noise_px),
             position_m: [place(self.forward_m), place(self.left_m)],
             height_m: self.height_m,
@@ -147,14 +147,14 @@ impl RangeCamera {
             stamp_error_s: self.stamp_tolerance_s,
             latency_s: Interval::centred(self.latency_s, self.latency_tolerance_s)
                 .intersect(Interval::new(0.0, f64::INFINITY)),
-            // It measures at the first physics step after each period.
+            // The camera measures at the first physics step after each period, so that readings may be one step closer together.
             period_s: self.period_s - STEP_S,
             q_items: self.q_items,
             wrong_spacing: self.wrong_spacing,
         }
     }
 
-    /// When its first reading arrives at the latest.
+    /// Latest time at which the camera's first reading arrives.
     pub(crate) fn first_arrival_s(&self) -> f64 {
         FIRST_S + self.latency_s + self.latency_tolerance_s
     }

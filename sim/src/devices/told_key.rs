@@ -1,41 +1,41 @@
-//! A key by which a scene tells the localizer a bound.
+//! A key by which a scene gives the localizer a bound.
 
 use localizer::bounds::Assumption;
 
 /// One key of the scene that states a bound.
 pub struct ToldKey<'a> {
-    /// Bounds that it states, by their names in `relies_on`.
+    /// Names of the bounds that the key states, as estimates list them in `relies_on`.
     pub(crate) bounds: &'static [Assumption],
-    /// Its value, in the key's own unit.
+    /// Value of the key, in the key's own unit.
     pub(crate) value: &'a mut f64,
-    /// How much of the key's unit is one unit of the true value that is held against the bound.
+    /// Factor from the unit of the true value, which is compared with the bound, to the unit of the key.
     pub(crate) per_true: f64,
     pub(crate) widens: Widens,
 }
 
-/// What a true value beyond the bound makes of the key.
+/// How a key of the scene is changed when the true value exceeds the bound that it states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Widens {
-    /// The key becomes the true value.
+    /// The key is set to the true value.
     To,
-    /// What is missing is added: the bound is a sum, or one over every window.
+    /// The missing amount is added to the key, as for a bound that is a sum or applies to every window.
     By,
-    /// Another key of the same bound does it.
+    /// The key stays as it is, because another key of the same bound is changed.
     Not,
 }
 
 impl<'a> ToldKey<'a> {
-    /// A key that is the bound, in the unit of the true value.
+    /// A key whose value is the bound, in the unit of the true value.
     pub(crate) fn is(bounds: &'static [Assumption], value: &'a mut f64) -> Self {
         ToldKey { bounds, value, per_true: 1.0, widens: Widens::To }
     }
 
-    /// A key in degrees of a bound in radians.
+    /// A key in degrees for a bound in radians.
     pub(crate) fn is_in_deg(bounds: &'static [Assumption], value: &'a mut f64) -> Self {
         ToldKey { bounds, value, per_true: f64::to_degrees(1.0), widens: Widens::To }
     }
 
-    /// A key that is a share of a nominal value, of a bound in the unit of that value.
+    /// A key that is a share of a nominal value, for a bound in the unit of that value.
     pub(crate) fn is_share_of(bounds: &'static [Assumption], value: &'a mut f64, nominal: f64) -> Self {
         ToldKey { bounds, value, per_true: 1.0 / nominal, widens: Widens::To }
     }

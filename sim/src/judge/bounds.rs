@@ -1,4 +1,4 @@
-//! Every declared bound against the true value behind it.
+//! Compares every declared bound with the true value behind it.
 
 mod markers;
 mod monitor;
@@ -13,19 +13,19 @@ use crate::{run::RunRecord, scene::Scene};
 use super::verdict::Violation;
 use monitor::Monitor;
 
-/// All time ranges in which a declared bound was exceeded, in the order of their beginning.
+/// All time ranges in which a declared bound was exceeded, in the order in which they begin.
 pub fn violations(scene: &Scene, record: &RunRecord) -> Vec<Violation> {
     let mut found: Vec<Violation> = monitors(scene, record).into_iter().flat_map(Monitor::finish).collect();
     found.sort_by(|a, b| a.from_s.total_cmp(&b.from_s).then_with(|| a.bound.cmp(&b.bound)));
     found
 }
 
-/// Names of all bounds that are watched in a run of the scene: those that an estimate of it may stand on.
+/// Names of all bounds that are watched in a run of the scene: those that an estimate may rely on.
 pub fn watched(scene: &Scene, record: &RunRecord) -> BTreeSet<&'static str> {
     monitors(scene, record).iter().map(Monitor::bound).collect()
 }
 
-/// Every bound of the scene, held against what was true in the run.
+/// A monitor for every declared bound of the scene, with the true values of the run.
 fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let mut all = motion::monitors(scene, record);
     let mut constants = record.drawn.base.constants(&scene.robot);
@@ -40,7 +40,7 @@ fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     all
 }
 
-/// What readings had a part in.
+/// Monitors of the bounds that are checked reading by reading, such as those on stamps and noise.
 fn of_readings(record: &RunRecord) -> impl Iterator<Item = Monitor> {
     record.bounds.greatest.keys().map(|bound| {
         let mut monitor = Monitor::new(bound);
@@ -51,7 +51,7 @@ fn of_readings(record: &RunRecord) -> impl Iterator<Item = Monitor> {
     })
 }
 
-/// A bound on a value that is the same over the whole run.
+/// A monitor of a bound on a value that is the same over the whole run.
 fn constant(record: &RunRecord, bound: &'static str, declared: f64, true_value: f64) -> Monitor {
     let end_s = record.truths.last().map_or(0.0, |truth| truth.time_s);
     let mut monitor = Monitor::new(bound);

@@ -1,4 +1,4 @@
-//! Whether what a method claims to have seen is so, by the simulator's own camera model and the floor as it was laid.
+//! Decides whether what a method claims to have seen is true, by the simulator's own camera model and the floor as it was laid.
 
 use std::collections::BTreeMap;
 
@@ -16,12 +16,12 @@ use crate::{
     truth::Truth,
 };
 
-/// How many of an image's claims are false.
+/// Number of an image's claims that are false.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FalseClaims {
-    /// Of upright edges.
+    /// False claims of upright edges.
     pub(super) upright: usize,
-    /// Of all else.
+    /// False claims of all other kinds.
     pub(super) others: usize,
 }
 
@@ -42,7 +42,7 @@ impl FalseClaims {
     }
 }
 
-/// Whether a claim about an image taken at `truth` holds.
+/// Whether a claim about an image taken at the true state `truth` holds.
 pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     match claim {
         Claim::FloorJoint { points_px, share_wrong } => floor_joint(points_px, *share_wrong, scene, drawn, truth),
@@ -54,7 +54,7 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
     }
 }
 
-/// Some joint has all but the share of the points within their bounds of its centre line.
+/// Whether some floor joint has all but the share `share_wrong` of the points within their bounds of its centre line.
 fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     let (Some(camera), Some(tiles), Some(laid), Some(mount)) =
         (&scene.robot.floor_camera, &scene.floor.tiles, &drawn.tiles, &drawn.devices.floor_camera)
@@ -66,7 +66,7 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     for &[u_px, v_px, bound_px] in points_px {
         let look = |du_px: f64, dv_px: f64| on_floor([u_px + du_px, v_px + dv_px], &lens, truth, mount);
         let (Some(place_m), Some([along_u, along_v])) = (look(0.0, 0.0), slopes(&look)) else { continue };
-        // What a pixel across the joint's image is on the floor across the joint, for either family's normal.
+        // The point's bound as a distance on the floor, measured across the joints of either direction.
         let distance_m = [0.0, 90.0].map(|turn_deg| {
             let (sin, cos) = f64::to_radians(tiles.rotation_deg + turn_deg).sin_cos();
             let across = |slope: [f64; 2]| cos * slope[0] + sin * slope[1];
@@ -80,8 +80,9 @@ fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &
     near.values().any(|&count| count >= needed)
 }
 
-/// Direction from world x of a wall of some room, or across it, along which, or as far askew of which as furniture may stand, a level line runs
-/// that passes within the bound of both ends. Walls run as they truly stand; furniture, and what is laid on the floor, as the scene has them.
+/// Direction (angle from world x) along which a claimed level line may run: that of a wall or at right angles to it, up to the angle by
+/// which furniture may stand askew. The line passes within `bound_px` of both ends; `None` when there is no such direction. Directions of
+/// walls are the true ones; those of furniture and of what is laid on the floor are as the scene states them.
 pub fn wall_line_deg(
     ends_px: [[f64; 2]; 2],
     bound_px: f64,
@@ -102,7 +103,8 @@ pub fn wall_line_deg(
     })
 }
 
-/// Normals, in the world, of the planes through the forward camera and a line that passes either end at its bound, on either side.
+/// Normals, in the world frame, of four planes through the forward camera. Each plane contains a line that passes each of the two ends at a
+/// distance of the bound, on one side or the other.
 fn sight_planes(
     ends_px: [[f64; 2]; 2],
     bound_px: f64,
@@ -124,16 +126,16 @@ fn sight_planes(
     Some([plane(-1.0, -1.0)?, plane(-1.0, 1.0)?, plane(1.0, -1.0)?, plane(1.0, 1.0)?])
 }
 
-/// Whether a line through both ends' spans may have one of these directions, or one between two: plane normals are bilinear in the two
-/// offsets, and their products with a direction go steadily from one direction to another, so that one is at right angles exactly when
-/// the products are not all of one sign.
+/// Whether a line that passes both ends within their bound may have one of the given directions, or a direction between two of them. Plane
+/// normals are bilinear in the line's offsets from the two ends, and their scalar products with a direction change steadily from one
+/// direction to another, so that some normal is at right angles to the line exactly when the products are not all of one sign.
 fn may_hold(corners: &[Vector3<f64>; 4], directions: &[Vector3<f64>]) -> bool {
     let mut sides = directions.iter().flat_map(|direction| corners.map(|normal| normal.dot(direction) > 0.0));
     let first = sides.next();
     sides.any(|side| Some(side) != first)
 }
 
-/// The landmark that is meant lies in the box, as seen from the robot's true pose.
+/// Whether the claimed landmark lies in the claimed box, as seen from the robot's true pose.
 fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Scene, truth: &Truth) -> bool {
     let Some(landmark) = scene.landmarks.get(landmark.0 as usize) else { return false };
     let (x_m, y_m) = (landmark.x_m - truth.pose.x_m, landmark.y_m - truth.pose.y_m);
@@ -141,13 +143,13 @@ fn landmark_in_box(landmark: LandmarkId, in_robot_m: &[Interval; 2], scene: &Sce
     in_robot_m[0].contains(cos * x_m + sin * y_m) && in_robot_m[1].contains(cos * y_m - sin * x_m)
 }
 
-/// How a place on the floor moves with the pixel: for one pixel to the right, and for one down.
+/// How far the point on the floor below a pixel's ray moves for one pixel to the right, and for one pixel down.
 fn slopes(look: &dyn Fn(f64, f64) -> Option<Point2<f64>>) -> Option<[[f64; 2]; 2]> {
     let between = |from: Point2<f64>, to: Point2<f64>| (to - from).into();
     Some([between(look(-0.5, 0.0)?, look(0.5, 0.0)?), between(look(0.0, -0.5)?, look(0.0, 0.5)?)])
 }
 
-/// Where a pixel of the floor camera looks when its row is exposed; `None` if it does not look at the floor.
+/// Point on the floor that a pixel of the floor camera sees when its row is exposed; `None` if the pixel's ray does not meet the floor.
 fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnFloorCamera) -> Option<Point2<f64>> {
     let [x, y] = lens.ray([u_px, v_px])?;
     let after_middle_s = (v_px - 0.5 * f64::from(lens.size_px[1] - 1)) * lens.row_time_s;
@@ -158,10 +160,10 @@ fn on_floor([u_px, v_px]: [f64; 2], lens: &Lens, truth: &Truth, mount: &DrawnFlo
     (direction.z < 0.0).then(|| place.xy())
 }
 
-/// The robot's pose a moment later or earlier, at its present velocity.
+/// The true state with its pose moved on by a short time, forwards or backwards, at constant velocity.
 fn moved_on(truth: &Truth, time_s: f64) -> Truth {
     let [forward_m_per_s, left_m_per_s, turn_rad_per_s] = truth.velocity;
-    // In the direction that it has half-way.
+    // During a short time the robot is taken to move in the direction that it has halfway through that time.
     let (sin, cos) = (truth.pose.heading_rad + 0.5 * turn_rad_per_s * time_s).sin_cos();
     let pose = Pose {
         x_m: truth.pose.x_m + time_s * (cos * forward_m_per_s - sin * left_m_per_s),

@@ -1,4 +1,4 @@
-//! Containment, step by step, and blame by counterfactual: what was broken is to blame only if the run without it holds the truth.
+//! Containment at every step, and blame by counterfactual: a broken bound or false claim is to blame only if the run without it holds the truth.
 
 use localizer::reading::Camera;
 
@@ -14,17 +14,18 @@ use super::{
     verdict::{Containment, FirstFailure, Judgement, Violation},
 };
 
-/// Rounds in which readings with too many false claims are withheld: what others claim may depend on them.
+/// Greatest number of rounds in which readings with too many false claims are withheld. Without them later readings may make other claims,
+/// of which again too many may be false.
 const MOST_ROUNDS: usize = 3;
 
-/// A span of steps in a row at which the truth is outside.
+/// A sequence of consecutive steps at which the truth is outside the union of boxes.
 struct Span {
     first: usize,
     last: usize,
     cause: Option<Cause>,
 }
 
-/// Whose fault a span is.
+/// The cause of a span of steps outside the union: which judgement the steps get, and what is to blame.
 #[derive(Clone, Debug)]
 struct Cause {
     judgement: Judgement,
@@ -32,17 +33,17 @@ struct Cause {
     because: String,
 }
 
-/// A declared bound that was exceeded, with the excess that is the greatest.
+/// A declared bound that was exceeded, with its greatest excess.
 struct Candidate {
     violation: Violation,
     first_s: f64,
-    /// Each span in which it was exceeded, and by how much.
+    /// Each time span in which the bound was exceeded, with the excess.
     exceeded: Vec<([f64; 2], f64)>,
 }
 
-/// The judgement of every step, their counts, and the first step outside. Only a run that lost the truth is simulated again, and only as
-/// far as its last step outside: with n bounds exceeded, 2·n − 1 times at most for bounds, and up to six times for false claims, of which
-/// each round may show others.
+/// The judgement of every step, the counts of judgements, and the first step at which the truth is outside the boxes. Only a run that lost
+/// the truth is simulated again, and only up to its last step outside: with n exceeded bounds at most 2·n − 1 times for the bounds, and up
+/// to six times for false claims, since each round may show further ones.
 pub(super) fn containment(
     scene: &Scene,
     record: &RunRecord,
@@ -61,7 +62,7 @@ pub(super) fn containment(
     Ok(judged(record, &spans, 0))
 }
 
-/// Everything that was exceeded, each bound once, the most exceeded first.
+/// Every bound that was exceeded, each once, sorted by true value over declared bound with the greatest first.
 fn candidates(violations: &[Violation]) -> Vec<Candidate> {
     let mut candidates: Vec<Candidate> = Vec::new();
     for violation in violations {
@@ -86,7 +87,8 @@ fn candidates(violations: &[Violation]) -> Vec<Candidate> {
 }
 
 impl Candidate {
-    /// The run with the bound kept: what the simulator draws or the scene places is moved back, what emerges is told.
+    /// The change that keeps the bound. A value that the simulator draws or the scene places is moved back to the bound; for a value that
+    /// emerges from the physics the localizer is given the true value as its bound.
     fn change(&self) -> Change {
         let Violation { bound, declared, true_value, .. } = &self.violation;
         if is_clipped(bound) {
@@ -110,7 +112,7 @@ impl Candidate {
     }
 }
 
-/// A run under trial.
+/// The search for what was to blame in a run whose boxes lost the truth.
 struct Trial<'a, 'r> {
     record: &'a RunRecord,
     candidates: Vec<Candidate>,
@@ -120,13 +122,14 @@ struct Trial<'a, 'r> {
 }
 
 impl Trial<'_, '_> {
-    /// Each candidate alone, then one more at a time.
+    /// Simulates the run again with each exceeded bound kept alone, then with the first two of them, the first three, and so on.
     fn blame_bounds(&mut self) -> Result<(), RenderError> {
         let n_candidates = self.candidates.len();
         let alone = (0..n_candidates).map(|index| index..index + 1);
         let together = (2..=n_candidates).map(|count| 0..count);
         for set in alone.chain(together) {
-            // The newest of a set is what it adds; where no open span could be its fault, it adds nothing.
+            // The last candidate bound of a set is the one that the set adds. If it cannot have caused any failure that still lacks a cause,
+            // the set is skipped.
             let adds = self.open().any(|span| self.may_have(set.end - 1, span));
             if !adds {
                 continue;
@@ -145,7 +148,8 @@ impl Trial<'_, '_> {
         Ok(())
     }
 
-    /// Readings with more false claims than declared withheld, alone and with every bound kept.
+    /// Simulates the run again without the readings that have more false claims than declared: first with the bounds as they were, then
+    /// with every exceeded bound kept.
     fn blame_perception(&mut self, scene: &Scene, misperceived: &[bool]) -> Result<(), RenderError> {
         for with_bounds in [false, true] {
             if with_bounds && self.candidates.is_empty() {
@@ -190,7 +194,7 @@ impl Trial<'_, '_> {
         Ok(())
     }
 
-    /// Spans without a cause so far.
+    /// Spans of steps at which the truth is outside the boxes and for which no cause has been found.
     fn open(&self) -> impl Iterator<Item = &Span> {
         self.spans.iter().filter(|span| span.cause.is_none())
     }
@@ -199,17 +203,17 @@ impl Trial<'_, '_> {
         self.record.truths[span.last].time_s
     }
 
-    /// When the truth is first outside, with a hair for times that are sums of decimals.
+    /// Time at which a span of steps outside the union begins, with a small margin for the rounding of times that are sums of decimals.
     fn begin_s(&self, span: &Span) -> f64 {
         self.record.truths[span.first].time_s + 1e-6
     }
 
-    /// Whether the candidate's bound was exceeded by the time that the span begins: what is exceeded later is no reason for its beginning.
+    /// Whether a candidate bound was exceeded by the time at which the truth is first outside: a later excess cannot have caused that.
     fn began(&self, candidate: usize, span: &Span) -> bool {
         self.candidates[candidate].first_s <= self.begin_s(span)
     }
 
-    /// Whether an estimate of the span, or one before it, stands on the candidate's bound, and that was exceeded by its end.
+    /// Whether a candidate bound was exceeded by the end of a span of steps outside, and an estimate up to that time relies on the bound.
     fn may_have(&self, candidate: usize, span: &Span) -> bool {
         let candidate = &self.candidates[candidate];
         let bound = candidate.violation.bound.as_str();
@@ -219,12 +223,12 @@ impl Trial<'_, '_> {
 
     fn again(&mut self, changes: Vec<Change>) -> Result<RunRecord, RenderError> {
         self.n_replays += 1;
-        // Only as far as something is left to explain.
+        // The run is simulated again only up to the last failure that still lacks a cause.
         let until_s = self.open().map(|span| self.end_s(span)).reduce(f64::max);
         (self.replay)(&Counterfactual { changes, until_s, until_lost_after_s: None })
     }
 
-    /// A cause as the verdict tells it.
+    /// A cause in the words of the verdict.
     fn cause(&self, judgement: Judgement, blamed: &[usize], misread: Option<[String; 2]>) -> Cause {
         let candidates = || blamed.iter().map(|index| &self.candidates[*index]);
         let names = candidates().map(|candidate| candidate.violation.bound.clone());
@@ -236,7 +240,7 @@ impl Trial<'_, '_> {
     }
 }
 
-/// A reading with which its method's declaration of wrong claims is broken.
+/// A reading with which the declared number of wrong claims of its method is exceeded.
 struct Misread {
     method: &'static str,
     camera: Option<Camera>,
@@ -270,7 +274,7 @@ fn misread(record: &RunRecord, misperceived: &[bool]) -> Vec<Misread> {
         .collect()
 }
 
-/// Steps outside that follow each other.
+/// The spans of consecutive steps at which the truth is outside the union of boxes.
 fn spans_outside(record: &RunRecord) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();
     for (step, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
@@ -285,7 +289,7 @@ fn spans_outside(record: &RunRecord) -> Vec<Span> {
     spans
 }
 
-/// Whether a run holds the truth at every step of a span.
+/// Whether a run's boxes hold the truth at every step of a span.
 fn holds(record: &RunRecord, span: &Span) -> bool {
     let steps = span.first..span.last + 1;
     let (truths, estimates) = (record.truths.get(steps.clone()), record.estimates.get(steps));
@@ -293,7 +297,7 @@ fn holds(record: &RunRecord, span: &Span) -> bool {
     truths.iter().zip(estimates).all(|(truth, estimate)| estimate.pose.contains(truth.pose))
 }
 
-/// Every step's judgement, and what they come to.
+/// The judgement of every step, and the counts of judgements.
 fn judged(record: &RunRecord, spans: &[Span], n_replays: usize) -> (Containment, Vec<Judgement>) {
     let checks = record.truths.len().min(record.estimates.len());
     let mut judgements = vec![Judgement::Contained; checks];
@@ -328,14 +332,14 @@ fn first_failure(record: &RunRecord, span: &Span, n_replays: usize) -> FirstFail
     FirstFailure { time_s: truth.time_s, axis, margin, outcome: judgement, blame, because }
 }
 
-/// The axis along which a pose lies farthest outside of a box, and how far; between branches the distance is 0.
+/// The axis along which a pose lies farthest outside a hull, and how far. The distance is 0 for a pose inside the hull but between its branches.
 fn farthest_axis(hull: &localizer::PoseBox, truth: localizer::Pose) -> (&'static str, f64) {
     if hull.is_empty() {
         return ("x_m", f64::MAX);
     }
     let truth = truth.to_array();
     let outside = |axis: usize| (hull[axis].lo() - truth[axis]).max(truth[axis] - hull[axis].hi()).max(0.0);
-    // Metres and radians are compared through the widths of the box.
+    // Distances in metres and in radians are made comparable by dividing them by the widths of the box.
     let relative = |axis: usize| outside(axis) / hull[axis].width().max(1e-9);
     let axis = (0..3).max_by(|&a, &b| relative(a).total_cmp(&relative(b))).unwrap_or(0);
     if outside(axis) == 0.0 {

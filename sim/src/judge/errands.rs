@@ -1,4 +1,4 @@
-//! How errands went in truth: who arrived where, what was touched, how far from the planned way.
+//! How errands went in truth: which goals were reached, what was touched, and how far the robot was from its planned path.
 
 use std::collections::BTreeMap;
 
@@ -7,12 +7,12 @@ use crate::{
     run::RunRecord,
 };
 
-/// Two bodies this near touch: the collider of the physics is 1 mm wider than the body, and its contacts are soft.
+/// Greatest distance at which two bodies count as touching. The collider of the physics is 1 mm wider than the body, and its contacts are soft.
 const TOUCH_M: f64 = 0.002;
 
-/// Figures of a run's errands; none of a route.
+/// Figures of a run's errands; empty for a run that follows a route.
 ///
-/// `arrivals_off` counts those reached by the estimate whose true distance is more than the tolerance and half the box's diagonal.
+/// `arrivals_off` counts goals that are reached by the estimate although the true distance exceeds the tolerance plus half the box's diagonal.
 pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
     let Some(log) = &record.errands else { return BTreeMap::new() };
     let reached = || log.errands.iter().filter(|errand| errand.outcome == Outcome::Reached);
@@ -49,27 +49,27 @@ pub(super) fn metrics(record: &RunRecord) -> BTreeMap<String, f64> {
         ("clearance_furniture_least_m", least(|clearance| clearance.furniture_m)),
         ("clearance_people_least_m", least(|clearance| clearance.people_m)),
     ];
-    // Where there is nothing to run into there is no distance.
+    // A scene without obstacles of a kind has no distance to them.
     let stated = clearances.into_iter().filter(|(_, least_m)| least_m.is_finite());
     metrics.extend(stated.map(|(name, least_m)| (name.to_owned(), least_m)));
     metrics
 }
 
-/// Distance of the true robot from an errand's goal when it ended; none before.
+/// Distance of the robot's true position from an errand's goal when the errand ended; `None` for an errand that has not ended.
 pub fn true_distance_m(record: &RunRecord, errand: &ErrandRecord) -> Option<f64> {
     let ended_s = errand.ended_s?;
-    // The command at a time acts after the truth of that time.
+    // The command at a given time acts after the true state of that time.
     let truth = record.truths.iter().find(|truth| truth.time_s > ended_s - 0.005)?;
     Some((truth.pose.x_m - errand.goal_m[0]).hypot(truth.pose.y_m - errand.goal_m[1]))
 }
 
-/// How often the robot came to touch something.
+/// How many times the robot began to touch something.
 fn collisions(record: &RunRecord) -> usize {
     let touches = |step: usize| record.clearances.get(step).is_some_and(|clearance| clearance.least_m() <= TOUCH_M);
     (0..record.clearances.len()).filter(|&step| touches(step) && (step == 0 || !touches(step - 1))).count()
 }
 
-/// Distance of the true robot from the way that it followed, at each step of each leg.
+/// Distance of the robot's true position from the path that it followed, at each step of each leg.
 fn deviations_m(log: &ErrandLog, record: &RunRecord) -> Vec<f64> {
     let of_leg = |leg: &crate::driver::Leg| {
         let (from_s, until_s, corners_m) = (leg.from_s, leg.until_s, leg.corners_m.clone());
@@ -79,7 +79,7 @@ fn deviations_m(log: &ErrandLog, record: &RunRecord) -> Vec<f64> {
     log.legs.iter().flat_map(of_leg).collect()
 }
 
-/// Distance of a place from a line through corners.
+/// Distance of a point from a polyline through the given corners.
 pub fn distance_to_way_m(place_m: [f64; 2], corners_m: &[[f64; 2]]) -> f64 {
     let to_piece = |pair: &[[f64; 2]]| {
         let along = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];

@@ -1,4 +1,4 @@
-//! What a scene expects of its runs, held against their figures.
+//! Compares the figures of a run with what its scene expects.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::scene::{Expect, conform::nearest};
 
 use super::{Baseline, ErrorTable, Verdict, figures::figures};
 
-/// What a figure is held against.
+/// How a figure is compared with its limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sense {
     Exactly,
@@ -16,13 +16,13 @@ enum Sense {
     AtLeast,
 }
 
-/// Counts that may stand without the prefix `containment.`.
+/// Counts that may be named without the prefix `containment.`.
 const SHORTHAND: [&str; 5] = ["checks", "contained", "bound_broken", "perception", "unsound"];
 
-/// Tables of a summary whose keys depend on the run: any one name stands for `*` in the figures known beforehand.
+/// Placeholder for the names in a summary that depend on the run, such as those of methods: in the list of known figures any one name matches `*`.
 const ANY_NAME: &str = "*";
 
-/// What `metrics` may hold, each where the run has what it measures.
+/// Names of all figures that a summary's table `metrics` may hold; a run has those of the things that it measures.
 pub const METRICS: [&str; 48] = [
     "arrival_error_greatest_m",
     "arrival_error_mean_m",
@@ -75,7 +75,7 @@ pub const METRICS: [&str; 48] = [
 ];
 
 impl Expect {
-    /// One line for each limit that `summary` misses: its name, the value found, the limit.
+    /// Checks `summary` against the scene's limits. Returns one line for each limit that is missed: its name, the value found, the limit.
     ///
     /// `summary` is a serialised [`Verdict`] or a whole summary.json. A figure that the run did not measure misses every limit.
     pub fn evaluate(&self, summary: &Value) -> Vec<String> {
@@ -101,7 +101,7 @@ impl Expect {
         missed
     }
 
-    /// Names that no figure has, and limits that are no number, each with what was expected.
+    /// Names of limits that no figure has, and limits that are not numbers, each with what was expected.
     pub(crate) fn unknown(&self) -> Vec<(String, String)> {
         let known: Vec<String> = figures(&blank_summary()).into_keys().collect();
         let mut unknown = Vec::new();
@@ -139,7 +139,8 @@ impl Expect {
     }
 }
 
-/// The figure that a limit's name speaks of. A figure's own name comes first, as some end in `_max` themselves.
+/// The figure that a limit's name refers to, and how the two are compared. A figure's full name is tried first, as some names end in `_max`
+/// themselves.
 fn resolve(name: &str, known: &[String]) -> Option<(String, Sense)> {
     let suffixes = [("", Sense::Exactly), ("_max", Sense::AtMost), ("_min", Sense::AtLeast)];
     suffixes.into_iter().find_map(|(suffix, sense)| {
@@ -160,7 +161,7 @@ fn matches(figure: &str, name: &str) -> bool {
     }
 }
 
-/// A summary with every figure that a run may leave.
+/// A summary that has every figure that a run may have.
 fn blank_summary() -> Value {
     let baseline = Baseline {
         error: Some(Default::default()),
@@ -180,6 +181,6 @@ fn blank_summary() -> Value {
         metrics: METRICS.map(|name| (name.to_owned(), 0.0)).into(),
         verdict: Default::default(),
     };
-    // Nothing in a verdict can fail to serialise: its keys are texts.
+    // The keys of a verdict are texts, so that serialising it cannot fail.
     serde_json::to_value(&verdict).unwrap_or_default()
 }

@@ -1,19 +1,19 @@
-//! Every number of a summary by its dotted name: what expectations limit and result tables show.
+//! The figures of a run: every number of a summary under its dotted name. Expectations limit them, and result tables show them.
 
 use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-/// Numbers by dotted name, such as `error.x_m.rmse`.
+/// Figures by dotted name, such as `error.x_m.rmse`.
 pub type Figures = BTreeMap<String, f64>;
 
-/// All figures of `summary`, with those that follow from it:
-/// `containment.contained_share`; beside each `rmse_by_third`, `rmse_worst_third`; and `violations`, their count.
+/// All figures of `summary`, and those derived from them: `containment.contained_share`; a `rmse_worst_third` for each `rmse_by_third`; and
+/// `violations`, the number of violations.
 pub fn figures(summary: &Value) -> Figures {
     let mut figures = Figures::new();
     flatten(summary, String::new(), &mut figures);
     if let (Some(contained), Some(checks)) = (figures.get("containment.contained"), figures.get("containment.checks")) {
-        // A run without a check has shown nothing.
+        // A run in which no step was checked has shown nothing, so that its share is 0.
         let share = if *checks > 0.0 { contained / checks } else { 0.0 };
         figures.insert("containment.contained_share".to_owned(), share);
     }
@@ -45,7 +45,7 @@ fn list(items: &[Value], name: String, figures: &mut Figures) {
     }
     if let Some(stem) = name.strip_suffix("_by_third") {
         let thirds = items.iter().map(|item| item.as_f64().unwrap_or(f64::NAN));
-        // `f64::max` would drop a NaN, and a third without a figure must not pass for a good one: then there is no worst.
+        // `f64::max` would ignore a NaN, but a third of the run without a figure must not pass as a good one: there is no worst third then.
         let worst = thirds.fold(f64::NEG_INFINITY, |worst, third| if third <= worst { worst } else { third });
         if !worst.is_nan() {
             figures.insert(format!("{stem}_worst_third"), worst);

@@ -1,4 +1,5 @@
-//! What pictures ahead told of the heading: how many told one of their own, how well, and how far off headings are.
+//! Figures of the headings that images of the forward camera gave: how many gave one on their own, how good these are, and how far headings
+//! are off.
 
 use std::{collections::BTreeMap, f64::consts::FRAC_PI_2};
 
@@ -8,10 +9,10 @@ use crate::run::RunRecord;
 
 use super::{claims::FalseClaims, methods::held_claims, share};
 
-/// An image tells a heading when what it allows, quarter turns aside, is no wider.
+/// An image's own heading interval (one of four a quarter turn apart) counts as a fix when it is no wider than this, about 3°.
 const FIX_WIDTH_RAD: f64 = 0.0524;
 
-/// None without a picture ahead.
+/// Figures of the headings from the forward camera's images; empty without such an image.
 pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<String, f64> {
     let images: Vec<_> = record.images.iter().filter(|image| image.camera == Some(Camera::Forward)).collect();
     if images.is_empty() {
@@ -23,7 +24,8 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
         .filter(|(heading, _)| heading.width() <= FIX_WIDTH_RAD)
         .collect();
     let held = fixes.iter().filter(|(heading, truth_rad)| heading.contains(*truth_rad)).count();
-    // A fix near the prior may be a quarter turn off with it, which says nothing of the image.
+    // Of four headings a quarter turn apart the fix is the one nearest to the prior. A prior that is off by a quarter turn puts the fix off by
+    // as much, which is no fault of the image.
     let mut off_rad: Vec<f64> = fixes
         .iter()
         .map(|(heading, truth_rad)| {
@@ -65,7 +67,7 @@ pub(super) fn metrics(record: &RunRecord, judged: &[FalseClaims]) -> BTreeMap<St
     ])
 }
 
-/// The least value that as large a share of the values does not exceed; 0 of none.
+/// The least value that a share `wanted` of the values does not exceed; 0 when there are no values.
 fn quantile(values: &mut [f64], wanted: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let at = (wanted * values.len() as f64).ceil() as usize;

@@ -1,4 +1,4 @@
-//! Markers on the ceiling: where a true camera would show them, and which of them were read.
+//! Ceiling markers: where the true camera would show them, and which of them were read.
 
 use std::collections::BTreeMap;
 
@@ -21,33 +21,35 @@ use crate::{
 
 use super::statistics::correlation;
 
-/// Place in the grid, and u, v and their bound.
+/// A claimed dot: its place in the marker's grid, and its pixel coordinates u and v with their bound.
 type SeenDot = (GridPlace, [f64; 3]);
 
-/// Dots lie farther apart than twice this in any picture in which they can be told apart.
+/// Greatest distance, along u or v, at which a claimed dot is taken for a marker's dot. In any picture in which dots can be told apart they
+/// are more than twice as far apart.
 const SAME_DOT_PX: f64 = 4.0;
 
-/// The true ceiling camera at an instant.
+/// The ceiling camera with its true mount and lens, at the true pose of one instant.
 pub(super) struct Sight {
     lens: Lens,
     camera_from_world: nalgebra::Isometry3<f64>,
 }
 
 impl Sight {
-    /// `None` without a ceiling camera.
+    /// The true ceiling camera; `None` when the robot has none.
     pub(super) fn new(scene: &Scene, drawn: &Drawn, truth: &Truth) -> Option<Sight> {
         let (camera, mount) = (scene.robot.ceiling_camera.as_ref()?, drawn.devices.ceiling_camera.as_ref()?);
         let camera_from_world = world_from_camera(truth, mount).inverse();
         Some(Sight { lens: Lens::ceiling(camera, mount), camera_from_world })
     }
 
-    /// Where a point is seen; `None` behind the camera.
+    /// Pixel at which a point in the world is seen; `None` for a point behind the camera.
     fn pixel(&self, in_world: &Point3<f64>) -> Option<[f64; 2]> {
         let at = self.camera_from_world * in_world;
         (at.z > 0.0).then(|| self.lens.pixel([at.x / at.z, at.y / at.z]))
     }
 
-    /// Whether the dots are a marker's, each to within what `within_px` makes of its bound, along u and along v.
+    /// Whether all dots belong to the marker: each lies within `within_px` of the true dot, along u and along v, where `within_px` is
+    /// computed from the dot's bound.
     fn agrees(&self, marker: &DrawnMarker, dots_px: &[SeenDot], within_px: impl Fn(f64) -> f64) -> bool {
         dots_px.iter().all(|(place, [u, v, bound_px])| {
             let dot = marker.dots.iter().find(|dot| dot.place == *place);
@@ -57,7 +59,7 @@ impl Sight {
         })
     }
 
-    /// Whether the middle of any dot of a marker is in the picture.
+    /// Whether the centre of at least one dot of the marker is in the picture.
     fn shows_some(&self, marker: &DrawnMarker) -> bool {
         let is_within = |[u, v]: [f64; 2]| {
             u >= 0.0 && v >= 0.0 && u < f64::from(self.lens.size_px[0]) && v < f64::from(self.lens.size_px[1])
@@ -65,8 +67,8 @@ impl Sight {
         marker.dots.iter().any(|dot| self.pixel(&dot.centre_in_world).is_some_and(is_within))
     }
 
-    /// Whether a marker's whole grid, empty places too, is in the picture with the dots' rims and three pixels about them for soft edges, and
-    /// no furniture stands before it. People may.
+    /// Whether the marker's whole grid, empty places included, is in the picture, with a margin of the dots' radius and three pixels for
+    /// soft edges, and no furniture hides it. People may stand in front of it.
     fn shows(&self, marker: &DrawnMarker, obstacles: &Obstacles) -> bool {
         let (sin, cos) = marker.rotation_rad.sin_cos();
         let [x_m, y_m] = marker.centre_m;
@@ -76,7 +78,7 @@ impl Sight {
         let eye = Point3::from(self.camera_from_world.inverse().translation.vector);
         [[0, 0], [3, 0], [0, 3], [3, 3]].into_iter().map(dot_in_marker_m).all(|corner_m| {
             let corner = in_world(corner_m);
-            // Farther out by the dots' rims.
+            // The corner of the marker's grid, moved outwards by the radius of a dot.
             let rim = in_world(corner_m.map(|at_m| at_m + DOT_RADIUS_M.copysign(at_m)));
             let depth_m = (self.camera_from_world * corner).z;
             let margin_px = self.lens.focal_px[0].max(self.lens.focal_px[1]) * DOT_RADIUS_M / depth_m.max(0.01) + 3.0;
@@ -91,15 +93,15 @@ impl Sight {
     }
 }
 
-/// Whether a marker of the map with that identity has each of the dots within its bound of where the picture is said to show it.
+/// Whether a marker of the map with this identity truly has each of the claimed dots within its bound of the claimed pixel.
 pub(super) fn is_marker(id: MarkerId, dots_px: &[SeenDot], scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     let Some(sight) = Sight::new(scene, drawn, truth) else { return false };
     on_map(scene, drawn).any(|marker| marker.id == id && sight.agrees(marker, dots_px, |bound_px| bound_px))
 }
 
-/// How many markers were wholly in view, read, and taken for something else; nothing without a marker.
+/// Figures of how many markers were wholly in view, how many were read, and how many were misread; empty without markers.
 ///
-/// `markers_misread` counts claims of an identity that no marker there has; a claim whose identity is right and a dot of which is out of its
+/// `markers_misread` counts claims whose identity no marker at that place has. A claim with the right identity and with a dot outside its
 /// bound is false, but not misread.
 pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
     if record.drawn.markers.is_empty() {
@@ -123,8 +125,8 @@ pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64
     metrics
 }
 
-/// Correlation of P(S) with the distance by which the paper's pipeline errs, and with the size of its heading's error; the paper's own
-/// tables give −0.976 and −0.995. `None` where either does not vary.
+/// Correlation of the confidence P(S) with the distance error of the paper's pipeline, and with the magnitude of its heading error; the
+/// paper's own tables give −0.976 and −0.995. `None` where one of the two quantities does not vary.
 pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAnswer>) -> [Option<f64>; 2] {
     let fixes: Vec<_> = answers.into_iter().filter_map(|answer| Some((answer.fix?, answer.truth))).collect();
     let pairs = |error: fn(Pose, Pose) -> f64| -> Vec<[f64; 2]> {
@@ -135,11 +137,11 @@ pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAn
     [correlation(&pairs(distance_m)), correlation(&pairs(turn_rad))]
 }
 
-/// Counts over a run's pictures of the ceiling.
+/// Counts of markers over a run's pictures of the ceiling.
 pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
     let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(&scene.as_built(&record.drawn)));
     let images = record.images.iter().filter(|image| image.camera == Some(Camera::Ceiling));
-    // The paper's pipeline answered picture for picture.
+    // The paper's pipeline has one answer for each picture, in the same order.
     for (image, paper) in images.zip(&record.marker_baselines.answers) {
         if let Some(sight) = Sight::new(scene, &record.drawn, &image.truth) {
             counts.add(scene, record, (image, paper), &sight, &obstacles);
@@ -148,24 +150,24 @@ pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
     counts
 }
 
-/// What was seen and read in a run's pictures of the ceiling.
+/// Counts of markers that were in view and of markers that were read, over a run's pictures of the ceiling.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MarkerCounts {
-    /// Pictures.
+    /// Number of pictures of the ceiling.
     pub images: usize,
-    /// Pictures with a whole marker of the map in view.
+    /// Number of pictures with at least one whole marker of the map in view.
     pub images_with_marker: usize,
-    /// Those in which one at least was read.
+    /// Number of pictures in which at least one of the whole markers in view was read.
     pub images_read: usize,
-    /// Whole markers of the map in view, over all pictures.
+    /// Number of whole markers of the map in view, summed over all pictures.
     pub in_view: usize,
-    /// Those that were read.
+    /// Number of whole markers in view that were read.
     pub read: usize,
-    /// Claims of an identity that no marker there has.
+    /// Number of claims with an identity that no marker at that place has.
     pub misread: usize,
-    /// Pictures with a whole marker in view from which the paper's pipeline read a marker that is there.
+    /// Number of pictures with a whole marker in view from which the paper's pipeline read a marker that is in view.
     pub paper_read: usize,
-    /// Pictures from which it read one that is not.
+    /// Number of pictures from which the paper's pipeline read a marker that is not in view.
     pub paper_misread: usize,
 }
 
@@ -192,7 +194,7 @@ impl MarkerCounts {
             record.drawn.markers.iter().any(is_it)
         };
         self.misread += claims(image).filter(|claim| !is_there(claim)).count();
-        // The paper's pipeline names one marker; it may be one that is partly out of view.
+        // The paper's pipeline names one marker, which may be one that is partly out of view.
         let nearby =
             |id: MarkerId| on_map(scene, &record.drawn).any(|marker| marker.id == id && sight.shows_some(marker));
         if let Some(fix) = paper.fix {
@@ -209,7 +211,7 @@ fn claims(image: &ImageRecord) -> impl Iterator<Item = (MarkerId, &[SeenDot])> {
     })
 }
 
-/// Markers on the ceiling that the localizer knows of.
+/// Markers on the ceiling that are also on the localizer's map.
 fn on_map<'a>(scene: &'a Scene, drawn: &'a Drawn) -> impl Iterator<Item = &'a DrawnMarker> {
     let known = |marker: &&DrawnMarker| {
         scene.markers.as_ref().and_then(|markers| markers.all().get(marker.index)).is_some_and(|marker| marker.on_map)

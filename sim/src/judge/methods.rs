@@ -1,4 +1,4 @@
-//! What each method read and said, and its part in narrowing the box.
+//! Counts for each method: its readings, its claims, and how much it narrowed the box.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use super::{
     verdict::{Halvings, MethodCounts},
 };
 
-/// By method, what it read, said and halved.
+/// For each method, counts of its readings and claims, and how often it halved the widths.
 pub(super) fn counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<String, MethodCounts> {
     let mut counts: BTreeMap<String, MethodCounts> = BTreeMap::new();
     for (image, &n_false) in record.images.iter().zip(false_claims) {
@@ -33,7 +33,7 @@ pub(super) fn counts(record: &RunRecord, false_claims: &[usize]) -> BTreeMap<Str
 }
 
 impl Halvings {
-    /// Adds one reading's; what was unbounded before, or empty after, counts for nothing.
+    /// Adds the halvings of one reading. A width that was unbounded before the reading, and a reading that left nothing, count for nothing.
     fn add(&mut self, image: &ImageRecord) {
         let posterior = image.posterior.hull();
         if !image.constrained || posterior.is_empty() {
@@ -48,13 +48,13 @@ impl Halvings {
     }
 }
 
-/// For each image how many of its claims are false.
+/// The number of false claims of each image.
 pub(crate) fn false_claims(scene: &Scene, record: &RunRecord) -> Vec<FalseClaims> {
     record.images.iter().map(|image| FalseClaims::of(scene, record, image)).collect()
 }
 
-/// For each image whether the declaration of wrong claims that goes with it is broken: too many in the image itself, in the images that count
-/// together with it, or too many of those images.
+/// For each image, whether the declared limits on wrong claims are exceeded: too many in the image itself, too many in the images that are
+/// counted together with it, or too many of those images.
 pub(crate) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bool> {
     let held = held_claims(record, judged);
     let is_misperceived = record.images.iter().zip(judged).zip(held).map(|((image, judged), held)| {
@@ -71,20 +71,21 @@ pub(crate) fn misperceived(record: &RunRecord, judged: &[FalseClaims]) -> Vec<bo
     is_misperceived.collect()
 }
 
-/// Claims that count together with those of an image, upright edges apart.
+/// Numbers of claims over the images that are counted together; claims of upright edges are left out.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct HeldClaims {
     pub(super) all: usize,
-    /// The false ones, and those of images with too many wrong upright edges: they have no right lean.
+    /// Number of false claims, and of all claims of images with too many wrong upright edges, from which the camera's lean cannot be found
+    /// correctly.
     pub(super) wrong: usize,
-    /// Images with any such.
+    /// Number of images with at least one wrong claim.
     pub(super) spoilt: usize,
-    /// Images with more false ones than their own quota.
+    /// Number of images with more false claims than their own quota.
     misread: usize,
 }
 
 impl HeldClaims {
-    /// An image of so many claims, upright edges apart.
+    /// Counts for one image that has `all` claims besides those of upright edges.
     fn of(all: usize, quota: &Quota, judged: FalseClaims) -> Self {
         let wrong = if judged.upright > quota.upright { all } else { judged.others };
         let [spoilt, misread] = [wrong > 0, judged.others > quota.items].map(usize::from);
@@ -92,7 +93,7 @@ impl HeldClaims {
     }
 }
 
-/// The same for each image; `None` where it told nothing, or counts for itself.
+/// For each image, the counts over the images whose claims are counted together up to it; `None` for an image whose claims are counted alone.
 pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Option<HeldClaims>> {
     let mut seen: BTreeMap<&str, Vec<HeldClaims>> = BTreeMap::new();
     let with_each = record.images.iter().zip(judged).map(|(image, judged)| {
@@ -100,7 +101,7 @@ pub(super) fn held_claims(record: &RunRecord, judged: &[FalseClaims]) -> Vec<Opt
             return None;
         }
         let seen = seen.entry(image.method).or_default();
-        // What tells no heading of its own is not held.
+        // An image that gives no heading on its own is not counted together with others.
         if image.alone_heading_rad.is_some() {
             let all = image.claims.iter().filter(|claim| !matches!(claim, Claim::UprightLine { .. })).count();
             seen.push(HeldClaims::of(all, &image.quota, *judged));
@@ -122,7 +123,7 @@ mod tests {
 
     #[test]
     fn without_a_right_lean_no_claim_of_an_image_is_right() {
-        // By hand: one upright edge may be wrong.
+        // Worked out by hand: the quota allows one wrong upright edge, so that with two of them all six claims count as wrong.
         let quota = Quota { items: 2, upright: 1, n_held: 1, counting: Counting::Readings(2) };
         for (upright, wrong) in [(0, 2), (1, 2), (2, 6)] {
             assert_eq!(HeldClaims::of(6, &quota, FalseClaims { upright, others: 2 }).wrong, wrong);

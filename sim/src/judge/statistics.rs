@@ -1,4 +1,4 @@
-//! Errors and widths over a run.
+//! Statistics of errors and widths over a run.
 
 use localizer::{Pose, PoseBox};
 
@@ -8,7 +8,7 @@ use super::verdict::{
     AxisError, AxisPower, AxisWidth, ErrorTable, FixWidth, PositionError, Power, PowerTable, WidthTable,
 };
 
-/// Midpoint of a box; not a number when the box is empty.
+/// Midpoint of a box; not a number (NaN) when the box is empty.
 pub(crate) fn midpoint(hull: &PoseBox) -> Pose {
     let middle = |axis: usize| if hull.is_empty() { f64::NAN } else { hull[axis].mid() };
     Pose { x_m: middle(0), y_m: middle(1), heading_rad: middle(2) }
@@ -33,7 +33,7 @@ pub(super) fn errors(estimates: &[Pose], truths: &[Pose]) -> ErrorTable {
     }
 }
 
-/// Errors of the midpoint just after each constraint.
+/// Errors of the hull's midpoint just after each constraint.
 pub(super) fn errors_at_fix(record: &RunRecord) -> ErrorTable {
     let fixes = record.images.iter().filter(|image| image.constrained && !image.emptied);
     let (midpoints, truths): (Vec<Pose>, Vec<Pose>) =
@@ -60,10 +60,10 @@ pub(super) fn fix_width(hulls: &[PoseBox]) -> FixWidth {
     FixWidth { x_m, y_m, heading_rad }
 }
 
-/// From this time of a drive on, what the localizer knows comes from its sensors rather than from its start.
+/// Time into a drive after which the localizer's knowledge comes from its sensors rather than from the start box.
 pub(crate) const SETTLED_S: f64 = 5.0;
 
-/// |error of the midpoint| over half the width, step by step, over the run and from 5 s of each drive on.
+/// |error of the midpoint| over half the width at each step, over the whole run and from 5 s after the start of each drive.
 pub(super) fn power(record: &RunRecord) -> PowerTable {
     let mut drive_began_s = 0.0;
     let (mut all, mut settled): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (Vec::new(), Vec::new());
@@ -73,7 +73,7 @@ pub(super) fn power(record: &RunRecord) -> PowerTable {
         }
         let (hull, truth_at) = (estimate.pose.hull(), truth.pose.to_array());
         let middle = midpoint(&hull).to_array();
-        // A box without width that errs by nothing is exact.
+        // A box of width 0 with an error of 0 is exact, so that its ratio is 0.
         let ratio = |axis: usize| (middle[axis] - truth_at[axis]).abs() / (0.5 * hull.width(axis)).max(1e-12);
         let ratios = [0, 1, 2].map(ratio);
         all.push(ratios);
@@ -89,7 +89,8 @@ pub(super) fn power(record: &RunRecord) -> PowerTable {
     PowerTable { over_all: table(&all), after_5_s: table(&settled) }
 }
 
-/// Greatest ratio, and the least that at most one in a thousand exceeds. Empty and unbounded boxes have none.
+/// The greatest ratio of |error| to half the width, and the least value that at most one ratio in a thousand exceeds. Empty and unbounded
+/// boxes have no ratio.
 fn axis_power(mut ratios: Vec<f64>) -> AxisPower {
     ratios.retain(|ratio| ratio.is_finite());
     ratios.sort_by(f64::total_cmp);
@@ -98,7 +99,7 @@ fn axis_power(mut ratios: Vec<f64>) -> AxisPower {
     AxisPower { max, p999: ratios[rank.clamp(1, ratios.len()) - 1] }
 }
 
-/// Figures of nothing are not a number, which JSON writes as null: what was not measured meets no expectation.
+/// Statistics of the errors along one axis. Without any error they are not a number, which JSON writes as null and which meets no expectation.
 fn axis_error(errors: &[f64]) -> AxisError {
     let n_steps = errors.len();
     let third = |index: usize| rmse(&errors[index * n_steps / 3..(index + 1) * n_steps / 3]);
@@ -130,7 +131,7 @@ fn position_error(distances: &[f64]) -> PositionError {
     PositionError { mean, sd: variance.sqrt(), max: distances.iter().copied().fold(0.0, f64::max) }
 }
 
-/// An empty hull has no width and is left out; an unbounded one counts as the widest there is.
+/// Statistics of the widths along one axis. An empty hull has no width and is left out; an unbounded one counts with the greatest finite number.
 fn axis_width(hulls: &[PoseBox], axis: usize) -> AxisWidth {
     let mut widths: Vec<f64> =
         hulls.iter().filter(|hull| !hull.is_empty()).map(|hull| hull[axis].width().min(f64::MAX)).collect();
@@ -153,7 +154,7 @@ fn axis_width(hulls: &[PoseBox], axis: usize) -> AxisWidth {
     }
 }
 
-/// Pearson's correlation; `None` where either does not vary.
+/// Pearson's correlation of the pairs; `None` where one of the two quantities does not vary.
 pub(super) fn correlation(pairs: &[[f64; 2]]) -> Option<f64> {
     let count = pairs.len() as f64;
     let mean = [0, 1].map(|side| pairs.iter().map(|pair| pair[side]).sum::<f64>() / count);

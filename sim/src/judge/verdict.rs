@@ -1,57 +1,58 @@
-//! The verdict's figures, field by field as `summary.json` holds them.
+//! The figures of a verdict, field by field as `summary.json` holds them.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-/// How an estimate stands to the truth.
+/// How an estimate relates to the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
-    /// The truth is in the union.
+    /// The truth is in the union of boxes.
     Contained,
-    /// The truth is outside because a declared bound on which the estimate relies was exceeded: with the bound kept it is inside.
+    /// The truth is outside because a declared bound that the estimate relies on was exceeded: with the bound kept, the truth is inside.
     BoundBroken,
-    /// The truth is outside because more claims were false than declared: without those it is inside.
+    /// The truth is outside because more claims were false than declared: without those claims the truth is inside.
     Perception,
-    /// The truth is outside though every bound held and the claims were true, or would be outside if they were.
+    /// The truth is outside and no cause is found: every bound held and the claims were true, or keeping the bounds and withholding the
+    /// false claims does not bring the truth inside.
     Unsound,
 }
 
-/// Everything that `summary.json` holds of a run, in its order.
+/// Everything about a run that `summary.json` holds, in its order.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
-    /// Counts of judgements over all steps; none of a subject that answers with points.
+    /// Counts of judgements over all steps; `None` for a subject that answers with points.
     pub containment: Option<Containment>,
-    /// The judgement of every step; `steps.csv` holds them.
+    /// The judgement of every step, which `steps.csv` holds.
     #[serde(skip)]
     pub judgements: Vec<Judgement>,
     /// Every declared bound that was exceeded, whether or not the truth stayed inside.
     pub violations: Vec<Violation>,
-    /// Errors of the midpoint of the hull.
+    /// Errors of the midpoint of the estimate's hull.
     pub error: ErrorTable,
-    /// Full widths of the hull, over all steps; none of points.
+    /// Full widths of the estimate's hull over all steps; `None` for a subject that answers with points.
     pub width: Option<WidthTable>,
-    /// |error| over half the width: how much narrower the boxes could have been; none of points.
+    /// |error| over half the width, which shows how much narrower the boxes could have been; `None` for a subject that answers with points.
     pub power: Option<PowerTable>,
-    /// Share of steps that are sound, hold the truth and are narrower than declared; none of points.
+    /// Share of the steps that are sound, hold the truth and are narrower than declared; `None` for a subject that answers with points.
     pub availability: Option<f64>,
-    /// By method, what it read and said.
+    /// For each method, counts of its readings and claims.
     pub methods: BTreeMap<String, MethodCounts>,
-    /// By baseline, its errors.
+    /// For each baseline, its errors, or the containment and widths of its boxes.
     pub baselines: BTreeMap<String, Baseline>,
-    /// What a scene measures besides.
+    /// Further figures, which depend on the scene.
     pub metrics: BTreeMap<String, f64>,
     /// Whether the scene's expectations were met.
     pub verdict: Passed,
 }
 
 impl Judgement {
-    /// All of them, from best to worst.
+    /// All judgements, from best to worst.
     pub const ALL: [Judgement; 4] =
         [Judgement::Contained, Judgement::BoundBroken, Judgement::Perception, Judgement::Unsound];
 
-    /// Its name in every file.
+    /// Name of the judgement in every output file.
     pub fn name(self) -> &'static str {
         match self {
             Judgement::Contained => "contained",
@@ -65,143 +66,143 @@ impl Judgement {
 /// Counts of judgements over all steps.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Containment {
-    /// Steps judged.
+    /// Number of steps that were judged.
     pub checks: usize,
-    /// Steps with the truth in the union.
+    /// Number of steps with the truth in the union.
     pub contained: usize,
-    /// Steps outside with a broken bound.
+    /// Number of steps with the truth outside because of a broken bound.
     pub bound_broken: usize,
-    /// Steps outside with too many false claims.
+    /// Number of steps with the truth outside because of too many false claims.
     pub perception: usize,
-    /// Steps outside without a cause.
+    /// Number of steps with the truth outside and no cause found.
     pub unsound: usize,
-    /// How many times the run was simulated again to find whose fault they are.
+    /// How many times the run was simulated again to find what was to blame for the steps outside.
     pub replays: usize,
-    /// The first step that was not contained.
+    /// The first step at which the truth was outside the union of boxes.
     pub first_failure: Option<FirstFailure>,
 }
 
-/// The first step whose union did not contain the truth.
+/// The first step of a run at which the truth was outside the union of boxes, and what was to blame.
 #[derive(Clone, Debug, Serialize)]
 pub struct FirstFailure {
-    /// When.
+    /// Time of the first step outside.
     pub time_s: f64,
-    /// Axis with the greatest distance to the hull: `x_m`, `y_m` or `heading_rad`; `between branches` when inside the hull.
+    /// Axis along which the truth is farthest outside the hull: `x_m`, `y_m` or `heading_rad`; `between branches` when it is inside the hull.
     pub axis: &'static str,
-    /// That distance; 0 between branches.
+    /// Distance of the truth from the estimate's hull along the axis where it is farthest outside; 0 between branches.
     pub margin: f64,
-    /// The judgement.
+    /// The judgement of the first step outside.
     pub outcome: Judgement,
-    /// Name of the broken bound, or what was false.
+    /// Name of the broken bound, or which claims were false.
     pub blame: String,
-    /// How much was exceeded, and without what the truth is held.
+    /// By how much the bound or the number of claims was exceeded, and without which cause the run holds the truth.
     pub because: String,
 }
 
 /// A time range in which a quantity exceeded its declared bound.
 ///
-/// A bound of displacement, such as `wheels.slip`, is one over a window of at most `bounds.slip_window_s`: its value is the greatest
-/// over such windows, not the sum over a longer push.
+/// A bound on displacement, such as `wheels.slip`, applies to every window of at most `bounds.slip_window_s`: the value given is the
+/// greatest over such windows, not the sum over a longer push.
 #[derive(Clone, Debug, Serialize)]
 pub struct Violation {
-    /// Name of the bound.
+    /// Name of the bound that was exceeded.
     pub bound: String,
-    /// Start of the excess.
+    /// Time at which the excess begins.
     pub from_s: f64,
-    /// End of the excess.
+    /// Time at which the excess ends.
     pub to_s: f64,
-    /// Declared bound at the moment of the greatest excess.
+    /// Declared bound at the time of the greatest excess.
     pub declared: f64,
-    /// True value at that moment.
+    /// True value at the time of the greatest excess.
     #[serde(rename = "true")]
     pub true_value: f64,
 }
 
 impl Violation {
-    /// True value over declared bound; infinite where that is 0.
+    /// True value over declared bound; infinite where the bound is 0.
     pub fn ratio(&self) -> f64 {
         self.true_value / self.declared
     }
 
-    /// By how much the true value is beyond.
+    /// By how much the true value exceeds the bound.
     pub(super) fn excess(&self) -> f64 {
         self.true_value - self.declared
     }
 }
 
-/// What another method made of the same readings: points have errors, boxes contain the truth or not and have widths.
+/// The result of another method on the same readings. A point method has errors; a method that gives boxes has containment and widths.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Baseline {
     /// Errors of a point method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<ErrorTable>,
-    /// How many of a solver's answers contain the truth.
+    /// How many of a solver's boxes contain the truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub containment: Option<BaselineContainment>,
-    /// Widths of a solver's answers.
+    /// Widths of a solver's boxes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<BaselineWidth>,
 }
 
-/// Containment of a solver's answers.
+/// Containment of the truth in a solver's boxes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct BaselineContainment {
-    /// Problems put to it.
+    /// Number of problems given to the solver.
     pub checks: usize,
-    /// Answers that contain the truth.
+    /// Number of boxes that contain the truth.
     pub contained: usize,
 }
 
-/// Widths of a solver's answers.
+/// Widths of a solver's boxes.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct BaselineWidth {
-    /// Over all problems it answered.
+    /// Widths over all problems that the solver answered.
     pub at_fix: FixWidth,
 }
 
-/// |error of the hull's midpoint| over half the hull's width. At 1 the truth is at a face of the box; boxes 1 / max times as wide would
-/// have held it too. Not a number where no step had a box with sides.
+/// |error of the hull's midpoint| over half the hull's width. At 1 the truth is on a face of the box; boxes that are narrower by the factor
+/// of the greatest value (`max`) would still have held the truth. Not a number where no step had a bounded box.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct PowerTable {
-    /// Over all steps.
+    /// |error| over half the width, over all steps.
     #[serde(flatten)]
     pub over_all: Power,
-    /// Over those from 5 s of each drive on, when the start is forgotten.
+    /// |error| over half the width, over the steps from 5 s after the start of each drive on, when the start box no longer matters.
     pub after_5_s: Power,
 }
 
 /// |error| over half the width along each axis.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Power {
-    /// World x.
+    /// Ratio of |error| to half the width along world x.
     pub x_m: AxisPower,
-    /// World y.
+    /// Ratio of |error| to half the width along world y.
     pub y_m: AxisPower,
-    /// Heading.
+    /// Ratio of |error| to half the width in heading.
     pub heading_rad: AxisPower,
 }
 
 /// |error| over half the width along one axis.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct AxisPower {
-    /// Greatest.
+    /// Greatest ratio of |error| to half the width over the steps.
     pub max: f64,
-    /// Only one step in a thousand has more.
+    /// Ratio of |error| to half the width that only one step in a thousand exceeds.
     pub p999: f64,
 }
 
 /// Errors of x, y, heading and position.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ErrorTable {
-    /// World x.
+    /// Error along world x.
     pub x_m: AxisError,
-    /// World y.
+    /// Error along world y.
     pub y_m: AxisError,
-    /// Heading.
+    /// Error in heading.
     pub heading_rad: AxisError,
-    /// Distance in the plane.
+    /// Distance of the estimate from the true position in the plane.
     pub position_m: PositionError,
-    /// The same just after each fix, at the stamp of the reading that made it.
+    /// Errors just after each fix, at the stamp of the reading that made the fix.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_fix: Option<Box<ErrorTable>>,
 }
@@ -209,106 +210,107 @@ pub struct ErrorTable {
 /// Errors along one axis.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct AxisError {
-    /// Root mean square over all steps.
+    /// Root mean square error over all steps.
     pub rmse: f64,
-    /// Mean magnitude.
+    /// Mean magnitude of the error.
     pub mean: f64,
-    /// Greatest magnitude.
+    /// Greatest magnitude of the error.
     pub max: f64,
-    /// Root mean square of each third of the run.
+    /// Root mean square error in each third of the run.
     pub rmse_by_third: [f64; 3],
 }
 
-/// Errors in the plane.
+/// Errors of the position in the plane.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct PositionError {
-    /// Mean.
+    /// Mean distance from the true position.
     pub mean: f64,
-    /// Standard deviation.
+    /// Standard deviation of the distance from the true position.
     pub sd: f64,
-    /// Greatest.
+    /// Greatest distance from the true position.
     pub max: f64,
 }
 
-/// Full widths of the hull.
+/// Full widths of the estimate's hull.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct WidthTable {
-    /// World x.
+    /// Width along world x.
     pub x_m: AxisWidth,
-    /// World y.
+    /// Width along world y.
     pub y_m: AxisWidth,
-    /// Heading.
+    /// Width in heading.
     pub heading_rad: AxisWidth,
-    /// The same just after a fix.
+    /// Full widths of the hull just after a fix.
     pub at_fix: FixWidth,
 }
 
-/// Mean widths at the stamps of images, just after their constraint.
+/// Full widths of the hull at the stamps of images, just after their constraints.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct FixWidth {
-    /// World x.
+    /// Width along world x.
     pub x_m: AxisWidth,
-    /// World y.
+    /// Width along world y.
     pub y_m: AxisWidth,
-    /// Heading.
+    /// Width in heading.
     pub heading_rad: AxisWidth,
 }
 
 /// Widths along one axis.
 #[derive(Clone, Debug, Serialize)]
 pub struct AxisWidth {
-    /// Mean.
+    /// Mean width.
     pub mean: f64,
-    /// 95th percentile.
+    /// 95th percentile of the width.
     pub p95: f64,
-    /// Greatest.
+    /// Greatest width.
     pub max: f64,
-    /// Mean of each third.
+    /// Mean width in each third of the run.
     pub mean_by_third: [f64; 3],
-    /// Mean of the last third over that of the second: above 1 what is known gets lost; 1 when nothing was measured.
+    /// Mean width in the last third of the run over that in the second; 1 when nothing was measured. A value above 1 means that the
+    /// localizer loses knowledge.
     pub growth: f64,
 }
 
 impl Default for AxisWidth {
-    /// Nothing measured.
+    /// The widths when nothing was measured.
     fn default() -> Self {
         AxisWidth { mean: 0.0, p95: 0.0, max: 0.0, mean_by_third: [0.0; 3], growth: 1.0 }
     }
 }
 
-/// What a method read and said.
+/// Counts of what a method read and claimed.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct MethodCounts {
-    /// Readings given to it.
+    /// Number of readings given to the method.
     pub readings: usize,
-    /// Constraints made.
+    /// Number of constraints that the method made.
     pub constraints: usize,
-    /// Constraints that emptied the union.
+    /// Number of constraints that emptied the union.
     pub empty: usize,
-    /// Claims made.
+    /// Number of claims that the method made.
     pub claims: usize,
-    /// Claims that were false.
+    /// Number of claims that were false.
     pub false_claims: usize,
-    /// How many times over it halved the hull's width at its readings' stamps.
+    /// How many times the method halved the hull's width, summed over its readings at their stamps.
     pub halved: Halvings,
 }
 
-/// How many times over widths were halved: the sum of log₂ of the width before over the width after.
+/// How many times widths were halved: the sum of log₂ of the width before a reading over the width after it.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Halvings {
-    /// Along world x.
+    /// Halvings of the width along world x.
     pub x_m: f64,
-    /// Along world y.
+    /// Halvings of the width along world y.
     pub y_m: f64,
-    /// Of the heading.
+    /// Halvings of the width in heading.
     pub heading_rad: f64,
 }
 
 /// Whether the scene's expectations were met.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Passed {
-    /// All of them.
+    /// Whether all expectations were met.
     pub passed: bool,
-    /// One line for each that was not: name, value, limit.
+    /// One line for each expectation that was not met: name, value, limit.
     pub failed: Vec<String>,
 }

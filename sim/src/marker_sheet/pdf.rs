@@ -1,31 +1,31 @@
-//! Pages of A4 with discs, lines and text, in millimetres from the upper left corner.
+//! A4 pages of a PDF with discs, lines and text, placed in millimetres from the upper-left corner.
 
 use pdf_writer::{Content, Name, Pdf, Rect, Ref, Str};
 
-/// Width and height of A4.
+/// Width and height of an A4 page.
 pub(super) const A4_MM: [f64; 2] = [210.0, 297.0];
 const POINTS_PER_MM: f64 = 72.0 / 25.4;
-/// Handle of the cubic that is a quarter of a circle to 0.03 % of its radius.
+/// Length of the control handles, as a share of the radius, of a cubic curve that approximates a quarter of a circle to 0.03 % of its radius.
 const QUARTER: f64 = 0.552_285;
-/// The one font, by which pages name it.
+/// Name by which pages refer to the one font of the file.
 const FONT: Name = Name(b"F");
 
-/// One page: what is drawn on it.
+/// One page of a PDF with what is drawn on it.
 pub(super) struct Page {
     content: Content,
 }
 
 impl Page {
-    /// An empty one.
+    /// An empty page.
     pub(super) fn new() -> Page {
         let mut content = Content::new();
-        // From millimetres downwards to points upwards.
+        // Transforms millimetres, with y pointing down, into points, with y pointing up.
         let scale = POINTS_PER_MM as f32;
         content.transform([scale, 0.0, 0.0, -scale, 0.0, (A4_MM[1] * POINTS_PER_MM) as f32]);
         Page { content }
     }
 
-    /// A black disc.
+    /// Draws a black disc.
     pub(super) fn disc(&mut self, [x, y]: [f64; 2], radius_mm: f64) {
         let (r, q) = (radius_mm, QUARTER * radius_mm);
         self.content.move_to((x + r) as f32, y as f32);
@@ -38,13 +38,13 @@ impl Page {
         self.content.fill_nonzero();
     }
 
-    /// A thin black line.
+    /// Draws a thin black line.
     pub(super) fn line(&mut self, [x, y]: [f64; 2], [to_x, to_y]: [f64; 2]) {
         self.content.set_line_width(0.2);
         self.content.move_to(x as f32, y as f32).line_to(to_x as f32, to_y as f32).stroke();
     }
 
-    /// A line of text of ASCII letters, begun at a place on its base line.
+    /// Writes a line of ASCII text that begins at a point on its baseline.
     pub(super) fn text(&mut self, [x, y]: [f64; 2], height_mm: f64, text: &str) {
         self.content.begin_text().set_font(FONT, height_mm as f32);
         self.content.set_text_matrix([1.0, 0.0, 0.0, -1.0, x as f32, y as f32]);
@@ -52,7 +52,7 @@ impl Page {
     }
 }
 
-/// A file of these pages.
+/// A PDF file of the given pages.
 pub(super) fn document(pages: Vec<Page>) -> Vec<u8> {
     let mut numbers = (1..).map(Ref::new);
     let mut next = || numbers.next().unwrap_or(Ref::new(1));

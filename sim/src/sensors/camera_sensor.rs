@@ -1,4 +1,4 @@
-//! A camera in time: when it exposes, what moves meanwhile, how it stamps and when it delivers.
+//! A camera over time: when it exposes, how it moves meanwhile, how it stamps images and when it delivers them.
 
 use std::collections::VecDeque;
 
@@ -28,34 +28,34 @@ pub struct CameraSensor {
     auto_exposure: AutoExposure,
     /// Longest exposure while the robot turns.
     turning_exposure_s: Option<f64>,
-    /// Whether it turned when the next exposure might have begun.
+    /// Whether the robot turned at the earliest time at which the next exposure may begin.
     turns: bool,
     lights: Vec<Switch>,
     clock: Repeated,
-    /// The bound on its stamps, where anybody relies on it.
+    /// The bound on the camera's stamps; `None` where the localizer does not rely on it.
     stamp_bound: Option<Assumption>,
     n_images: u32,
     /// Truth at every physics step that the exposure in progress may need.
     recent: VecDeque<Truth>,
 }
 
-/// From this time on the lamps give this illuminance.
+/// A change of the lamps: from this time on they give this illuminance.
 #[derive(Clone, Copy, Debug)]
 struct Switch {
     at_s: f64,
     illuminance_at_floor_lux: f64,
 }
 
-/// An exposure that has just ended, not drawn yet.
+/// An exposure that has just ended and whose image has not been drawn.
 pub(super) struct Exposed {
-    /// What is to be drawn.
+    /// The view that is to be drawn.
     pub(super) view: View,
     middle: Truth,
     ended_s: f64,
 }
 
 impl CameraSensor {
-    /// The scene's camera of this name under lamps that at first give `at_first_lux` at the floor; `None` if the robot has none.
+    /// The scene's camera of this name, under lamps that initially give `at_first_lux` at the floor; `None` if the robot has no such camera.
     pub(super) fn new(name: Camera, scene: &Scene, seed: u64, drawn: &Drawn, at_first_lux: f64) -> Option<Self> {
         let camera = FittedCamera::new(name, scene, drawn, seed)?;
         Some(CameraSensor {
@@ -80,10 +80,10 @@ impl CameraSensor {
         })
     }
 
-    /// Looks at one physics step, at which the gyroscope tells of a turn or not; answers when an exposure has just ended.
+    /// Observes one physics step, at which the gyroscope measures a turn or not. Returns an exposure when one has just ended.
     pub(super) fn expose(&mut self, truth: &Truth, turns: bool) -> Option<Exposed> {
         self.recent.push_back(*truth);
-        // The first exposure may begin as soon as the run does.
+        // The first exposure may begin at the start of the run.
         let middle_s = self.timing.longest_s + f64::from(self.n_images) * self.timing.period_s;
         if truth.time_s <= middle_s - 0.5 * self.timing.longest_s {
             self.turns = turns;
@@ -105,7 +105,7 @@ impl CameraSensor {
         Some(Exposed { view, middle: self.truth_at(middle_s), ended_s: to_s })
     }
 
-    /// Stamps and sends the picture of an exposure.
+    /// Stamps and sends the image of an exposure.
     pub(super) fn deliver(&mut self, exposed: &Exposed, image: GrayImage) -> Observation {
         let (exposure_s, gain_levels_per_electron) = (exposed.view.exposure_s, exposed.view.gain_levels_per_electron);
         self.auto_exposure.meter_exposed(&image, Exposure { exposure_s, gain_levels_per_electron });
@@ -113,7 +113,7 @@ impl CameraSensor {
         let (timing, middle_s) = (&self.timing, exposed.middle.time_s);
         let measured_s = middle_s + self.clock.one_way(timing.stamp_tolerance_s);
         let late_s = timing.latency_s + self.clock.in_turn(timing.latency_tolerance_s);
-        // A delivery cannot come before the exposure has ended.
+        // An image cannot be delivered before its exposure has ended.
         let arrived_s = (middle_s + late_s).max(exposed.ended_s);
         let reading = Reading::Camera { measured_s, arrived_s, camera: self.camera.name, exposure_s, image };
         let check = |bound| BoundCheck {
@@ -126,7 +126,7 @@ impl CameraSensor {
         Observation { checks, ..Observation::new(reading, exposed.middle) }
     }
 
-    /// Truth between physics steps, on the chord of the step.
+    /// Truth at a time between two physics steps, interpolated linearly.
     fn truth_at(&self, time_s: f64) -> Truth {
         let after = self.recent.partition_point(|truth| truth.time_s < time_s).clamp(1, self.recent.len().max(2) - 1);
         match (self.recent.get(after - 1), self.recent.get(after)) {
@@ -144,7 +144,7 @@ impl CameraSensor {
     }
 }
 
-/// The bound on a camera's stamps, where the scene's localizer relies on it.
+/// The bound on a camera's stamps; `None` where the scene's localizer does not rely on it.
 fn stamp_bound(name: Camera, scene: &Scene) -> Option<Assumption> {
     let robot = &scene.robot;
     let (bound, is_relied_on) = match name {
@@ -157,7 +157,7 @@ fn stamp_bound(name: Camera, scene: &Scene) -> Option<Assumption> {
 
 /// Instants at equal steps through an exposure; the renderer chooses how many sub-frames to make of them.
 fn instants(from_s: f64, to_s: f64) -> impl Iterator<Item = f64> {
-    // The path of a wheeled robot over one exposure bends so little that five poses tell it.
+    // The path of a wheeled robot during one exposure bends so little that five poses describe it.
     const N_POSES: usize = 5;
     (0..N_POSES).map(move |index| from_s + (to_s - from_s) * index as f64 / (N_POSES - 1) as f64)
 }

@@ -1,4 +1,4 @@
-//! A camera as it is truly mounted: where it is while the robot moves, and the view that it takes.
+//! A camera as it is truly mounted: its pose while the robot moves, and the view that it takes.
 
 use localizer::reading::Camera;
 use nalgebra::Isometry3;
@@ -14,12 +14,12 @@ use crate::{
     truth::Truth,
 };
 
-/// One of the robot's cameras, with the mount, the lens and the noise of its own.
+/// One of the robot's cameras, with its own true mount, lens and noise.
 #[derive(Clone, Debug)]
 pub struct FittedCamera {
-    /// Which one.
+    /// Name of the camera.
     pub name: Camera,
-    /// What turns its light into grey levels.
+    /// Image sensor that turns light into grey levels.
     pub sensor: SensorModel,
     mount: Mount,
     lens: Lens,
@@ -33,7 +33,7 @@ enum Mount {
 }
 
 impl FittedCamera {
-    /// The scene's camera of this name, as drawn; `None` if the robot has none.
+    /// The scene's camera of this name with mount and lens as drawn at random; `None` if the robot has no such camera.
     pub fn new(name: Camera, scene: &Scene, drawn: &Drawn, seed: u64) -> Option<FittedCamera> {
         let robot = &scene.robot;
         let (sensor, mount, lens) = match name {
@@ -53,7 +53,7 @@ impl FittedCamera {
         Some(FittedCamera { name, sensor, mount, lens, noise_seed: noise_seed(seed, name) })
     }
 
-    /// Where it is when the robot is there.
+    /// True pose of the camera in the world when the robot's true state is `truth`.
     pub fn world_from_camera(&self, truth: &Truth) -> Isometry3<f64> {
         match &self.mount {
             Mount::Floor(mount) => world_from_floor_camera(truth, mount),
@@ -61,12 +61,12 @@ impl FittedCamera {
         }
     }
 
-    /// Time from the start of the first row's exposure to that of the last.
+    /// Time from the start of the first row's exposure to the start of the last row's.
     pub fn readout_s(&self) -> f64 {
         self.lens.readout_s()
     }
 
-    /// Its picture number `image`, taken while the robot goes through `truths` at equal steps of time.
+    /// The view of the camera's picture number `image`, taken while the robot goes through the states `truths` at equal steps of time.
     pub fn view(&self, truths: &[Truth], exposure: Exposure, illuminance_at_floor_lux: f64, image: u32) -> View {
         View {
             shows: if self.name == Camera::Floor { Shows::Floor } else { Shows::Room },
@@ -81,7 +81,7 @@ impl FittedCamera {
     }
 }
 
-/// The floor camera keeps the run's own seed; each other one has noise of its own.
+/// Seed of a camera's noise: the run's own seed for the floor camera, and a seed of its own for each other camera.
 fn noise_seed(seed: u64, name: Camera) -> u64 {
     match name {
         Camera::Floor => seed,

@@ -1,4 +1,4 @@
-//! One picture of each camera of a robot that stands still, exposed as its automatic exposure settles.
+//! One picture from each camera of a robot that stands still, with the exposure at which automatic exposure settles.
 
 use image::GrayImage;
 use localizer::{Pose, reading::Camera};
@@ -12,22 +12,22 @@ use crate::{
     truth::Truth,
 };
 
-/// One picture with how it was exposed.
+/// One picture together with its exposure.
 #[derive(Clone, Debug)]
 pub struct Still {
     /// The camera that took it.
     pub camera: Camera,
-    /// The eight most significant bits of what the sensor gave, which is what the localizer gets.
+    /// The picture in the eight most significant bits of the sensor's grey levels, which is what the localizer gets.
     pub image: GrayImage,
-    /// Grey levels as the sensor gave them.
+    /// Grey levels of the picture, with all bits that the sensor gave.
     pub levels: DeepImage,
-    /// The sensor.
+    /// Model of the image sensor.
     pub sensor: SensorModel,
-    /// How it was exposed.
+    /// Exposure time and gain of the picture.
     pub exposure: Exposure,
 }
 
-/// The first views of cameras that stand still, exposed for office light.
+/// The first views of cameras on a robot that stands still, exposed for office light.
 pub fn views_at(
     scene: &Scene,
     drawn: &Drawn,
@@ -39,7 +39,7 @@ pub fn views_at(
     stations(scene, drawn, pose, illuminance_at_floor_lux, (cameras, seed)).map(|station| station.exposed(0)).collect()
 }
 
-/// A camera that stands still, with the control of its exposure.
+/// A camera of a robot that stands still, with its automatic exposure.
 struct Station {
     camera: FittedCamera,
     control: AutoExposure,
@@ -59,10 +59,10 @@ fn stations<'a>(
     fitted.map(move |camera| Station::new(camera, truth, illuminance_at_floor_lux))
 }
 
-/// Takes a picture with each of the cameras, which the robot must have; all of them at once, until exposures have settled.
+/// Takes a picture with each of the given cameras, which the robot must have, all at once; pictures are repeated until exposures have settled.
 ///
 /// # Errors
-/// As [`Renderer::draw`].
+/// Returns an error where [`Renderer::draw`] does.
 pub fn take(
     renderer: &mut Renderer,
     world: &RenderedWorld,
@@ -72,7 +72,7 @@ pub fn take(
     illuminance_at_floor_lux: f64,
     (cameras, seed): (&[Camera], u64),
 ) -> Result<Vec<Still>, RenderError> {
-    // From office light to a tenth of a lux or to the sun takes four steps of the control; two more settle it.
+    // From office light to a tenth of a lux or to sunlight takes four steps of the exposure control; two more settle it.
     const SETTLING: u32 = 6;
     let mut stations: Vec<Station> = stations(scene, drawn, pose, illuminance_at_floor_lux, (cameras, seed)).collect();
     for image in 0..SETTLING {
@@ -95,7 +95,7 @@ pub fn take(
     Ok(Vec::new())
 }
 
-/// The eight most significant bits of each level.
+/// The eight most significant bits of each grey level.
 fn most_significant(levels: &DeepImage, bits: BitDepth) -> GrayImage {
     GrayImage::from_fn(levels.width(), levels.height(), |u, v| {
         image::Luma([bits.most_significant(levels.get_pixel(u, v).0[0])])

@@ -1,31 +1,31 @@
-//! The interval localizer of this project as a subject, with the methods that a scene asks for.
+//! The interval localizer of this project as the subject of a run, with the methods that a scene asks for.
 
 use localizer::{Localizer, Method, PoseBox, Reading, localizer::Account, motion::SlipExcess};
 
 use super::{Answer, Subject};
 use crate::{devices::method, scene::Scene};
 
-/// The interval localizer as a subject.
+/// The interval localizer of this project as the subject of a run.
 pub struct IntervalLocalizer {
     localizer: Localizer,
-    /// Of the latest reading.
+    /// What the methods made of the latest reading.
     accounts: Vec<Account>,
 }
 
 impl IntervalLocalizer {
-    /// With the methods that the scene asks for, told what the scene tells it.
+    /// The interval localizer with the methods that the scene asks for, and with the map, robot and bounds that the scene states.
     pub fn of(scene: &Scene) -> IntervalLocalizer {
         IntervalLocalizer::from(localizer(scene))
     }
 
-    /// The same, as [`SubjectOf`](super::SubjectOf) wants it.
+    /// The interval localizer for a scene, as a boxed subject that fits [`SubjectOf`](super::SubjectOf).
     pub fn boxed(scene: &Scene) -> Box<dyn Subject> {
         Box::new(IntervalLocalizer::of(scene))
     }
 }
 
 impl From<Localizer> for IntervalLocalizer {
-    /// A localizer that was made otherwise; where it was made to start does not matter.
+    /// Makes a subject of a localizer that was built in another way; the start box that it was built with does not matter.
     fn from(localizer: Localizer) -> IntervalLocalizer {
         IntervalLocalizer { localizer, accounts: Vec::new() }
     }
@@ -53,7 +53,7 @@ impl Subject for IntervalLocalizer {
     }
 }
 
-/// The localizer that the scene asks for, told what the scene tells it.
+/// The localizer that the scene asks for, with the map, robot and bounds that the scene states.
 fn localizer(scene: &Scene) -> Localizer {
     let localizer = Localizer::new(scene.map(), scene.robot_model(), methods(scene), scene.start_box())
         .with_base_clock(scene.robot.delivery.stamp_tolerance_s);
@@ -64,7 +64,7 @@ fn localizer(scene: &Scene) -> Localizer {
     }
 }
 
-/// The methods that the scene asks for, each made by the device that it reads.
+/// The methods that the scene asks for, each created by the device that it reads.
 fn methods(scene: &Scene) -> Vec<Box<dyn Method>> {
     let (map, robot) = (scene.map(), scene.robot_model());
     scene.localizer.methods.iter().filter_map(|name| method(*name, scene, &map, &robot)).collect()

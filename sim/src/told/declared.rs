@@ -1,4 +1,4 @@
-//! The keys by which a scene tells the localizer its bounds: what tells it other bounds than those that hold.
+//! The keys by which a scene gives the localizer its bounds, and functions that make these bounds wider or narrower than declared.
 
 use crate::{
     base,
@@ -9,27 +9,28 @@ use crate::{
 use localizer::bounds;
 
 impl Scene {
-    /// Widens the bound of this name so that `true_value` keeps it, where the scene declares `declared`. A bound that holds stays.
+    /// Widens the bound of this name so that `true_value` keeps it; `declared` is the bound that the scene declares. A bound that holds
+    /// stays unchanged.
     pub fn widen(&mut self, bound: &str, declared: f64, true_value: f64) {
         self.state_defaults();
         self.widen_others(bound, declared, true_value);
         each_key(self, &mut |key| match key.widens {
             _ if !key.bounds.contains(&bound) => {}
-            // A share more than the comparison of a bound leaves to rounding.
+            // The relative margin is greater than the one that the comparison with a bound allows for rounding.
             Widens::To => *key.value = key.value.max(true_value * key.per_true * (1.0 + 1e-9)),
             Widens::By => *key.value += (true_value - declared).max(0.0) * key.per_true * (1.0 + 1e-9),
             Widens::Not => {}
         });
     }
 
-    /// Makes every bound that the scene tells the localizer narrower by the same factor. Where the robot starts is no error of a sensor
-    /// and stays: told smaller, it would be false before anything was measured.
+    /// Makes every bound that the scene gives the localizer narrower by the same factor. The box in which the robot starts is no error of a
+    /// sensor and stays: a smaller one would be false before anything was measured.
     pub(crate) fn weaken(&mut self, factor: f64) {
         self.state_defaults();
         each_key(self, &mut |key| *key.value *= factor);
     }
 
-    /// Moves back to its bound what the scene itself places beyond the bound of this name.
+    /// Moves values that the scene itself places beyond the bound of this name back to the bound.
     pub(crate) fn clip_placed(&mut self, bound: &str) {
         let Some(camera) = self.robot.range_camera.as_ref().filter(|_| bound == bounds::RANGE_CAMERA_HEIGHT_SPAN)
         else {
@@ -39,7 +40,8 @@ impl Scene {
         self.landmarks.iter_mut().for_each(|landmark| landmark.height_m = landmark.height_m.clamp(low_m, high_m));
     }
 
-    /// Moves back to its bound what the map tells beyond the bound of this name of what truly stands there.
+    /// Corrects the map where it differs from what truly stands there by more than the bound of this name: wall directions are moved back
+    /// to the bound, and missing ones are added.
     pub(crate) fn clip_mapped(&mut self, bound: &str, drawn: &Drawn) {
         if bound != bounds::WALL_DIRECTIONS_DIRECTION {
             return;
@@ -60,7 +62,7 @@ impl Scene {
         self.localizer.wall_directions = Some(setup);
     }
 
-    /// States what follows from a bound unless stated, so that it stays when the bound changes.
+    /// States explicitly the values that otherwise follow from a bound, so that they stay when the bound changes.
     fn state_defaults(&mut self) {
         let ceiling = self.clone();
         if let Some(markers) = &mut self.markers {
@@ -69,12 +71,12 @@ impl Scene {
         self.localizer.wall_directions = Some(self.localizer.wall_directions());
     }
 
-    /// The bounds that are no key's value as it stands.
+    /// Widens the bounds that are not simply the value of one key.
     fn widen_others(&mut self, bound: &str, declared: f64, true_value: f64) {
         match bound {
-            // How close the origin may come to a wall.
+            // The bound is the least distance of the robot's origin from a wall, which follows from the body's radius.
             bounds::ROOM_WALLS => self.robot.body_radius_m -= (true_value - declared).max(0.0),
-            // The angle follows from the laying at both ends of the room's shorter side.
+            // The angle of a joint follows from the laying tolerance at both ends of the room's shorter side.
             bounds::FLOOR_TILES_LAYING_ANGLE => {
                 let shortest_m = self.room.width_m.min(self.room.depth_m);
                 if let Some(tiles) = &mut self.floor.tiles {
@@ -95,7 +97,7 @@ impl Scene {
     }
 }
 
-/// Hands over every key that states a bound in a physical unit and has a value.
+/// Calls `change` for every key that states a bound in a physical unit and has a value.
 fn each_key(scene: &mut Scene, change: &mut dyn FnMut(ToldKey<'_>)) {
     let Scene { bounds, robot, floor, markers, localizer, .. } = scene;
     emergent(bounds).into_iter().for_each(&mut *change);
@@ -117,7 +119,7 @@ fn each_key(scene: &mut Scene, change: &mut dyn FnMut(ToldKey<'_>)) {
     each_told_key(robot, change);
 }
 
-/// What comes out of the physics.
+/// Keys of the bounds on quantities that emerge from the physics.
 fn emergent(bounds: &mut Bounds) -> Vec<ToldKey<'_>> {
     let mut keys = vec![
         ToldKey::is_part(&[bounds::WHEELS_SLIP], &mut bounds.slip_ratio, Widens::Not),

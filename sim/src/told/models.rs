@@ -1,4 +1,4 @@
-//! What the scene tells the localizer: nominal values with their declared bounds, never a drawn value.
+//! The models that a scene gives the localizer: nominal values with their declared bounds, never a value drawn at random.
 
 use interval::Interval;
 use localizer::{
@@ -13,11 +13,11 @@ use crate::{
     scene::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles},
 };
 
-/// The contact with a wall gives way by less than a millimetre.
+/// Upper bound on how far the contact with a wall gives way in the physics: less than a millimetre.
 const GIVES_WAY_M: f64 = 0.001;
 
 impl Scene {
-    /// The building as surveyed.
+    /// The map of the building, as surveyed.
     pub fn map(&self) -> Map {
         let room_m = self.room_hull_m();
         Map {
@@ -28,7 +28,7 @@ impl Scene {
         }
     }
 
-    /// The robot as it knows itself.
+    /// The robot model that the localizer is given: nominal dimensions and declared bounds.
     pub fn robot_model(&self) -> RobotModel {
         let (robot, bounds) = (&self.robot, &self.bounds);
         let mut model = RobotModel {
@@ -50,7 +50,7 @@ impl Scene {
             ceiling_camera: robot.ceiling_camera.as_ref().map(CeilingCamera::model),
             range_camera: robot.range_camera.as_ref().map(RangeCamera::model),
         };
-        // The localizer reckons in the base's clock, against which the stamps of cameras are off by so much more.
+        // The localizer uses the clock of the base. Stamps of cameras may differ from it by the base clock's own error in addition to theirs.
         let base_s = robot.delivery.stamp_tolerance_s;
         model.floor_camera.iter_mut().for_each(|camera| camera.stamp_error_s += base_s);
         model.forward_camera.iter_mut().for_each(|camera| camera.stamp_error_s += base_s);
@@ -59,14 +59,14 @@ impl Scene {
         model
     }
 
-    /// What the room takes up however its walls stand within their tolerance.
+    /// Intervals of x and y that hold the room, however its walls stand within their tolerance.
     pub(crate) fn room_hull_m(&self) -> [Interval; 2] {
         let most_deg = if self.draws_walls() { self.localizer.wall_directions().tolerance_deg } else { 0.0 };
         let (plan, beyond_m) = (self.plan(), self.plan().beyond_m(most_deg.to_radians()));
         [0, 1].map(|axis| Interval::new(-beyond_m[axis], plan.size_m[axis] + beyond_m[axis]))
     }
 
-    /// How far apart two places of the robot's origin may be along x and along y: what the walls leave to its body.
+    /// Greatest distance along x and along y between two possible positions of the robot's origin: what the walls leave to the robot's body.
     pub(crate) fn left_to_origin_m(&self) -> [f64; 2] {
         let keep_m = self.robot.body_radius_m - GIVES_WAY_M;
         self.room_hull_m().map(|range| range.width() - 2.0 * keep_m)
@@ -79,12 +79,12 @@ impl Scene {
         directions_deg.iter().map(|deg| Interval::centred(deg.to_radians(), tolerance_rad)).collect()
     }
 
-    /// The start pose as the scene states it, before its error is drawn.
+    /// The start pose as the scene states it, without the error that is drawn at random.
     pub fn nominal_start(&self) -> Pose {
         Pose { x_m: self.start.x_m, y_m: self.start.y_m, heading_rad: self.start.heading_deg.to_radians() }
     }
 
-    /// The scene with the robot put at a station, for as long as one image takes to arrive.
+    /// The scene with the robot placed at a station, lasting as long as the first image or range reading takes to arrive.
     pub fn at_station(&self, station: &Station) -> Scene {
         let robot = &self.robot;
         let timings = Camera::ALL.into_iter().filter_map(|camera| robot.camera_timing(camera));
@@ -98,12 +98,12 @@ impl Scene {
             tolerance_m: station.tolerance_m.unwrap_or(self.start.tolerance_m),
             tolerance_deg: station.tolerance_deg.unwrap_or(self.start.tolerance_deg),
         };
-        // A step more than the arrival, so that the estimate after it is counted too.
+        // The run lasts one step longer than the arrival takes, so that the estimate after it counts as well.
         let duration_s = ((arrival_s / 0.01).ceil() + 1.0) * 0.01;
         Scene { start, duration_s, stations: Vec::new(), ..self.clone() }
     }
 
-    /// Simulated time of a run: the drive, or all stations.
+    /// Simulated duration of a run: that of its drive, or of all its stations together.
     pub fn simulated_s(&self) -> f64 {
         if self.stations.is_empty() {
             return self.duration_s;
@@ -111,10 +111,10 @@ impl Scene {
         self.stations.iter().map(|station| self.at_station(station).duration_s + 0.01).sum()
     }
 
-    /// The box in which the localizer is told that the robot starts.
+    /// The box that the localizer is given for the start of the robot.
     pub fn start_box(&self) -> PoseBox {
         let start = self.nominal_start();
-        // The base's clock may have its 0 after the start: a robot that then gathers speed from rest gets a·ε²/2 far.
+        // The base's clock may show 0 up to a time ε after the start. A robot that accelerates from rest meanwhile, at most by a, gets a·ε²/2 far.
         let late_s = self.robot.delivery.stamp_tolerance_s;
         let left_m = 0.5 * self.bounds.reach_acceleration_m_per_s2 * late_s * late_s;
         let turned_rad = 2.0 * left_m / (self.robot.track_m * (1.0 - self.robot.track_tolerance));
@@ -134,7 +134,7 @@ fn tile_grid(tiles: &Tiles, scene: &Scene) -> TileGrid {
         phase_m: [tiles.phase_x_m, tiles.phase_y_m],
         joint_width_m: tiles.joint_width_m,
         laying_m: tiles.laying_tolerance_m,
-        // A joint whose ends are both within the tolerance turns by at most their difference over the room's shorter side.
+        // A joint whose two ends are both within the tolerance is turned by at most their difference over the room's shorter side.
         laying_angle_rad: 2.0 * tiles.laying_tolerance_m / shortest_m,
         straightness_m: tiles.corner_tolerance_m,
     }

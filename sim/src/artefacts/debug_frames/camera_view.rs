@@ -1,4 +1,4 @@
-//! The image as the localizer saw it: tone-mapped, with claims and rejected segments drawn over.
+//! The camera image as the localizer saw it: tone-mapped, with claims and rejected segments drawn over it.
 
 use image::{
     GrayImage, Luma, Rgb,
@@ -18,7 +18,7 @@ use super::{
     tones::Tones,
 };
 
-/// Draws image, claims and rejected segments into `panel`, which has the image's aspect.
+/// Draws the image, the claims and the rejected segments into `panel`, which has the aspect ratio of the image.
 pub(super) fn draw(
     canvas: &mut Canvas,
     panel: Panel,
@@ -29,7 +29,7 @@ pub(super) fn draw(
 ) {
     paint(canvas, panel, pixels);
     let scale = panel.width_px / f64::from(pixels.width());
-    // Pixel (0, 0) of the image has its centre half a pixel inside its corner, before and after scaling.
+    // The centre of pixel (0, 0) lies half a pixel inside the image's corner, before and after scaling.
     let place =
         |u_px: f64, v_px: f64| [panel.left_px + (u_px + 0.5) * scale - 0.5, panel.top_px + (v_px + 0.5) * scale - 0.5];
     let mut labels: Vec<[f64; 2]> = Vec::new();
@@ -55,7 +55,7 @@ pub(super) fn draw(
                 }
                 Claim::UprightLine { ends_px, .. } => edge(canvas, *ends_px, place, colour),
                 Claim::Marker { marker, dots_px } => marked(canvas, marker.0, dots_px, place, colour),
-                // Not of an image.
+                // A landmark is claimed from a range reading, never from an image.
                 Claim::Landmark { .. } => {}
             }
         }
@@ -65,7 +65,7 @@ pub(super) fn draw(
 fn paint(canvas: &mut Canvas, panel: Panel, pixels: &GrayImage) {
     let tones = Tones::of(pixels.as_raw().iter().map(|level| u16::from(*level)));
     let mut shown = pixels.clone();
-    // Headroom on both sides keeps drawn lines apart from black and white.
+    // Headroom below and above the shown grey levels keeps drawn lines apart from black and white.
     let show = |level: u8| (20.0 + 200.0 * tones.share(u16::from(level))).round() as u8;
     shown.as_mut().iter_mut().for_each(|level| *level = show(*level));
     let scaled = imageops::resize(&shown, panel.width_px as u32, panel.height_px as u32, FilterType::Triangle);
@@ -75,7 +75,7 @@ fn paint(canvas: &mut Canvas, panel: Panel, pixels: &GrayImage) {
     }
 }
 
-/// A ring about each dot of a marker, and its identity beside them.
+/// Draws a ring around each dot of a marker, and the marker's identity beside the dots.
 fn marked(
     canvas: &mut Canvas,
     id: u16,
@@ -94,7 +94,7 @@ fn marked(
     }
 }
 
-/// A level or an upright edge.
+/// Draws a claimed edge, level or upright, as a line between its ends.
 fn edge(
     canvas: &mut Canvas,
     [[u0, v0], [u1, v1]]: [[f64; 2]; 2],
@@ -104,23 +104,24 @@ fn edge(
     canvas.line(place(u0, v0), place(u1, v1), 2.5, colour);
 }
 
-/// A place for a label of a direction, `at` or below it, that leaves those already written legible.
+/// Position for the text label of an edge's direction: `at`, or the nearest place below it where the label does not cover labels that are
+/// already written.
 fn below_labels(labels: &[[f64; 2]], at: [f64; 2]) -> [f64; 2] {
     const SIZE_PX: [f64; 2] = [40.0, 16.0];
     let hides = |[left, top]: [f64; 2]| {
         move |other: &&[f64; 2]| (other[0] - left).abs() < SIZE_PX[0] && (other[1] - top).abs() < SIZE_PX[1]
     };
     let mut free = at;
-    // Each step goes below one label, so there are no more steps than labels.
+    // Each step moves the label below one other label, so there are no more steps than labels.
     while let Some(label) = labels.iter().find(hides(free)) {
         free[1] = label[1] + SIZE_PX[1];
     }
     free
 }
 
-/// The line through a claim's points, and the points that hold it up.
+/// Draws the line of a claimed floor joint through the claim's points, and the points themselves.
 fn joint(canvas: &mut Canvas, points_px: &[[f64; 3]], place: impl Fn(f64, f64) -> [f64; 2], colour: Rgb<u8>) {
-    // Behind a bent lens a joint is a curve: from end to end by way of the means of its eighths.
+    // A distorting lens bends a floor joint into a curve, which is drawn from end to end through the means of eight groups of the joint's points.
     let mean =
         |part: &[[f64; 3]]| [0, 1].map(|axis| part.iter().map(|point| point[axis]).sum::<f64>() / part.len() as f64);
     let ends = [points_px.first(), points_px.last()].map(|end| end.map(|[u, v, _]| [*u, *v]));
@@ -129,7 +130,7 @@ fn joint(canvas: &mut Canvas, points_px: &[[f64; 3]], place: impl Fn(f64, f64) -
     for knot in knots.windows(2) {
         canvas.line(place(knot[0][0], knot[0][1]), place(knot[1][0], knot[1][1]), 1.6, colour);
     }
-    // More points than this run together.
+    // More than 40 rings along a joint would run together into one line.
     let every = points_px.len().div_ceil(40).max(1);
     for point in points_px.iter().step_by(every) {
         canvas.ring(place(point[0], point[1]), 3.0, 3.0, colour);

@@ -1,55 +1,56 @@
-//! Antialiased drawing on an image: one filled convex shape, from which lines and arrows are made, and text.
+//! Antialiased drawing on an image: text, and one filled convex shape from which lines and arrows are made.
 
 use std::sync::OnceLock;
 
 use ab_glyph::{Font, FontRef, ScaleFont, point};
 use image::{Rgb, RgbImage};
 
-/// DejaVu Sans, reduced to the characters of Latin-1 and a few signs; its licence stands beside it.
+/// The font DejaVu Sans, reduced to the characters of Latin-1 and a few signs; its licence lies in the same folder.
 const FONT: &[u8] = include_bytes!("DejaVuSans-subset.ttf");
 
-/// A rectangle of pixels, edges included at left and top.
+/// A rectangle of pixels that includes its left and top edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Panel {
-    /// Left edge.
+    /// Left edge of the panel.
     pub(super) left_px: f64,
-    /// Top edge.
+    /// Top edge of the panel.
     pub(super) top_px: f64,
-    /// Extent to the right.
+    /// Width of the panel, to the right of its left edge.
     pub(super) width_px: f64,
-    /// Extent downwards.
+    /// Height of the panel, downwards from its top edge.
     pub(super) height_px: f64,
 }
 
-/// An image under the brush.
+/// An image that is being drawn on.
 pub(super) struct Canvas {
-    /// What has been drawn so far.
+    /// The image with everything that has been drawn on it.
     pub(super) image: RgbImage,
     clip: Panel,
 }
 
 impl Canvas {
-    /// A canvas of one colour.
+    /// Creates a canvas that is filled with one colour.
     pub(super) fn new(width_px: u32, height_px: u32, colour: Rgb<u8>) -> Canvas {
         let clip = Panel { left_px: 0.0, top_px: 0.0, width_px: f64::from(width_px), height_px: f64::from(height_px) };
         Canvas { image: RgbImage::from_pixel(width_px, height_px, colour), clip }
     }
 
-    /// Draws within `panel` only.
+    /// Runs `draw` with all drawing confined to `panel`.
     pub(super) fn clipped(&mut self, panel: Panel, draw: impl FnOnce(&mut Canvas)) {
         let before = std::mem::replace(&mut self.clip, panel);
         draw(self);
         self.clip = before;
     }
 
-    /// Fills a convex polygon, corners in either sense of rotation. `opacity` from 0 to 1.
+    /// Fills a convex polygon, whose corners may go round in either sense. `opacity` is from 0 to 1.
     pub(super) fn fill(&mut self, corners_px: &[[f64; 2]], colour: Rgb<u8>, opacity: f64) {
         let n = corners_px.len();
         let doubled_area: f64 = (0..n).map(|i| cross(corners_px[i], corners_px[(i + 1) % n])).sum();
         if doubled_area == 0.0 {
             return;
         }
-        // Each side with its inward normal of length 1: a pixel is covered as far as it lies inside of all sides.
+        // Each side of the polygon with its inward normal of length 1. A pixel is covered by the share of it that lies on the inner side of
+        // all sides.
         let sides: Vec<([f64; 2], [f64; 2])> = (0..n)
             .filter_map(|i| {
                 let (from, to) = (corners_px[i], corners_px[(i + 1) % n]);
@@ -86,7 +87,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a disc, or a ring when `width_px` is less than the radius.
+    /// Draws a disc, or a ring when `width_px`, the width of its stroke, is less than the radius.
     pub(super) fn ring(&mut self, centre_px: [f64; 2], radius_px: f64, width_px: f64, colour: Rgb<u8>) {
         let around = [
             [centre_px[0] - radius_px, centre_px[1] - radius_px],
@@ -99,7 +100,7 @@ impl Canvas {
         });
     }
 
-    /// Draws an arrow with a head.
+    /// Draws an arrow with its head at `to_px`.
     pub(super) fn arrow(&mut self, from_px: [f64; 2], to_px: [f64; 2], width_px: f64, colour: Rgb<u8>) {
         let (du, dv) = (to_px[0] - from_px[0], to_px[1] - from_px[1]);
         let length = du.hypot(dv);
@@ -114,11 +115,11 @@ impl Canvas {
         self.fill(&[to_px, at(head_px, head_px * 0.45), at(head_px, -head_px * 0.45)], colour, 1.0);
     }
 
-    /// Writes a line of text; `at_px` is its top left corner.
+    /// Writes a line of text whose top-left corner is at `at_px`.
     pub(super) fn text(&mut self, at_px: [f64; 2], height_px: f32, colour: Rgb<u8>, text: &str) {
         let Some(font) = font() else { return };
         let scaled = font.as_scaled(height_px);
-        // Whole pixels keep horizontal strokes crisp.
+        // Placing the text at whole pixels keeps horizontal strokes crisp.
         let baseline_px = (at_px[1] as f32 + scaled.ascent()).round();
         let mut pen_px = at_px[0].round() as f32;
         for character in text.chars() {
@@ -136,19 +137,19 @@ impl Canvas {
         }
     }
 
-    /// Width of a line of text.
+    /// Width of a line of text in pixels.
     pub(super) fn text_width_px(height_px: f32, text: &str) -> f64 {
         let Some(font) = font() else { return 0.0 };
         let scaled = font.as_scaled(height_px);
         f64::from(text.chars().map(|character| scaled.h_advance(scaled.glyph_id(character))).sum::<f32>())
     }
 
-    /// Blends `colour` into every pixel around `corners_px`, as much as `coverage` says for the pixel's centre.
+    /// Blends `colour` into every pixel of the rectangle around `corners_px`, to the share that `coverage` gives for the pixel's centre.
     fn shade(&mut self, corners_px: &[[f64; 2]], colour: Rgb<u8>, coverage: impl Fn([f64; 2]) -> f64) {
         let range = |axis: usize, start_px: f64, extent_px: f64| {
             let least = corners_px.iter().map(|corner| corner[axis]).fold(f64::INFINITY, f64::min) - 1.0;
             let greatest = corners_px.iter().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max) + 1.0;
-            // The cast cuts off at 0, where the image begins.
+            // The cast to an unsigned integer cuts negative positions off at 0, where the image begins.
             let end_px = (start_px + extent_px).min(f64::from([self.image.width(), self.image.height()][axis]));
             least.max(start_px).max(0.0).ceil() as u32..(greatest + 1.0).min(end_px).max(0.0) as u32
         };
@@ -161,7 +162,7 @@ impl Canvas {
         }
     }
 
-    /// Covers a share of a pixel; nothing happens outside the image.
+    /// Blends `colour` into a share of one pixel; nothing happens outside the image.
     fn blend(&mut self, u: u32, v: u32, colour: Rgb<u8>, share: f64) {
         if share <= 0.0 {
             return;
@@ -178,7 +179,7 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// The font, or none should the embedded file be damaged: then frames have no text, and everything else goes on.
+/// The font, or `None` if the embedded font file is damaged: debug frames then have no text, and everything else still works.
 fn font() -> Option<&'static FontRef<'static>> {
     static LOADED: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
     LOADED.get_or_init(|| FontRef::try_from_slice(FONT).ok()).as_ref()

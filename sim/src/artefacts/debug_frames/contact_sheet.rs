@@ -1,4 +1,4 @@
-//! Contact sheets: a still pose seen by each camera in different light.
+//! Contact sheets: pictures that each camera takes from one pose of the robot at rest, under different light.
 
 use image::{GrayImage, Luma, Rgb, RgbImage, imageops};
 use localizer::reading::Camera;
@@ -20,16 +20,16 @@ const CELL_WIDTH_PX: f64 = 400.0;
 const TITLE_PX: f32 = 24.0;
 const TEXT_PX: f32 = 16.0;
 
-/// What is seen in one light.
+/// The pictures taken in one light, which fill one column of a contact sheet.
 pub struct Column {
     /// Mean illuminance at the floor.
     pub illuminance_at_floor_lux: f64,
-    /// One picture per camera, the same cameras in every column.
+    /// One picture for each camera; every column has the same cameras in the same order.
     pub stills: Vec<Still>,
 }
 
-/// A picture with its histogram made even: each level goes to the share of pixels below it and half of those at it, so that an image of a
-/// few photons a pixel uses all greys that there are.
+/// The picture with an equalised histogram: each grey level is mapped to the share of pixels below it plus half the share of pixels at it,
+/// so that an image of a few photons per pixel uses the full range of greys.
 fn equalised(levels: &DeepImage) -> GrayImage {
     let mut counts = vec![0_usize; 1 << 16];
     levels.as_raw().iter().for_each(|level| counts[usize::from(*level)] += 1);
@@ -46,14 +46,14 @@ fn equalised(levels: &DeepImage) -> GrayImage {
     GrayImage::from_fn(levels.width(), levels.height(), |u, v| Luma([shown[usize::from(levels.get_pixel(u, v).0[0])]]))
 }
 
-/// A row of a sheet.
+/// A row of a contact sheet: one camera in every light.
 struct Row {
     still: usize,
     equalised: bool,
     height_px: f64,
 }
 
-/// A row for each camera, and one more for the camera that looks ahead, with its histogram made even.
+/// One row for each camera, and a second row with an equalised histogram for the forward camera.
 fn rows(stills: &[Still]) -> Vec<Row> {
     let row = |(index, still): (usize, &Still), equalised: bool| {
         let height_px = (CELL_WIDTH_PX * f64::from(still.image.height()) / f64::from(still.image.width())).round();
@@ -64,7 +64,7 @@ fn rows(stills: &[Still]) -> Vec<Row> {
     plain.chain(stills.iter().enumerate().filter(|(_, still)| ahead(still)).map(|place| row(place, true))).collect()
 }
 
-/// Draws a sheet: a row for each camera, a column for each light; the view ahead also with its histogram made even.
+/// Draws a contact sheet: a row for each camera and a column for each light, and for the forward camera a second row with an equalised histogram.
 pub fn contact_sheet(title: &str, columns: &[Column]) -> RgbImage {
     let Some(first) = columns.first() else { return RgbImage::new(1, 1) };
     let rows = rows(&first.stills);
@@ -104,8 +104,8 @@ fn caption(canvas: &mut Canvas, [left_px, top_px]: [f64; 2], column: &Column, st
     canvas.text([right_px(&mean), top_px + LINE_PX], TEXT_PX, palette::FAINT_INK, &mean);
 }
 
-/// The mean in electrons, with the share of the pixels that are cut off at either end where these bias it: dark noise below level 0 is
-/// lost, and the mean too great; light beyond the greatest level is lost, and the mean too small.
+/// Text that gives the mean of a picture in electrons and, where clipped pixels bias that mean, their share at either end. Dark noise that
+/// is clipped at level 0 makes the mean too great; light that is clipped at the greatest level makes it too small.
 fn mean(levels: &DeepImage, sensor: &SensorModel, gain_levels_per_electron: f64) -> String {
     const BIASING_SHARE: f64 = 0.005;
     let count = levels.as_raw().len().max(1) as f64;
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn an_even_histogram_gives_each_level_the_share_of_pixels_below_it() {
-        // Half of the pixels at 3, a quarter each at 4 and 200: middles of their shares are 1/4, 5/8 and 7/8.
+        // Half of the pixels are at level 3, a quarter each at 4 and 200: the middles of their cumulative shares are 1/4, 5/8 and 7/8.
         let image = DeepImage::from_fn(4, 1, |u, _| Luma([[3, 4, 3, 200][u as usize]]));
         assert_eq!(equalised(&image).as_raw(), &[64, 159, 64, 223]);
     }

@@ -1,4 +1,4 @@
-//! The map of a run's errands: what is mapped, what was planned, what was driven.
+//! The map of a run's errands: what is on the robot's map, which paths were planned, and what was driven.
 
 use image::RgbImage;
 
@@ -13,7 +13,7 @@ use super::{
 const WIDTH_PX: f64 = 1200.0;
 const HEADER_PX: f64 = 44.0;
 
-/// Draws the map.
+/// Draws the map of a run's errands.
 pub(super) fn draw(file: &SceneFile, record: &RunRecord) -> RgbImage {
     let room = &file.scene.room;
     let height_px = (WIDTH_PX * (room.depth_m / room.width_m).min(1.5)).round() + 40.0;

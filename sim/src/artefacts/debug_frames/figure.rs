@@ -1,4 +1,4 @@
-//! The figure of one image: what was seen at the left, where that puts the robot at the right, in words above and below.
+//! The debug figure of one image: at the left what was seen, at the right where that puts the robot, and a description in words above and below.
 
 use image::{Rgb, RgbImage};
 
@@ -25,7 +25,7 @@ const MAPS_WIDTH_PX: f64 = 560.0;
 const TITLE_PX: f32 = 24.0;
 const TEXT_PX: f32 = 18.0;
 
-/// Draws the figure.
+/// Draws the figure of one image.
 pub(super) fn draw(file: &SceneFile, record: &RunRecord, image: &ImageRecord, seen: &Seen) -> RgbImage {
     let aspect = match seen {
         Seen::Image { pixels, .. } => f64::from(pixels.width()) / f64::from(pixels.height().max(1)),
@@ -105,7 +105,7 @@ fn header(canvas: &mut Canvas, file: &SceneFile, record: &RunRecord, image: &Ima
     canvas.text([left_of(TEXT_PX, &widths), 48.0], TEXT_PX, palette::FAINT_INK, &widths);
 }
 
-/// How the union just after the image stands to the truth.
+/// Says in words whether the union of boxes just after the image holds the truth, and in which colour to write it.
 fn outcome(image: &ImageRecord) -> (String, Rgb<u8>) {
     let made = match (image.constrained, image.emptied) {
         (_, true) => "contradiction, ",
@@ -134,7 +134,7 @@ fn widths(image: &ImageRecord) -> String {
     )
 }
 
-/// Mean illuminance at the floor at an instant, switched lamps included; or at the camera, where that is what the scene states.
+/// Mean illuminance at the floor at a given time, after the light events until then; or at the camera, where the scene states that instead.
 fn lux_at(scene: &Scene, time_s: f64) -> String {
     let switched = scene.events.iter().filter_map(|event| match event {
         Event::Light { at_s, illuminance_at_floor_lux } if *at_s <= time_s => Some((*at_s, *illuminance_at_floor_lux)),

@@ -1,4 +1,4 @@
-//! The floor seen from above: room, joints as laid, route, trail, boxes and the true pose.
+//! The floor seen from above: room, floor joints as they were laid, route, trail, boxes and the true pose.
 
 use localizer::{Pose, PoseBox};
 
@@ -15,7 +15,7 @@ use super::{
     palette,
 };
 
-/// A piece of the floor shown in a panel; world x to the right, world y up.
+/// A part of the floor shown in a panel; the world's x axis points to the right, its y axis upwards.
 pub(super) struct MapView {
     panel: Panel,
     centre_m: [f64; 2],
@@ -23,7 +23,7 @@ pub(super) struct MapView {
 }
 
 impl MapView {
-    /// The whole room with a margin, and room for the scale below it.
+    /// A map view of the whole room, with a margin and with space for the scale bar below the room.
     pub(super) fn room(panel: Panel, scene: &Scene) -> MapView {
         const MARGIN_PX: f64 = 14.0;
         const SCALE_PX: f64 = 34.0;
@@ -33,7 +33,7 @@ impl MapView {
         MapView { panel, centre_m: [width_m / 2.0, depth_m / 2.0 - SCALE_PX / 2.0 / pixels_per_m], pixels_per_m }
     }
 
-    /// The surroundings of the truth, as far as the branches near it reach.
+    /// A close map view of the surroundings of the true position, as far as the nearest branch of the union of boxes extends.
     pub(super) fn close_up(panel: Panel, image: &ImageRecord) -> MapView {
         let truth = image.truth.pose;
         let centre_m = [truth.x_m, truth.y_m];
@@ -43,12 +43,12 @@ impl MapView {
             reach(0).max(reach(1))
         };
         let reaches = image.posterior.branches.iter().map(reach_m);
-        // The nearest branch fills half of the panel; below a centimetre and above a metre there is nothing to see.
+        // The nearest branch fills half of the panel. A view smaller than a centimetre or larger than a metre would show nothing of use.
         let shown_m = (2.0 * reaches.fold(f64::INFINITY, f64::min)).clamp(0.01, 1.0);
         MapView { panel, centre_m, pixels_per_m: panel.width_px.min(panel.height_px) / 2.0 / shown_m }
     }
 
-    /// Room, joints, regions, strays and route.
+    /// Draws the room, the floor joints, the floor's regions, stray lines on the floor, and the route.
     pub(super) fn draw_floor(&self, canvas: &mut Canvas, scene: &Scene, laid: Option<&LaidTiles>) {
         canvas.clipped(self.panel, |canvas| {
             let room = self.rectangle([0.0, scene.room.width_m], [0.0, scene.room.depth_m]);
@@ -57,10 +57,10 @@ impl MapView {
                 canvas.fill(&self.rectangle(region.x_m, region.y_m), palette::REGION, 1.0);
             }
             if let (Some(tiles), Some(laid)) = (&scene.floor.tiles, laid) {
-                // Joints are laid beyond the walls.
+                // Joints are also laid beyond the walls, so that drawing them is confined to the room.
                 canvas.clipped(self.visible(&room), |canvas| self.draw_joints(canvas, tiles, laid));
             }
-            // What covers the floor hides its joints.
+            // A floor covering hides the joints below it.
             for region in scene.floor.regions.iter().filter(|region| region.covering.is_some()) {
                 canvas.fill(&self.rectangle(region.x_m, region.y_m), palette::REGION, 1.0);
             }
@@ -76,7 +76,7 @@ impl MapView {
         });
     }
 
-    /// Furniture, and the ways that people walk.
+    /// Draws the furniture, and the paths along which people walk.
     pub(super) fn draw_things(&self, canvas: &mut Canvas, scene: &Scene) {
         canvas.clipped(self.panel, |canvas| {
             for piece in &scene.furniture {
@@ -98,7 +98,7 @@ impl MapView {
         });
     }
 
-    /// What the map shows, the ways that were planned on it until an instant, and the goals.
+    /// Draws the occupied cells of the robot's map, the paths that were planned on it until `until_s`, and the goals.
     pub(super) fn draw_errands(&self, canvas: &mut Canvas, scene: &Scene, record: &RunRecord, until_s: f64) {
         let Some(log) = &record.errands else { return };
         let grid = OccupancyGrid::of(scene);
@@ -120,7 +120,7 @@ impl MapView {
         });
     }
 
-    /// Landmarks where they are, and the boxes learnt of them; red when the landmark is not in its box.
+    /// Draws landmarks at their true positions, and the boxes learnt for them; a box is red when the landmark is not in it.
     pub(super) fn draw_landmarks(&self, canvas: &mut Canvas, scene: &Scene, image: &ImageRecord) {
         canvas.clipped(self.panel, |canvas| {
             for (code, [x, y]) in &image.landmarks {
@@ -137,7 +137,7 @@ impl MapView {
         });
     }
 
-    /// The way that the robot has come until the image.
+    /// Draws the path that the robot has driven until `until_s`.
     pub(super) fn draw_trail(&self, canvas: &mut Canvas, record: &RunRecord, until_s: f64) {
         let places: Vec<[f64; 2]> = record
             .truths
@@ -151,7 +151,7 @@ impl MapView {
         });
     }
 
-    /// The branches of the estimate, each with a wedge of its headings; red when none has the truth in it.
+    /// Draws the branches of the estimate, each with a wedge of its possible headings; all are red when no branch holds the truth.
     pub(super) fn draw_boxes(&self, canvas: &mut Canvas, image: &ImageRecord) {
         let is_contained = image.posterior.contains(image.truth.pose);
         let colour = if is_contained { palette::BOX } else { palette::MISS };
@@ -162,7 +162,7 @@ impl MapView {
                 let centre = self.place([x.mid(), y.mid()]);
                 let end =
                     |angle_rad: f64| [centre[0] + wedge_px * angle_rad.cos(), centre[1] - wedge_px * angle_rad.sin()];
-                // A turn or more leaves no direction to point in.
+                // A heading interval of half a turn or more has no wedge to draw.
                 if heading.width() < std::f64::consts::PI {
                     canvas.fill(&[centre, end(heading.lo()), end(heading.hi())], colour, 0.35);
                     canvas.line(centre, end(heading.lo()), 1.0, colour);
@@ -171,7 +171,7 @@ impl MapView {
                 let corners = self.rectangle([x.lo(), x.hi()], [y.lo(), y.hi()]);
                 canvas.fill(&corners, colour, 0.25);
                 canvas.outline(&corners, 1.5, colour);
-                // In the view of the whole room a box of some millimetres is smaller than a pixel.
+                // In the view of the whole room a box of a few millimetres is smaller than a pixel, so that a ring marks it.
                 let is_tiny = (corners[2][0] - corners[0][0]).abs() < 6.0;
                 if is_tiny {
                     canvas.ring(centre, 5.0, 1.5, colour);
@@ -180,7 +180,7 @@ impl MapView {
         });
     }
 
-    /// The true pose as an arrow.
+    /// Draws the true pose as an arrow.
     pub(super) fn draw_truth(&self, canvas: &mut Canvas, truth: Pose, length_px: f64) {
         let from = self.place([truth.x_m, truth.y_m]);
         let to = [from[0] + length_px * truth.heading_rad.cos(), from[1] - length_px * truth.heading_rad.sin()];
@@ -190,7 +190,7 @@ impl MapView {
         });
     }
 
-    /// The robot's body and what its floor camera sees, at a pose.
+    /// Draws the outline of the robot's body at a pose, and of the part of the floor that its floor camera sees.
     pub(super) fn draw_robot(&self, canvas: &mut Canvas, scene: &Scene, pose: Pose) {
         let (sin, cos) = pose.heading_rad.sin_cos();
         let in_world = |forward_m: f64, left_m: f64| {
@@ -210,7 +210,7 @@ impl MapView {
         });
     }
 
-    /// A bar of a round length with its label, in the lower left corner.
+    /// Draws a scale bar of a round length with its label in the lower-left corner of the panel.
     pub(super) fn draw_scale(&self, canvas: &mut Canvas) {
         let longest_m = 0.35 * self.panel.width_px / self.pixels_per_m;
         let decade_m = 10_f64.powf(longest_m.log10().floor());
@@ -254,7 +254,7 @@ impl MapView {
         }
     }
 
-    /// The part of the panel inside a rectangle with corners from lower left against the clock.
+    /// The part of the panel inside a rectangle whose corners run counterclockwise from the lower-left one.
     fn visible(&self, [lower_left, _, upper_right, _]: &[[f64; 2]; 4]) -> Panel {
         let panel = self.panel;
         let (left_px, top_px) = (panel.left_px.max(lower_left[0]), panel.top_px.max(upper_right[1]));

@@ -1,4 +1,4 @@
-//! Colours of debug frames, told apart by all kinds of colour vision (Okabe and Ito's set).
+//! Colours of debug frames, chosen so that people with any kind of colour vision can tell them apart (the set of Okabe and Ito).
 
 use image::Rgb;
 
@@ -10,20 +10,20 @@ pub(super) const ROOM: Rgb<u8> = Rgb([255, 255, 255]);
 pub(super) const JOINT: Rgb<u8> = Rgb([176, 172, 164]);
 pub(super) const REGION: Rgb<u8> = Rgb([222, 214, 190]);
 pub(super) const FURNITURE: Rgb<u8> = Rgb([206, 206, 202]);
-/// Where people walk; apart from the robot's own ring.
+/// Colour of the paths that people walk; it differs from the colour of the robot's own outline.
 pub(super) const PEOPLE: Rgb<u8> = Rgb([160, 110, 40]);
 pub(super) const ROUTE: Rgb<u8> = Rgb([150, 190, 225]);
 pub(super) const TRAIL: Rgb<u8> = Rgb([130, 130, 136]);
 
-/// What the localizer claims to have seen, and it is so.
+/// Colour of what the localizer claims to have seen, where the claim is true.
 pub(super) const SEEN: Rgb<u8> = Rgb([86, 200, 245]);
-/// What the localizer claims to have seen, and it is not so.
+/// Colour of what the localizer claims to have seen, where the claim is false.
 pub(super) const FALSE: Rgb<u8> = Rgb([235, 80, 200]);
-/// What was looked at and rejected.
+/// Colour of segments that the localizer examined and rejected.
 pub(super) const REJECTED: Rgb<u8> = Rgb([240, 130, 20]);
-/// Boxes with the truth in them.
+/// Colour of boxes that hold the truth.
 pub(super) const BOX: Rgb<u8> = Rgb([0, 114, 178]);
-/// Boxes without the truth in them.
+/// Colour of boxes that do not hold the truth.
 pub(super) const MISS: Rgb<u8> = Rgb([213, 60, 0]);
-/// The true pose.
+/// Colour of the true pose.
 pub(super) const TRUTH: Rgb<u8> = Rgb([0, 128, 92]);

@@ -1,4 +1,4 @@
-//! A reading of the range camera in the robot frame: forward up, each code with its box and where its landmark truly is.
+//! A reading of the range camera drawn in the robot frame, with forward upwards: the box of each landmark code, and where the landmark truly is.
 
 use localizer::Claim;
 
@@ -13,11 +13,11 @@ use super::{
     palette,
 };
 
-/// Space below the robot, as a share of the panel.
+/// Space below the robot, as a share of the panel's height.
 const BELOW: f64 = 0.12;
 const LABEL_PX: f32 = 16.0;
 
-/// Draws the field of view, circles of range, and every code that was read.
+/// Draws the range camera's field of view, circles of equal range, and every landmark code that was read.
 pub(super) fn draw(
     canvas: &mut Canvas,
     panel: Panel,
@@ -56,7 +56,7 @@ pub(super) fn draw(
     });
 }
 
-/// The edges of what the first view sees, and a circle for each metre.
+/// Draws the edges of the horizontal field of view of the range camera's first view, and a circle for each metre of range.
 fn field_of_view(canvas: &mut Canvas, camera: &RangeCamera, place: impl Fn(f64, f64) -> [f64; 2]) {
     const STEPS: usize = 48;
     let half_rad = (0.5 * f64::from(camera.width_px) / camera.focal_px).atan();

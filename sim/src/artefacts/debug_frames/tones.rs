@@ -1,28 +1,29 @@
-//! How grey levels are shown: one mapping for tone-mapped pictures, contact sheets and figures.
+//! The tone curve by which grey levels are shown: the same for tone-mapped pictures, contact sheets and figures.
 
 use image::{GrayImage, Luma};
 
 use crate::render::DeepImage;
 
-/// Share of the pixels that are shown as black.
+/// Share of a picture's pixels that are shown as black.
 const BLACK_SHARE: f64 = 0.005;
-/// Share of the pixels below the knee; lamps and dots are among the rest.
+/// Share of a picture's pixels that are darker than the knee of the tone curve; lamps and marker dots are among the rest.
 const KNEE_SHARE: f64 = 0.95;
-/// Where in the range of greys the knee is shown; what is brighter shares the rest, so that dots stand out from a bright ceiling.
+/// Grey at which the knee of the tone curve is shown, from 0 for black to 1 for white. Brighter levels share the rest of the range, so that
+/// marker dots stand out from a bright ceiling.
 const KNEE_SHOWN: f64 = 0.85;
-/// A knee nearer to black than this would make noise of one level as bright as a picture.
+/// Least distance in levels of the knee of the tone curve from black. A smaller one would stretch noise of one level to the contrast of a picture.
 const KNEE_LEVELS: f64 = 16.0;
-/// Where the median should be shown.
+/// Grey at which a picture's median should be shown, from 0 for black to 1 for white.
 const MEDIAN_SHOWN: f64 = 0.38;
-/// Exponents beyond these leave a picture flat or black. A screen's own gamma is between them.
+/// Least and greatest exponent of the tone curve. Exponents beyond them leave a picture flat or black; a screen's own gamma lies between them.
 const EXPONENTS: [f64; 2] = [0.25, 0.8];
 
-/// Grey levels that are shown as black, as light and as white, and the curve between the first two.
+/// A tone curve: the grey levels that are shown as black and as white, the knee, and the curve between black and the knee.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tones {
-    /// Shown as black, with what is darker.
+    /// Level that is shown as black, as are all darker levels.
     pub(super) black: u16,
-    /// Shown as white: the brightest there is.
+    /// Level that is shown as white: the brightest level in the picture.
     pub(super) white: u16,
     knee: f64,
     knee_shown: f64,
@@ -30,8 +31,8 @@ pub(super) struct Tones {
 }
 
 impl Tones {
-    /// Of a picture's levels: the curve brings the median to a middle grey, which makes an image of 3 lx as legible as one of 300, with
-    /// a lamp in it or without; above the knee a straight shoulder keeps apart what is bright.
+    /// The tone curve for a picture's levels. It brings the median to a middle grey, which makes an image of 3 lx as legible as one of 300,
+    /// with or without a lamp in it. Above the knee a straight shoulder keeps bright levels apart.
     pub(super) fn of(levels: impl Iterator<Item = u16>) -> Tones {
         let mut counts = vec![0_usize; 1 << 16];
         levels.for_each(|level| counts[usize::from(level)] += 1);
@@ -47,28 +48,28 @@ impl Tones {
         let brightest = counts.iter().rposition(|count| *count > 0).and_then(|level| u16::try_from(level).ok());
         let (black, white) = (quantile(BLACK_SHARE), brightest.unwrap_or(0));
         let knee = f64::from(quantile(KNEE_SHARE)).max(f64::from(black) + KNEE_LEVELS);
-        // Where nothing is brighter than the knee, white is left for the knee itself.
+        // Where no level is brighter than the tone curve's knee, the knee itself is shown as white.
         let knee_shown = if knee < f64::from(white) { KNEE_SHOWN } else { 1.0 };
         let median = f64::from(quantile(0.5) - black) / (knee - f64::from(black));
-        // A median at black stays there: a dark ceiling is dark.
+        // A median grey level equal to black stays black: a dark ceiling is shown dark.
         let exponent = if median > 0.0 { (MEDIAN_SHOWN / knee_shown).ln() / median.ln() } else { 1.0 };
-        // At the knee itself, of logarithm 0, the median is shown as bright however it is bent.
+        // A median at the knee of the tone curve has the relative level 1, of logarithm 0, and is shown equally bright with any exponent.
         let exponent = if exponent < 0.0 { EXPONENTS[1] } else { exponent.clamp(EXPONENTS[0], EXPONENTS[1]) };
         Tones { black, white, knee, knee_shown, exponent }
     }
 
-    /// From 0 for black to 1 for white.
+    /// Grey at which a level is shown, from 0 for black to 1 for white.
     pub(super) fn share(&self, level: u16) -> f64 {
         let (level, black) = (f64::from(level), f64::from(self.black));
         if level <= self.knee {
             return self.knee_shown * ((level - black).max(0.0) / (self.knee - black)).powf(self.exponent);
         }
-        // Only where there are levels above the knee.
+        // Only levels above the tone curve's knee get here. The picture's brightest level, white, is then above the knee, too, and the divisor not 0.
         self.knee_shown + (1.0 - self.knee_shown) * (level - self.knee) / (f64::from(self.white) - self.knee)
     }
 }
 
-/// A picture as a screen shows it, from all bits that the sensor gave.
+/// The picture as a screen shows it, tone-mapped from all bits that the sensor gave.
 pub fn tone_mapped(levels: &DeepImage) -> GrayImage {
     let tones = Tones::of(levels.as_raw().iter().copied());
     GrayImage::from_fn(levels.width(), levels.height(), |u, v| {
@@ -81,18 +82,18 @@ pub fn tone_mapped(levels: &DeepImage) -> GrayImage {
 mod tests {
     use super::*;
 
-    /// Of a picture of so many pixels of each level.
+    /// The tone curve of a picture with the given number of pixels of each level.
     fn tones(counts: &[(u16, usize)]) -> Tones {
         Tones::of(counts.iter().flat_map(|(level, count)| std::iter::repeat_n(*level, *count)))
     }
 
-    /// What is shown of each of its levels.
+    /// The greys, 0 to 255, at which each level of a picture is shown.
     fn shown(counts: &[(u16, usize)]) -> Vec<f64> {
         let mapping = tones(counts);
         counts.iter().map(|(level, _)| (255.0 * mapping.share(*level)).round()).collect()
     }
 
-    /// So many pixels, of levels about a middle as noise spreads them.
+    /// A histogram of `count` pixels whose levels are spread by Gaussian noise around a middle.
     fn noise(middle: f64, deviation: f64, count: f64) -> Vec<(u16, usize)> {
         let share = |level: u16| (-0.5 * ((f64::from(level) - middle) / deviation).powi(2)).exp() / deviation / 2.507;
         let levels = 0..(middle + 5.0 * deviation) as u16;
@@ -107,7 +108,7 @@ mod tests {
         let [ceiling, dots] = [161, 255].map(|level| 255.0 * tones(&counts).share(level));
         assert_eq!(dots, 255.0);
         assert!(dots - ceiling > 30.0, "{ceiling}");
-        // On a ceiling that fills the picture there is more room below it.
+        // A bright ceiling that fills the picture is shown darker, which leaves more contrast between the ceiling and the marker dots.
         let mut counts = noise(161.0, 5.0, 300_000.0);
         counts.push((255, 300));
         let ceiling = 255.0 * tones(&counts).share(161);
@@ -126,7 +127,7 @@ mod tests {
 
     #[test]
     fn twelve_bits_keep_levels_that_eight_would_not() {
-        // Sixteen levels that share their eight most significant bits.
+        // Sixteen neighbouring levels of a 12-bit sensor that share their eight most significant bits.
         let counts: Vec<(u16, usize)> = (2048..2064).map(|level| (level, 100)).collect();
         let shown = shown(&counts);
         assert!(shown.windows(2).all(|pair| pair[1] - pair[0] >= 4.0), "{shown:?}");
@@ -134,7 +135,7 @@ mod tests {
 
     #[test]
     fn noise_of_a_dark_picture_spreads_over_the_greys() {
-        // As a tenth of a lux gives them, a few at level 0, and one lamp.
+        // The histogram of an image taken at a tenth of a lux: noise with a few pixels at level 0, and one lamp.
         let mut counts = noise(31.0, 16.0, 300_000.0);
         counts.push((255, 10));
         let [dark, middle, light] = [0, 31, 57].map(|level| 255.0 * tones(&counts).share(level));

@@ -1,29 +1,30 @@
-//! `metadata.yaml`, without which ROS 2 tools take an MCAP file for no bag.
+//! The file `metadata.yaml`, without which ROS 2 tools do not recognise an MCAP file as a bag.
 
 use std::fmt::Write;
 
-/// What the description of a bag says of one topic.
+/// What a bag's `metadata.yaml` says about one topic.
 pub(super) struct Topic<'a> {
     pub(super) name: &'a str,
-    /// `package/msg/Type`.
+    /// Message type, as `package/msg/Type`.
     pub(super) kind: &'a str,
     pub(super) n_messages: u32,
 }
 
-/// `rmw` numbers: keep last, reliable, transient local, automatic liveliness. Listeners that come late get static transforms.
+/// Quality of service of static transforms, in the numbers of ROS 2's `rmw`: keep last, reliable, transient local, automatic liveliness.
+/// With it, subscribers that join late still receive the static transforms.
 const LATCHED: &str = concat!(
     "- history: 1\n  depth: 1\n  reliability: 1\n  durability: 1\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n",
     "  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n",
     "    sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false"
 );
 
-/// The quality of service under which a topic is offered, as YAML. The description and the channel must say the same: readers look a channel's
-/// topic up by it.
+/// The quality of service under which a topic is offered, as YAML. The bag's description and the MCAP channel must state the same one:
+/// readers look up a channel's topic by it.
 pub(super) fn offered_qos_profiles(topic: &str) -> &'static str {
     if topic == "/tf_static" { LATCHED } else { "" }
 }
 
-/// The description of a bag of one file, version 5 as ROS 2 Humble writes it.
+/// The description of a bag that consists of one file, in version 5 as ROS 2 Humble writes it.
 pub(super) fn metadata_yaml(file_name: &str, topics: &[Topic<'_>], duration_ns: u64) -> String {
     let n_messages: u32 = topics.iter().map(|topic| topic.n_messages).sum();
     let mut text = format!(

@@ -1,4 +1,4 @@
-//! The union of boxes as bodies that a viewer draws: a flat cuboid for each box, and the two outermost headings.
+//! Drawings of the union of boxes for viewers: a flat cuboid for each box, and lines for its least and greatest heading.
 
 use localizer::{Estimate, Pose, PoseBox, Status};
 
@@ -7,15 +7,15 @@ use super::{
     messages::{WORLD, planar_pose},
 };
 
-/// Thickness of the cuboids: they lie on the floor.
+/// Thickness of the cuboids that show boxes, which lie on the floor.
 const HEIGHT_M: f64 = 0.01;
 /// Length of the lines that show headings.
 const HEADING_LINE_M: f64 = 0.3;
-/// Width of these lines.
+/// Width of the lines that show headings.
 const HEADING_LINE_WIDTH_M: f64 = 0.004;
 const ORIGIN: Pose = Pose { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
 
-/// `foxglove_msgs/SceneUpdate`: one entity that replaces the one before it.
+/// A `foxglove_msgs/SceneUpdate` with one entity, which replaces the entity of the message before.
 pub(super) fn scene_update(time_s: f64, estimate: &Estimate) -> Vec<u8> {
     let boxes = &estimate.pose.branches;
     let colour = colour(estimate).map(f64::from);
@@ -36,14 +36,14 @@ pub(super) fn scene_update(time_s: f64, estimate: &Estimate) -> Vec<u8> {
             .f64s(&size_m(pose))
             .f64s(&colour);
     }
-    // Spheres and cylinders, then one list of lines.
+    // The scene update continues with empty lists of spheres and cylinders and with one list of lines.
     message = message.length(0).length(0).length(1).u8(2).with(|message| planar_pose(message, ORIGIN, 0.0));
     message = message.f64s(&[HEADING_LINE_WIDTH_M]).bool(false).with(|message| heading_lines(message, boxes));
-    // Solid colour; no colours or indices of points; no triangles, texts and models.
+    // The lines have one solid colour, without colours or indices of single points; the lists of triangles, texts and models are empty.
     message.f64s(&colour).length(0).length(0).length(0).length(0).length(0).finish()
 }
 
-/// `visualization_msgs/MarkerArray`: all markers before it are deleted.
+/// A `visualization_msgs/MarkerArray` that deletes all earlier markers and draws the boxes anew.
 pub(super) fn marker_array(time_s: f64, estimate: &Estimate) -> Vec<u8> {
     const CUBE: i32 = 1;
     const LINE_LIST: i32 = 5;
@@ -57,7 +57,7 @@ pub(super) fn marker_array(time_s: f64, estimate: &Estimate) -> Vec<u8> {
         let message = message.with(|message| planar_pose(message, pose, 0.0)).f64s(&size_m);
         let message = colour.iter().fold(message, |message, &share| message.f32(share));
         let message = message.time(0.0).bool(false).with(|message| heading_lines(message, line_boxes));
-        // No colours of points; no texture, text and mesh.
+        // The marker has no colours of single points, no texture, no text and no mesh.
         let message = message.length(0).text("").header(0.0, "").text("").bytes(&[]).length(0);
         message.text("").text("").text("").bytes(&[]).bool(false)
     };
@@ -70,8 +70,8 @@ pub(super) fn marker_array(time_s: f64, estimate: &Estimate) -> Vec<u8> {
     message.finish()
 }
 
-/// `geometry_msgs/Point[]`, two points to a line: from the middle of each pose box one line of fixed length in the direction of its least heading, and
-/// one in that of its greatest.
+/// A `geometry_msgs/Point[]` with two points for each line. From the middle of each pose box one line of fixed length points in the
+/// direction of the box's least heading, and one in that of its greatest.
 fn heading_lines(message: Message, boxes: &[PoseBox]) -> Message {
     boxes.iter().fold(message.length(4 * boxes.len()), |message, pose| {
         let [x_m, y_m, _] = pose.midpoint();
@@ -86,7 +86,7 @@ fn heading_lines(message: Message, boxes: &[PoseBox]) -> Message {
     })
 }
 
-/// The middle of the box in the plane; the cuboid itself is not turned.
+/// Pose of the cuboid that shows a box: the middle of the box in the plane with heading 0, since the cuboid is not rotated.
 fn centre(pose: &PoseBox) -> Pose {
     let [x_m, y_m, _] = pose.midpoint();
     Pose { x_m, y_m, heading_rad: 0.0 }
@@ -96,7 +96,7 @@ fn size_m(pose: &PoseBox) -> [f64; 3] {
     [pose[0].width(), pose[1].width(), HEIGHT_M]
 }
 
-/// Red, green, blue and opacity: blue while sound, orange while recovering.
+/// Colour of the drawn boxes as red, green, blue and opacity: blue while the status is `Sound`, orange while it is `Recovering`.
 fn colour(estimate: &Estimate) -> [f32; 4] {
     match estimate.status {
         Status::Sound => [0.12, 0.47, 0.71, 0.5],

@@ -9,20 +9,20 @@ use crate::{
     scene::Scene,
 };
 
-/// Names of a camera's frame and topics.
+/// Names of a camera's coordinate frame and of its topics.
 pub(crate) struct Topics {
     pub(crate) frame: &'static str,
     pub(crate) image: &'static str,
     pub(super) camera_info: &'static str,
 }
 
-/// A camera as the localizer is told that it is, in the middle of its bounds.
+/// A camera with nominal calibration: each value in the middle of the bounds that the localizer is given.
 pub(super) struct NominalCamera {
     pub(super) name: Camera,
     pub(super) size_px: [u32; 2],
     pub(super) focal_px: [f64; 2],
     pub(super) principal_point_px: [f64; 2],
-    /// k1, k2, p1, p2, k3.
+    /// Distortion coefficients k1, k2, p1, p2, k3.
     pub(super) distortion: [f64; 5],
     pub(super) robot_from_camera: Isometry3<f64>,
 }
@@ -46,7 +46,7 @@ pub(crate) const fn topics(camera: Camera) -> Topics {
 }
 
 impl NominalCamera {
-    /// Those that the scene's robot has.
+    /// The nominal cameras of the scene's robot.
     pub(super) fn all(scene: &Scene) -> Vec<NominalCamera> {
         Camera::ALL.into_iter().filter_map(|name| NominalCamera::of(scene, name)).collect()
     }

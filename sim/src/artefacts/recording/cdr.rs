@@ -1,11 +1,11 @@
-//! CDR, the encoding of ROS 2 messages: little-endian, each number aligned to its own size.
+//! CDR, the encoding of ROS 2 messages: little-endian, with each number aligned to its own size.
 //!
 //! Source: OMG Common Data Representation as DDS-XTypes 1.3, 7.4.1 uses it (XCDR version 1).
 
-/// Encapsulation header: plain CDR, little-endian, no options. Alignment counts from behind it.
+/// Encapsulation header of a message: plain CDR, little-endian, no options. Alignment is counted from the first byte after the header.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// A message in the making; fields are added in the order of the definition.
+/// A message under construction; fields are added in the order of the message's definition.
 pub(super) struct Message(Vec<u8>);
 
 impl Message {
@@ -37,12 +37,12 @@ impl Message {
         self.number(value.to_le_bytes())
     }
 
-    /// Numbers without a length: fields one after another, or an array of fixed length.
+    /// Adds numbers without a preceding length: several fields in a row, or an array of fixed length.
     pub(super) fn f64s(self, values: &[f64]) -> Message {
         values.iter().fold(self, |message, value| message.number(value.to_le_bytes()))
     }
 
-    /// The length that precedes the items of a sequence.
+    /// Adds the length that precedes the items of a sequence.
     pub(super) fn length(self, n_items: usize) -> Message {
         self.u32(u32::try_from(n_items).unwrap_or(u32::MAX))
     }
@@ -57,7 +57,7 @@ impl Message {
         self
     }
 
-    /// Text with the zero behind it that CDR counts in.
+    /// Adds text with a terminating zero byte, which CDR counts in the text's length.
     pub(super) fn text(mut self, text: &str) -> Message {
         self = self.length(text.len() + 1);
         self.0.extend_from_slice(text.as_bytes());
@@ -65,18 +65,18 @@ impl Message {
         self
     }
 
-    /// `builtin_interfaces/Time` of seconds.
+    /// Adds a time in seconds as `builtin_interfaces/Time`.
     pub(super) fn time(self, time_s: f64) -> Message {
         let nanoseconds = nanoseconds(time_s);
         self.i32(nanoseconds.div_euclid(1_000_000_000) as i32).u32(nanoseconds.rem_euclid(1_000_000_000) as u32)
     }
 
-    /// `std_msgs/Header`.
+    /// Adds a `std_msgs/Header`.
     pub(super) fn header(self, time_s: f64, frame: &str) -> Message {
         self.time(time_s).text(frame)
     }
 
-    /// Adds fields that a function knows how to add.
+    /// Adds the fields that the function `fields` writes.
     pub(super) fn with(self, fields: impl FnOnce(Message) -> Message) -> Message {
         fields(self)
     }
@@ -93,19 +93,20 @@ impl Message {
     }
 }
 
-/// The nearest nanosecond.
+/// Time in nanoseconds, rounded to the nearest one.
 pub(super) fn nanoseconds(time_s: f64) -> i64 {
     (time_s * 1e9).round() as i64
 }
 
-/// The fields of a message, taken in the order of the definition. Every function answers `None` when the bytes are used up.
+/// Reader of a message's fields, which are taken in the order of the message's definition. Every function of the reader returns `None` when
+/// the bytes are used up.
 pub(crate) struct Fields<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Fields<'a> {
-    /// The fields of a whole message; `None` without the header that [`Message`] writes.
+    /// Starts reading a whole message; `None` when it does not begin with the header that [`Message`] writes.
     pub(crate) fn of(message: &'a [u8]) -> Option<Fields<'a>> {
         message.strip_prefix(&HEADER).map(|bytes| Fields { bytes, at: 0 })
     }

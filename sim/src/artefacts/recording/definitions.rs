@@ -1,11 +1,11 @@
-//! Message definitions of ROS 2, of Foxglove and of our own, as recordings carry them.
+//! Definitions of messages of ROS 2, of Foxglove and of this project, as recordings include them.
 
-/// Every definition: blocks that begin with `MSG: package/Type`, separated by [`SEPARATOR`].
+/// Text of every message definition: blocks that begin with `MSG: package/Type`, separated by [`SEPARATOR`].
 const DEFINITIONS: &str = include_str!("definitions.msg");
-/// The line that ROS 2 puts between a definition and those that it refers to.
+/// The line that ROS 2 puts between a message definition and the definitions that it refers to.
 const SEPARATOR: &str = "================================================================================\n";
 
-/// The definition of `package/Type` followed by all that it refers to, each once: the content of a `ros2msg` schema.
+/// The definition of the message type `package/Type`, followed by all definitions that it refers to, each once: the content of a `ros2msg` schema.
 pub(super) fn definition(name: &str) -> String {
     let mut names = vec![name.to_owned()];
     let mut text = String::new();
@@ -26,14 +26,14 @@ pub(super) fn definition(name: &str) -> String {
     text
 }
 
-/// The lines of one definition; none of an unknown one.
+/// The lines of one message definition; empty when the name is unknown.
 fn block(name: &str) -> &'static str {
     let has_name = |block: &&str| block.lines().next().and_then(|line| line.strip_prefix("MSG: ")) == Some(name);
     let block = DEFINITIONS.split(SEPARATOR).find(has_name).unwrap_or_default();
     block.split_once('\n').map_or("", |(_, fields)| fields)
 }
 
-/// The definition that the type of a field refers to.
+/// Name of the message definition that a field's type refers to.
 fn referred(line: &str) -> Option<String> {
     let kind = line.split_whitespace().next()?;
     (kind.contains('/') && !kind.starts_with('#')).then(|| kind.split('[').next().unwrap_or(kind).to_owned())

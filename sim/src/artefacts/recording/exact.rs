@@ -1,4 +1,4 @@
-//! What a replay needs to the last bit, both ways: readings, starts and estimates in messages of our own.
+//! Messages that carry readings, starts and estimates to the last bit, for replays: encoding and decoding.
 
 use image::GrayImage;
 use localizer::{
@@ -17,12 +17,12 @@ pub(crate) const RANGE: &str = "/wherein/range";
 pub(crate) const OTHER: &str = "/wherein/other";
 pub(crate) const ESTIMATE: &str = "/wherein/estimate";
 
-/// Where the localizer is started again.
+/// A start of the localizer: at a station, or for a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
-    /// Added to the times that follow.
+    /// Offset that is added to the times of the readings and estimates that follow the start.
     pub(crate) offset_s: f64,
-    /// Index of the station; none for a drive.
+    /// Index of the station at which the localizer starts; `None` for a drive.
     pub(crate) station: Option<usize>,
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct ImageStamp {
 
 impl Start {
     pub(super) fn encode(self) -> Vec<u8> {
-        // No scene has 2⁶³ stations.
+        // No scene has 2⁶³ stations, so that the cast is exact.
         let station = self.station.map_or(-1, |index| index as i64);
         Message::new().f64s(&[self.offset_s]).i64(station).finish()
     }
@@ -76,7 +76,7 @@ impl RecordedEstimate {
     }
 }
 
-/// The topic and the message of a reading; an image itself follows in a message of its own.
+/// The topic and the message of a reading. Of a camera reading this is the stamp; the image follows in a message of its own.
 pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
     let message = Message::new().f64s(&[reading.measured_s(), reading.arrived_s()]);
     match reading {
@@ -86,7 +86,7 @@ pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
         }
         Reading::Gyro { rate_rad_per_s, .. } => (GYRO, message.f64s(&[*rate_rad_per_s]).finish()),
         Reading::Flow { counts: [forward, left], blind_periods, .. } => {
-            // No run has 2⁶³ periods.
+            // No run has 2⁶³ periods, so that the cast is exact.
             (FLOW, message.i64(*forward).i64(*left).i64(*blind_periods as i64).finish())
         }
         Reading::Range { sightings, .. } => {
@@ -100,7 +100,7 @@ pub(super) fn encode(reading: &Reading) -> (&'static str, Vec<u8>) {
     }
 }
 
-/// A reading other than an image; `None` when the topic or the message is none of one.
+/// Decodes a reading other than an image; `None` when the topic is not one of readings or the message does not hold a reading.
 pub(crate) fn decode(topic: &str, message: &[u8]) -> Option<Reading> {
     let mut fields = Fields::of(message)?;
     let (measured_s, arrived_s) = (fields.f64()?, fields.f64()?);
@@ -144,10 +144,10 @@ impl ImageStamp {
         Some(ImageStamp { measured_s, arrived_s, exposure_s, camera })
     }
 
-    /// The camera reading with the image that follows the stamp, a `sensor_msgs/Image`.
+    /// The camera reading made of this stamp and of the `sensor_msgs/Image` that follows it.
     pub(crate) fn with_image(self, message: &[u8]) -> Option<Reading> {
         let mut fields = Fields::of(message)?;
-        // Seconds, nanoseconds and frame.
+        // The header consists of seconds, nanoseconds and the frame.
         let _header = (fields.u32()?, fields.u32()?, fields.text()?);
         let (height, width) = (fields.u32()?, fields.u32()?);
         if (fields.text()?, fields.u8()?, fields.u32()?) != ("mono8", 0, width) {

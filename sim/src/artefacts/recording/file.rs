@@ -1,4 +1,4 @@
-//! A stream of messages in an MCAP file.
+//! A recording: a stream of messages in an MCAP file.
 
 use std::{
     collections::BTreeMap,
@@ -20,28 +20,28 @@ use super::{
     FORMAT, FORMAT_METADATA, Form, METADATA, SCENE_ATTACHMENT, Sink, Stream, bag, definitions, messages::Level,
 };
 
-/// A recording in the making, in a file beside the run's folder until [`Recording::finish`].
+/// A recording under construction, in a file beside the run's folder until [`Recording::finish`].
 pub type Recording = Stream<McapFile>;
 
-/// The file, as far as it is written.
+/// An MCAP file that is being written.
 pub struct McapFile {
     writer: Option<Writer<BufWriter<File>>>,
     path: PathBuf,
     channels: BTreeMap<&'static str, Channel>,
-    /// The first error; nothing is written after it.
+    /// The first error of writing; after it nothing more is written.
     failed: Option<McapError>,
     last_ns: u64,
 }
 
 struct Channel {
     id: u16,
-    /// `package/msg/Type`.
+    /// Message type, as `package/msg/Type`.
     kind: String,
     n_messages: u32,
 }
 
 impl Recording {
-    /// Begins the recording of a run that will be written below `out`.
+    /// Begins the recording of a run whose files will be written into a folder below `out`.
     pub fn begin(out: &Path, file: &SceneFile, seed: u64, form: Form) -> Result<Recording, RecordError> {
         let target = folder(out, &file.name, seed);
         let beside = target.parent().unwrap_or(out);
@@ -69,7 +69,7 @@ impl Recording {
         Ok(Stream::new(begun, form, &file.scene))
     }
 
-    /// Adds what the check found, closes the file and moves it into the run's folder `run`.
+    /// Adds the verdict, closes the file and moves it into the run's folder `run`.
     pub fn finish(mut self, summary: &Summary<'_>, run: &Path) -> Result<(), RecordError> {
         self.judge(summary.verdict);
         let entries = [
@@ -87,7 +87,7 @@ impl Recording {
         if let Some(error) = self.sink.failed.take() {
             return naming("write", &self.sink.path, Err(io::Error::other(error)));
         }
-        // Whatever the buffer still holds goes out here, where an error is told.
+        // The bytes that the buffer still holds are written here, where an error can be reported.
         let flushed = self
             .sink
             .writer
@@ -112,7 +112,7 @@ impl Recording {
         bag::metadata_yaml(file_name, &topics, self.sink.last_ns)
     }
 
-    /// The verdict as log messages. They stand at the end of the file, each with the time that it speaks of.
+    /// Writes the verdict as log messages. They stand at the end of the file, each with the time of the event that it reports.
     fn judge(&mut self, verdict: &Verdict) {
         for violation in &verdict.violations {
             let text = format!(
@@ -132,7 +132,7 @@ impl Recording {
 }
 
 impl Sink for McapFile {
-    /// Writes a message; its topic is announced with the definition before the first one.
+    /// Writes a message; before the first message of a topic the topic is announced with its message definition.
     fn put(&mut self, topic: &'static str, kind: &str, time_ns: u64, message: &[u8]) {
         if !self.channels.contains_key(topic) {
             let definition = definitions::definition(kind);
@@ -170,7 +170,7 @@ impl McapFile {
 
 impl Drop for McapFile {
     fn drop(&mut self) {
-        // A finished recording has been moved away; what a failed run leaves is of no use.
+        // A finished recording has been moved away already; the file that a failed run leaves is of no use.
         let _ = fs::remove_file(&self.path);
     }
 }

@@ -1,4 +1,4 @@
-//! A stream of messages to viewers that look on: Foxglove, its open fork Lichtblick, or anything else that speaks Foxglove's WebSocket protocol.
+//! A live stream of messages to viewers: Foxglove, its open fork Lichtblick, or any other program that speaks Foxglove's WebSocket protocol.
 
 use std::{
     borrow::Cow,
@@ -19,20 +19,20 @@ use crate::scene::Scene;
 
 use super::{Form, Sink, Stream, definitions};
 
-/// A run as viewers see it.
+/// A run that is streamed live to viewers.
 pub type Live<'s> = Stream<Broadcast<'s>>;
 
-/// Why nobody can look on. Its text follows "failed to".
+/// Reason why viewers cannot connect. The error's text is phrased to follow "failed to".
 #[derive(Debug, Error)]
 #[error("listen at {address} for viewers: {source}")]
 pub struct LiveError {
-    /// Where.
+    /// Address at which the server tried to listen.
     pub address: SocketAddr,
-    /// Why not.
+    /// Error that the server reported.
     pub source: FoxgloveError,
 }
 
-/// Listens for viewers; serves run after run.
+/// A server to which viewers connect. It serves any number of runs, one after another.
 pub struct LiveServer {
     handle: WebSocketServerHandle,
     context: Arc<Context>,
@@ -40,14 +40,14 @@ pub struct LiveServer {
 }
 
 impl LiveServer {
-    /// Listens at an address; port 0 lets the system choose.
+    /// Listens at an address; with port 0 the system chooses the port.
     pub fn start(address: SocketAddr) -> Result<LiveServer, LiveError> {
         let context = Context::new();
         let server = WebSocketServer::new()
             .name("wherein")
             .bind(address.ip().to_string(), address.port())
             .capabilities([Capability::Time])
-            // A viewer that is slow for some seconds misses nothing.
+            // The backlog is large enough that a viewer that is slow for some seconds misses nothing.
             .message_backlog_size(8192)
             .context(&context);
         let handle = server.start_blocking().map_err(|source| LiveError { address, source })?;
@@ -55,21 +55,21 @@ impl LiveServer {
         Ok(LiveServer { handle, context, address })
     }
 
-    /// Where it listens.
+    /// Address at which the server listens.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Returns as soon as a viewer is there.
+    /// Waits until at least one viewer is connected.
     pub fn await_viewer(&self) {
         while self.handle.client_count() == 0 {
             thread::sleep(Duration::from_millis(50));
         }
     }
 
-    /// Begins the stream of a run: as fast as the simulated time, or slower where the simulation is.
+    /// Begins the stream of a run, which proceeds in real time, or slower where the simulation is slower.
     pub fn begin(&self, scene: &Scene) -> Live<'_> {
-        // The times begin anew.
+        // The times of a run begin at 0 again, so that viewers have to start a new session.
         self.handle.clear_session(None);
         let broadcast = Broadcast {
             server: self,
@@ -82,23 +82,23 @@ impl LiveServer {
     }
 }
 
-/// The viewers, as far as the run has been shown to them.
+/// Sends the messages of one run to all connected viewers.
 pub struct Broadcast<'s> {
     server: &'s LiveServer,
     channels: BTreeMap<&'static str, Arc<RawChannel>>,
-    /// The cameras' mounts, told again every second: a viewer that comes late has missed them.
+    /// Message with the cameras' mounts. It is sent again every second, because a viewer that connects late has missed it.
     mounts: Vec<u8>,
     began: Instant,
     last_ns: u64,
 }
 
-/// The topic of the mounts and its message.
+/// The topic of the cameras' mounts and its message type.
 const MOUNTS: (&str, &str) = ("/tf_static", "tf2_msgs/TFMessage");
 const SECOND_NS: u64 = 1_000_000_000;
 
 impl Sink for Broadcast<'_> {
     fn put(&mut self, topic: &'static str, kind: &str, time_ns: u64, message: &[u8]) {
-        // What is exact to the last bit is for replays; viewers have the same in their own terms.
+        // Messages that are exact to the last bit are for replays only; viewers get the same content in standard messages.
         if topic.starts_with("/wherein/") {
             return;
         }
@@ -111,7 +111,7 @@ impl Sink for Broadcast<'_> {
 }
 
 impl Broadcast<'_> {
-    /// Waits until as much time has passed as is simulated.
+    /// Waits until as much real time has passed as simulated time.
     fn keep_time(&mut self, time_ns: u64) {
         if time_ns <= self.last_ns {
             return;
@@ -126,7 +126,7 @@ impl Broadcast<'_> {
         self.last_ns = time_ns;
     }
 
-    /// Sends a message; its topic is announced with the definition before the first one.
+    /// Sends a message; before the first message of a topic the topic is announced with its message definition.
     fn send(&mut self, topic: &'static str, kind: &str, time_ns: u64, message: &[u8]) {
         let context = &self.server.context;
         let channel = self.channels.entry(topic).or_insert_with(|| announced(context, topic, kind));
@@ -145,6 +145,6 @@ fn announced(context: &Arc<Context>, topic: &str, kind: &str) -> Arc<RawChannel>
     let schema =
         Schema { name: kind.replace('/', "/msg/"), encoding: "ros2msg".to_owned(), data: Cow::Owned(definition) };
     let channel = ChannelBuilder::new(topic).schema(schema).message_encoding("cdr").context(context);
-    // It fails without an encoding only.
+    // Building a channel fails only without an encoding.
     channel.build_raw().unwrap_or_else(|_| unreachable!("the encoding is stated"))
 }

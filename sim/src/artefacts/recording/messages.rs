@@ -1,4 +1,4 @@
-//! What ROS 2 tools know: poses, transforms, images, calibration, joints, log.
+//! Standard ROS 2 messages: poses, transforms, images, calibration, joints, log.
 
 use std::f64::consts::TAU;
 
@@ -15,7 +15,7 @@ pub(super) const WORLD: &str = "world";
 pub(super) const ROBOT: &str = "robot";
 pub(super) const TRUE_ROBOT: &str = "true_robot";
 
-/// Severity of a `rcl_interfaces/Log`.
+/// Severity of a `rcl_interfaces/Log` message.
 #[derive(Clone, Copy)]
 pub(super) enum Level {
     Info = 20,
@@ -23,12 +23,12 @@ pub(super) enum Level {
     Error = 40,
 }
 
-/// `geometry_msgs/PoseStamped` in the world.
+/// A `geometry_msgs/PoseStamped` in the frame `world`.
 pub(super) fn pose_stamped(time_s: f64, pose: Pose) -> Vec<u8> {
     Message::new().header(time_s, WORLD).with(|message| planar_pose(message, pose, 0.0)).finish()
 }
 
-/// `nav_msgs/Odometry` of the truth: its twist is in the robot's frame. The body's small tilt is left out.
+/// A `nav_msgs/Odometry` with the true pose, and with the true velocity in the robot's frame. The body's small tilt is left out.
 pub(super) fn true_odometry(time_s: f64, truth: &Truth) -> Vec<u8> {
     let [forward_m_per_s, left_m_per_s, turn_rad_per_s] = truth.velocity;
     Message::new()
@@ -41,7 +41,7 @@ pub(super) fn true_odometry(time_s: f64, truth: &Truth) -> Vec<u8> {
         .finish()
 }
 
-/// `tf2_msgs/TFMessage` of bodies in the world.
+/// A `tf2_msgs/TFMessage` with the poses of bodies in the frame `world`.
 pub(super) fn world_from_bodies(time_s: f64, bodies: &[(&str, Pose)]) -> Vec<u8> {
     let transform = |message: Message, &(body, pose): &(&str, Pose)| {
         message.header(time_s, WORLD).text(body).with(|message| planar_pose(message, pose, 0.0))
@@ -49,7 +49,7 @@ pub(super) fn world_from_bodies(time_s: f64, bodies: &[(&str, Pose)]) -> Vec<u8>
     bodies.iter().fold(Message::new().length(bodies.len()), transform).finish()
 }
 
-/// `tf2_msgs/TFMessage` of the cameras' nominal mounts.
+/// A `tf2_msgs/TFMessage` with the nominal mounts of the cameras in the frame `robot`.
 pub(super) fn robot_from_cameras(cameras: &[NominalCamera]) -> Vec<u8> {
     let transform = |message: Message, camera: &NominalCamera| {
         let (place, turn) = (camera.robot_from_camera.translation.vector, camera.robot_from_camera.rotation.coords);
@@ -62,7 +62,7 @@ pub(super) fn robot_from_cameras(cameras: &[NominalCamera]) -> Vec<u8> {
     cameras.iter().fold(Message::new().length(cameras.len()), transform).finish()
 }
 
-/// `sensor_msgs/Image` in grey levels.
+/// A `sensor_msgs/Image` in grey levels.
 pub(super) fn image(time_s: f64, frame: &str, image: &GrayImage) -> Vec<u8> {
     Message::new()
         .header(time_s, frame)
@@ -75,7 +75,7 @@ pub(super) fn image(time_s: f64, frame: &str, image: &GrayImage) -> Vec<u8> {
         .finish()
 }
 
-/// `sensor_msgs/CameraInfo` of the nominal camera: what the localizer is told, in the middle of its bounds.
+/// A `sensor_msgs/CameraInfo` with nominal calibration: each value in the middle of the bounds that the localizer is given.
 pub(super) fn camera_info(time_s: f64, camera: &NominalCamera) -> Vec<u8> {
     let ([fu, fv], [cu, cv]) = (camera.focal_px, camera.principal_point_px);
     Message::new()
@@ -87,7 +87,7 @@ pub(super) fn camera_info(time_s: f64, camera: &NominalCamera) -> Vec<u8> {
         .f64s(&[fu, 0.0, cu, 0.0, fv, cv, 0.0, 0.0, 1.0])
         .f64s(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
         .f64s(&[fu, 0.0, cu, 0.0, 0.0, fv, cv, 0.0, 0.0, 0.0, 1.0, 0.0])
-        // No binning; a region of interest of zeros is the whole image.
+        // The camera info states no binning; a region of interest of zeros stands for the whole image.
         .u32(0)
         .u32(0)
         .u32(0)
@@ -98,7 +98,7 @@ pub(super) fn camera_info(time_s: f64, camera: &NominalCamera) -> Vec<u8> {
         .finish()
 }
 
-/// `sensor_msgs/JointState` of both wheels, as their encoders tell it.
+/// A `sensor_msgs/JointState` with the angles of both wheels as their encoders measure them.
 pub(super) fn wheel_angles(time_s: f64, ticks: [i64; 2], ticks_per_turn: f64) -> Vec<u8> {
     Message::new()
         .header(time_s, "")
@@ -111,7 +111,7 @@ pub(super) fn wheel_angles(time_s: f64, ticks: [i64; 2], ticks_per_turn: f64) ->
         .finish()
 }
 
-/// `sensor_msgs/Imu` of a gyroscope about the vertical; −1 as first covariance says that the rest is not measured.
+/// A `sensor_msgs/Imu` with the rate of a gyroscope about the vertical; −1 as the first covariance says that the quantity is not measured.
 pub(super) fn turn_rate(time_s: f64, rate_rad_per_s: f64) -> Vec<u8> {
     let unmeasured = [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     Message::new()
@@ -125,12 +125,12 @@ pub(super) fn turn_rate(time_s: f64, rate_rad_per_s: f64) -> Vec<u8> {
         .finish()
 }
 
-/// `rcl_interfaces/Log`.
+/// A `rcl_interfaces/Log` message.
 pub(super) fn log(time_s: f64, level: Level, name: &str, text: &str) -> Vec<u8> {
     Message::new().time(time_s).u8(level as u8).text(name).text(text).text("").text("").u32(0).finish()
 }
 
-/// Position and attitude; a rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
+/// Adds a position and an attitude; a rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
 pub(super) fn planar_pose(message: Message, pose: Pose, z_m: f64) -> Message {
     let (sin, cos) = (pose.heading_rad / 2.0).sin_cos();
     message.f64s(&[pose.x_m, pose.y_m, z_m, 0.0, 0.0, sin, cos])

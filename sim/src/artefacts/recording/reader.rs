@@ -1,4 +1,4 @@
-//! A recording from its beginning to its end, one part after another.
+//! Reads a recording from its beginning to its end, one part after another.
 
 use std::{
     collections::BTreeMap,
@@ -16,68 +16,68 @@ use thiserror::Error;
 
 use super::{FORMAT, FORMAT_METADATA, METADATA, SCENE_ATTACHMENT};
 
-/// A length beyond this is a broken file's, not that of a chunk or an image.
+/// Greatest plausible length of a record. A greater one indicates a damaged file, since no chunk or image is that long.
 const GREATEST_RECORD_BYTES: usize = 1 << 28;
 
-/// Why a recording cannot be read. Its text follows "failed to".
+/// Reason why a recording cannot be read. The error's text is phrased to follow "failed to".
 #[derive(Debug, Error)]
 pub enum RecordingError {
     /// The file cannot be opened or read.
     #[error("read recording {}: {source}", path.display())]
     Unreadable {
-        /// The file.
+        /// The file that was read.
         path: PathBuf,
-        /// What the system said.
+        /// Error that the system reported.
         source: io::Error,
     },
-    /// It ends before its end, as one does that is still being written or was copied in part.
+    /// The file ends too early, as it does while it is still being written or when it was copied only in part.
     #[error("read recording {}: it is cut short, expected a file that `wherein run --record` finished", .0.display())]
     CutShort(PathBuf),
-    /// It is no MCAP file or a damaged one.
+    /// The file is not an MCAP file, or is a damaged one.
     #[error("read recording {}: {source}, expected an MCAP file that `wherein run --record` wrote", path.display())]
     Damaged {
-        /// The file.
+        /// The file that was read.
         path: PathBuf,
-        /// What is wrong with it.
+        /// What is wrong with the file.
         source: McapError,
     },
-    /// An MCAP file of another program.
+    /// The file is an MCAP file that another program wrote.
     #[error("read recording {}: {missing} is missing, expected a file that `wherein run --record` wrote", path.display())]
     Foreign {
-        /// The file.
+        /// The file that was read.
         path: PathBuf,
-        /// What every recording has.
+        /// The part that every recording of Wherein has and this file lacks.
         missing: &'static str,
     },
-    /// A recording of an older or a newer Wherein.
+    /// The recording was made by an older or a newer version of Wherein.
     #[error("read recording {}: its format is `{found}`, expected `{FORMAT}`", path.display())]
     OtherFormat {
-        /// The file.
+        /// The file that was read.
         path: PathBuf,
-        /// The format that it names.
+        /// The format that the file names.
         found: String,
     },
-    /// A message does not hold what its topic promises.
+    /// A message does not have the content that its topic requires.
     #[error("read recording {}: a message of {topic} is not what its topic promises", path.display())]
     Message {
-        /// The file.
+        /// The file that was read.
         path: PathBuf,
-        /// The topic.
+        /// The topic of the message.
         topic: String,
     },
 }
 
 /// A part of a recording.
 pub(crate) enum Part<'a> {
-    /// The text of the scene; before every message.
+    /// The text of the scene; it comes before every message.
     Scene(&'a str),
-    /// A message; in the order of events.
+    /// A message; messages come in the order of events.
     Message { topic: &'a str, message: &'a [u8] },
-    /// Seed, version, adapter and digests; after every message.
+    /// Seed, version, adapter and digests of the run; they come after every message.
     Facts(&'a BTreeMap<String, String>),
 }
 
-/// Tells `hear` every part of the file, then makes sure that the file was whole.
+/// Hands every part of the file to `hear`, then makes sure that the file was complete.
 pub(crate) fn read<E: From<RecordingError>>(
     path: &Path,
     hear: &mut dyn FnMut(Part<'_>) -> Result<(), E>,

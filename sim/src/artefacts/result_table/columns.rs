@@ -1,18 +1,18 @@
-//! The columns of the result table: what each is called and which figure it shows.
+//! The columns of the result table: their headings and the figures that they show.
 
 use crate::judge::figures::Figures;
 
 use super::Line;
 
-/// One column.
+/// One column of the result table.
 pub(super) struct Column {
-    /// What it shows.
+    /// Heading of the column.
     pub(super) heading: &'static str,
-    /// In what unit.
+    /// Unit of the column's figures.
     pub(super) unit: &'static str,
-    /// The text of a line's cell; empty when the line has no such figure.
+    /// Function that gives the text of a line's cell; the text is empty when the line has no such figure.
     pub(super) cell: fn(&Line) -> String,
-    /// Whether cells stand at the left.
+    /// Whether the column's cells are aligned to the left, as text is.
     pub(super) is_text: bool,
 }
 
@@ -24,9 +24,10 @@ const fn number(heading: &'static str, unit: &'static str, cell: fn(&Line) -> St
     Column { heading, unit, cell, is_text: false }
 }
 
-/// All columns, from left to right. Errors are those of the worst third of a run; widths are full widths, the wider of
-/// x and y, averaged over the run and just after a fix. |Error| over half the width is the greatest after 5 s, and what one step in a
-/// thousand exceeds, of several runs that of the run where it is greatest. A method's share of position and heading is of how often widths were halved.
+/// All columns of the result table, from left to right. Errors are those of the worst third of a run. Widths are full widths, the wider of
+/// x and y, averaged over the run ("width") and over the instants just after a fix ("at fix"). "error / half" is |error| over half the
+/// width after the first 5 s: the greatest value, and the value that one step in a thousand exceeds; over several runs, that of the run
+/// where it is greatest. A method's share of position and heading counts how often the method halved the widths.
 pub(super) const COLUMNS: [Column; 29] = [
     text("scene", |line| line.scene.clone()),
     text(RUN, |line| line.run.clone()),
@@ -76,7 +77,7 @@ fn goals_reached(figures: &Figures) -> Option<f64> {
     (*errands > 0.0).then(|| reached / errands)
 }
 
-/// |Error| over half the width along an axis after 5 s: the greatest, and what one step in a thousand exceeds.
+/// |Error| over half the width along an axis, after the first 5 s: the greatest value, and the value that one step in a thousand exceeds.
 fn power(figures: &Figures, axis: &str) -> String {
     let figure = |which: &str| figures.get(&format!("power.after_5_s.{axis}.{which}"));
     match (figure("max"), figure("p999")) {
@@ -93,7 +94,7 @@ fn wider(figures: &Figures, width: &str) -> String {
     }
 }
 
-/// A share in percent that says 100 only when nothing is missing.
+/// A share in percent that reads 100 only when it is complete: smaller shares read at most 99.99.
 fn share(share: Option<&f64>) -> String {
     match share {
         None => String::new(),

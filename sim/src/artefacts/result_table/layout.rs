@@ -1,21 +1,22 @@
-//! The table as text for a terminal and as Markdown.
+//! The result table as text for a terminal and as Markdown.
 
 use super::{
     Kind, Line,
     columns::{COLUMNS, Column, RUN, SCENE},
 };
 
-/// Aligned columns under a heading of two lines, with each scene's name above its lines: runs first, then methods, then baselines.
+/// The table as text: aligned columns under headings of two lines, each scene's name above its lines, and tables of runs, methods and
+/// baselines in that order.
 pub fn as_text(lines: &[Line]) -> String {
     tables(lines).into_iter().map(|(kind, lines)| aligned(kind, &lines)).collect::<Vec<_>>().join("\n")
 }
 
-/// The same as Markdown tables.
+/// The same result table as Markdown.
 pub fn as_markdown(lines: &[Line]) -> String {
     tables(lines).into_iter().map(|(kind, lines)| markdown(kind, &lines)).collect::<Vec<_>>().join("\n")
 }
 
-/// The lines of each kind, which fill other columns.
+/// The lines grouped by kind; lines of different kinds fill different columns.
 fn tables(lines: &[Line]) -> Vec<(Kind, Vec<&Line>)> {
     let of = |kind: Kind| (kind, lines.iter().filter(|line| line.kind == kind).collect::<Vec<_>>());
     [Kind::Runs, Kind::Method, Kind::Baseline].map(of).into_iter().filter(|(_, lines)| !lines.is_empty()).collect()
@@ -23,7 +24,7 @@ fn tables(lines: &[Line]) -> Vec<(Kind, Vec<&Line>)> {
 
 fn aligned(kind: Kind, lines: &[&Line]) -> String {
     let rows: Vec<Vec<String>> = lines.iter().map(|line| cells(line)).collect();
-    // The scene has a line of its own, and a column that no line fills only takes room.
+    // The scene's name has a line of its own, so that its column is left out, as are columns that no line fills.
     let is_shown = |column: usize| column != SCENE && rows.iter().any(|row| !row[column].is_empty());
     let shown: Vec<usize> = (0..COLUMNS.len()).filter(|column| is_shown(*column)).collect();
     let (upper, lower): (Vec<String>, Vec<String>) =
@@ -67,7 +68,7 @@ fn markdown(kind: Kind, lines: &[&Line]) -> String {
     text
 }
 
-/// What a column is called: that of the runs' names holds names of methods or baselines in their tables.
+/// The heading of a column. The column that names runs is headed `method` or `baseline` in the tables of these.
 fn heading(column: &Column, kind: Kind) -> &'static str {
     match (column.heading, kind) {
         (RUN, Kind::Method) => "method",

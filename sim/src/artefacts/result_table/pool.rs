@@ -1,14 +1,14 @@
-//! The figures of several runs as those of one.
+//! Pools the figures of several runs into those of one.
 
 use std::collections::BTreeMap;
 
 use crate::judge::figures::Figures;
 
-/// Counts of things that happen on errands.
+/// Names of the figures that count events on errands, such as collisions.
 const ERRAND_COUNTS: [&str; 6] = ["errands", "goals_reached", "goals_missed", "arrivals_off", "replans", "collisions"];
 
-/// Figures over all `runs`: counts add up, root mean squares pool as squares, greatest and least values stay so, and
-/// everything else is averaged over the runs that measured it.
+/// Pools the figures of all `runs`: counts are added, root mean squares are pooled as squares, greatest and least values stay greatest and
+/// least, and everything else is averaged over the runs that measured it.
 pub(crate) fn pool(runs: &[&Figures]) -> Figures {
     let mut by_name: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (name, value) in runs.iter().flat_map(|figures| figures.iter()) {
@@ -20,7 +20,7 @@ pub(crate) fn pool(runs: &[&Figures]) -> Figures {
     pooled
 }
 
-/// By name of each baseline in `figures`, its own figures under the names that the localizer's have.
+/// For each baseline named in `figures`, its figures under the names that the localizer's own figures have.
 pub(super) fn baselines(figures: &Figures) -> BTreeMap<String, Figures> {
     let mut baselines: BTreeMap<String, Figures> = BTreeMap::new();
     for (name, value) in figures {
@@ -32,7 +32,7 @@ pub(super) fn baselines(figures: &Figures) -> BTreeMap<String, Figures> {
     baselines
 }
 
-/// By name of each method in `figures`, its fixes and its share of all that was halved, where several methods share it.
+/// For each method in `figures`, its number of fixes and its share of all halvings of the boxes' widths; empty unless several methods contribute.
 pub(crate) fn methods(figures: &Figures) -> BTreeMap<String, Figures> {
     let names = figures.keys().filter_map(|name| name.strip_prefix("methods.")?.strip_suffix(".constraints"));
     let names: Vec<&str> = names.collect();
@@ -62,7 +62,7 @@ pub(crate) fn methods(figures: &Figures) -> BTreeMap<String, Figures> {
 fn combine(name: &str, values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let sum: f64 = values.iter().sum();
-    // A baseline's figures pool as ours do.
+    // A baseline's figures are pooled like the localizer's own.
     let name = name.strip_prefix("baselines.").and_then(|name| name.split_once('.')).map_or(name, |(_, figure)| figure);
     let last = name.rsplit('.').next().unwrap_or(name);
     let is_count = name.starts_with("containment.")
@@ -82,7 +82,7 @@ fn combine(name: &str, values: &[f64]) -> f64 {
     }
 }
 
-/// Figures that follow from pooled ones rather than from each run's own.
+/// Adds the figures that follow from pooled figures rather than from those of each run.
 fn derive(pooled: &mut Figures) {
     let quotient = |figures: &Figures, part: &str, whole: &str| Some(figures.get(part)? / figures.get(whole)?);
     if let Some(share) = quotient(pooled, "containment.contained", "containment.checks") {

@@ -1,4 +1,4 @@
-//! SHA-256 of canonical bytes: two runs are the same if and only if their digests are.
+//! SHA-256 digests of canonical bytes: two runs are equal if and only if their digests are.
 
 use std::{env, fmt::Write, fs, io, sync::OnceLock};
 
@@ -7,9 +7,9 @@ use sha2::{Digest, Sha256};
 
 use crate::{navigation::map_server, scene::Scene, truth::Truth};
 
-/// Digest of all that a scene states and of the map that it names, whatever its file's layout and comments.
+/// Digest of all that a scene states and of the map that it names. The layout and the comments of the scene's file do not matter.
 pub fn scene_digest(scene: &Scene) -> String {
-    // A scene's keys are texts, so that nothing in it can fail to serialise.
+    // The keys of a scene are texts, so that serialising it cannot fail.
     let mut hasher = Sha256::new_with_prefix(serde_json::to_vec(scene).unwrap_or_default());
     if let Some(grid) = scene.navigation.as_ref().and_then(|navigation| navigation.surveyed.as_ref()) {
         hasher.update(map_server::header(grid, ""));
@@ -18,9 +18,9 @@ pub fn scene_digest(scene: &Scene) -> String {
     hex(&hasher.finalize())
 }
 
-/// Digest of the program that runs: results of another build are not taken for its own.
+/// Digest of the running program's own file. By it a program recognises results of its own build and does not take those of another.
 ///
-/// None when the system does not let a program read its own file; then nothing is taken for its own.
+/// `None` when the system does not let a program read its own file; then no results are taken as its own.
 pub fn program_digest() -> Option<&'static str> {
     static DIGEST: OnceLock<Option<String>> = OnceLock::new();
     let of_file = || {
@@ -31,7 +31,7 @@ pub fn program_digest() -> Option<&'static str> {
     DIGEST.get_or_init(|| of_file().ok()).as_deref()
 }
 
-/// Every field of every truth, in the order of `Truth`, as little-endian f64.
+/// Digest of every field of the true states, in the order of `Truth`, as little-endian f64.
 pub(super) fn truth_digest(truths: &[Truth]) -> String {
     let mut numbers = Numbers::default();
     for truth in truths {
@@ -47,7 +47,7 @@ pub(super) fn truth_digest(truths: &[Truth]) -> String {
     numbers.digest()
 }
 
-/// Time, status, number of branches and all bounds of every estimate, as little-endian f64.
+/// Digest of the time, status, number of branches and all bounds of every estimate, as little-endian f64.
 pub(crate) fn estimates_digest(estimates: &[Estimate]) -> String {
     let mut numbers = Numbers::default();
     for estimate in estimates {

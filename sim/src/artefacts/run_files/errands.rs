@@ -1,10 +1,10 @@
-//! `errands.csv`: what became of each errand.
+//! The file `errands.csv`, which says what became of each errand of a run.
 
 use std::fmt::Write;
 
 use crate::{driver::ErrandLog, judge::true_distance_m, run::RunRecord};
 
-/// One errand a line; what did not happen leaves its field empty.
+/// One line for each errand; the field of an event that did not happen is empty.
 pub(super) fn errands_csv(record: &RunRecord, log: &ErrandLog) -> String {
     let mut text = "errand,name,goal_x_m,goal_y_m,tolerance_m,outcome,began_s,ended_s,true_distance_m,\
                     estimated_distance_m,box_reach_m,plans,detours,waited_s\n"

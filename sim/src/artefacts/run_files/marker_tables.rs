@@ -1,4 +1,4 @@
-//! `marker_tables.md`: paper 5's Tables 1 to 3 as printed, of its own pipeline, with our boxes beside.
+//! The file `marker_tables.md`: paper 5's Tables 1 to 3 as printed there, for the paper's own pipeline, with this localizer's boxes beside it.
 
 use std::fmt::Write;
 
@@ -12,10 +12,10 @@ use crate::{
 const CENTIMETRES: f64 = 100.0;
 const MILLIMETRES: f64 = 1000.0;
 
-/// The tables of a run with markers that stood at stations; `None` of any other run.
+/// The tables of a run at stations under markers; `None` for any other run.
 ///
-/// Positions are the camera's, in world coordinates, and deviations are real minus output, as the paper has them. A picture without a
-/// marker leaves its cells empty. The elapsed time of Table 1 differs from run to run and stands in `timing.json`.
+/// Positions are the camera's, in world coordinates, and deviations are real minus output, as in the paper. The cells of a picture without
+/// a marker stay empty. The elapsed time of Table 1 differs from run to run and stands in `timing.json`.
 pub(super) fn marker_tables(scene: &Scene, record: &RunRecord) -> Option<String> {
     let answers = &record.marker_baselines.answers;
     if scene.stations.is_empty() || answers.is_empty() {
@@ -26,7 +26,7 @@ pub(super) fn marker_tables(scene: &Scene, record: &RunRecord) -> Option<String>
     Some([identification(scene, record, &rows), angles(&rows), positions(record, &rows)].join("\n"))
 }
 
-/// Table 1, of the paper's pipeline and of ours.
+/// Table 1 (identification), for the paper's pipeline and for this localizer.
 fn identification(scene: &Scene, record: &RunRecord, rows: &[(&ImageRecord, &PaperAnswer)]) -> String {
     let counts = marker_counts(scene, record);
     let mut text = "**Identification** (Table 1): pictures with a whole marker in view\n\n\
@@ -51,7 +51,7 @@ fn identification(scene: &Scene, record: &RunRecord, rows: &[(&ImageRecord, &Pap
     text
 }
 
-/// Table 2.
+/// Table 2 (angles).
 fn angles(rows: &[(&ImageRecord, &PaperAnswer)]) -> String {
     let mut text = "**Angle** (Table 2), degrees\n\n\
                     | number | real | output | deviation | P(S) | our deviation | our width |\n\
@@ -72,7 +72,7 @@ fn angles(rows: &[(&ImageRecord, &PaperAnswer)]) -> String {
     text
 }
 
-/// Table 3. Ours are the deviations and the full widths of the robot's box.
+/// Table 3 (positions). The columns named "our" are the deviations and the full widths of the robot's box.
 fn positions(record: &RunRecord, rows: &[(&ImageRecord, &PaperAnswer)]) -> String {
     let mut text = "**Position** (Table 3), of the camera, in centimetres; our deviations and widths in millimetres\n\n\
                     | number | X | Y | Z | output X | Y | Z | deviation X | Y | Z | P(S) | our deviation X | Y | our width X | Y |\n\
@@ -96,7 +96,7 @@ fn positions(record: &RunRecord, rows: &[(&ImageRecord, &PaperAnswer)]) -> Strin
     text
 }
 
-/// Middle and full width of the box after a picture that gave a fix: m, m, rad.
+/// Middle and full width (m, m, rad) of the box after a picture; `None` when the picture gave no fix.
 fn box_of(image: &ImageRecord) -> Option<([f64; 3], [f64; 3])> {
     let hull = image.posterior.hull();
     let middle = midpoint(&hull);

@@ -6,13 +6,13 @@ use localizer::{Estimate, Pose, Status};
 
 use crate::{judge::Verdict, run::RunRecord};
 
-/// True poses: `time x y z qx qy qz qw` a line, the TUM format. The body's small tilt is left out.
+/// True poses in the TUM format, `time x y z qx qy qz qw` on each line. The body's small tilt is left out.
 pub(super) fn truth_tum(record: &RunRecord) -> String {
     let poses = record.truths.iter().map(|truth| (truth.time_s, truth.pose, truth.heave_m));
     tum(poses)
 }
 
-/// Midpoints of the hulls, TUM format. A time at which no pose is left has no line.
+/// Midpoints of the estimates' hulls in the TUM format. A time at which no pose is left has no line.
 pub(super) fn estimate_tum(estimates: &[Estimate]) -> String {
     let answered = estimates.iter().filter(|estimate| !estimate.pose.is_empty());
     tum(answered.map(|estimate| {
@@ -21,7 +21,7 @@ pub(super) fn estimate_tum(estimates: &[Estimate]) -> String {
     }))
 }
 
-/// Every branch of every estimate, one a line; a time at which no pose is left has no line.
+/// Every branch of every estimate, one on each line; a time at which no pose is left has no line.
 pub(super) fn boxes_csv(estimates: &[Estimate]) -> String {
     let mut text = "time_s,status,branch,x_min_m,x_max_m,y_min_m,y_max_m,heading_min_rad,heading_max_rad\n".to_owned();
     for estimate in estimates {
@@ -32,7 +32,7 @@ pub(super) fn boxes_csv(estimates: &[Estimate]) -> String {
         for (index, branch) in estimate.pose.branches.iter().enumerate() {
             let _ = write!(text, "{:.3},{status},{index}", estimate.time_s);
             for side in branch.components() {
-                // All digits, as a rounded bound might exclude the truth.
+                // Bounds are written with all digits, because a rounded bound might exclude the truth.
                 let _ = write!(text, ",{},{}", side.lo(), side.hi());
             }
             text.push('\n');
@@ -41,10 +41,10 @@ pub(super) fn boxes_csv(estimates: &[Estimate]) -> String {
     text
 }
 
-/// Error of the hull's midpoint, full width of the hull and judgement, one step a line; without a pose the fields stay empty.
+/// Error of the hull's midpoint, full width of the hull, and judgement, one step on each line; at a step without a pose the fields are empty.
 ///
-/// The truth is within the hull along an axis when the error there is at most half the width. A union of several branches
-/// may miss a truth that its hull contains, so that only `judgement` tells.
+/// The truth is within the hull along an axis when the error there is at most half the width. The truth may lie in the hull of a union of
+/// several branches but in none of the branches, so that only `judgement` says whether the union holds the truth.
 pub(super) fn steps_csv(record: &RunRecord, verdict: &Verdict) -> String {
     let mut text =
         "time_s,judgement,error_x_m,error_y_m,error_heading_rad,width_x_m,width_y_m,width_heading_rad\n".to_owned();
@@ -68,7 +68,7 @@ pub(super) fn steps_csv(record: &RunRecord, verdict: &Verdict) -> String {
     text
 }
 
-/// A rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
+/// Poses in the TUM format; a rotation by ψ about z is the quaternion (0, 0, sin ψ/2, cos ψ/2).
 fn tum(poses: impl Iterator<Item = (f64, Pose, f64)>) -> String {
     poses.fold(String::new(), |mut text, (time_s, pose, z_m)| {
         let (sin, cos) = (pose.heading_rad / 2.0).sin_cos();

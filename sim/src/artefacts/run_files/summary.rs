@@ -1,4 +1,4 @@
-//! `summary.json` and `timing.json`.
+//! The files `summary.json` and `timing.json` of a run.
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -14,7 +14,7 @@ use crate::{
 
 use super::digest::{estimates_digest, program_digest, scene_digest, truth_digest};
 
-/// Everything that `summary.json` holds, in its order. Equal for equal scene, seed, version and adapter.
+/// Everything that `summary.json` holds, in its order. It is equal for equal scene, seed, version and adapter.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary<'a> {
     /// Name of the scene.
@@ -25,25 +25,25 @@ pub struct Summary<'a> {
     pub version: &'static str,
     /// Graphics adapter that rendered the images, if any were rendered.
     pub adapter: Option<&'a str>,
-    /// Simulated time.
+    /// Simulated duration of the run.
     pub duration_s: f64,
-    /// What the check found.
+    /// The judge's verdict on the run.
     #[serde(flatten)]
     pub verdict: &'a Verdict,
-    /// What tells this run from any other.
+    /// Digests that identify the run.
     pub digest: Digests,
 }
 
 /// SHA-256 of a run's scene, truth, readings and estimates.
 #[derive(Clone, Debug, Serialize)]
 pub struct Digests {
-    /// All that the scene states.
+    /// Digest of all that the scene states.
     pub scene: String,
-    /// Truth at every step.
+    /// Digest of the truth at every step.
     pub truth: String,
-    /// All readings in order of arrival.
+    /// Digest of all readings in order of arrival.
     pub readings: String,
-    /// Estimate at every step.
+    /// Digest of the estimate at every step.
     pub estimates: String,
 }
 
@@ -66,9 +66,9 @@ impl<'a> Summary<'a> {
         }
     }
 
-    /// The file's text.
+    /// Text of the file `summary.json`.
     pub(super) fn to_text(&self) -> String {
-        // A summary's keys are texts, so that nothing in it can fail to serialise.
+        // The keys of a summary are texts, so that serialising it cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 }
@@ -79,7 +79,7 @@ pub struct Timing {
     duration_s: f64,
     images: usize,
     spent: run::Timing,
-    /// Microseconds for a problem, by solver.
+    /// Microseconds that each solver takes for one problem, by the solver's name.
     solve_us: BTreeMap<&'static str, f64>,
     scene_path: PathBuf,
     settings: Vec<Setting>,
@@ -106,8 +106,8 @@ impl Timing {
         }
     }
 
-    /// The file's content. `program` is the digest of the executable, by which `--resume` knows its own results;
-    /// `scene_path` and `set` are what a command that replays the run has to name.
+    /// Content of the file `timing.json`. `program` is the digest of the executable, by which `--resume` recognises its own results;
+    /// `scene_path` and `set` are what a command that repeats the run has to name.
     pub(super) fn to_json(&self) -> Value {
         let spent = &self.spent;
         let per_image_ms = |stage_s: f64| (self.images > 0).then(|| 1e3 * stage_s / self.images as f64);

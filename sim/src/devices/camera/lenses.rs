@@ -1,4 +1,4 @@
-//! Lenses and poses of the cameras as a seed has drawn them.
+//! True lenses and poses of the cameras, as drawn at random for a seed.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, vector};
 
@@ -10,25 +10,25 @@ use crate::{
 };
 
 impl Lens {
-    /// The floor camera's, as drawn.
+    /// The true lens of the floor camera.
     pub fn floor(camera: &FloorCamera, drawn: &DrawnFloorCamera) -> Lens {
         let ideal = Lens::ideal([camera.width_px, camera.height_px], drawn.focal_px);
         Lens { vignetting: camera.lens.vignetting.unwrap_or(false), ..ideal.with(&camera.lens, drawn.distortion) }
     }
 
-    /// The forward camera's, as drawn.
+    /// The true lens of the forward camera.
     pub fn forward(camera: &ForwardCamera, drawn: &DrawnCamera) -> Lens {
         let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
         ideal.mounted(&camera.lens, drawn).seeing(camera.band, camera.ring_intensity_w_per_sr)
     }
 
-    /// The ceiling camera's, as drawn.
+    /// The true lens of the ceiling camera.
     pub fn ceiling(camera: &CeilingCamera, drawn: &DrawnCamera) -> Lens {
         let ideal = Lens::ideal([camera.width_px, camera.height_px], 1.0);
         ideal.mounted(&camera.lens, drawn).seeing(camera.band, camera.ring_intensity_w_per_sr)
     }
 
-    /// Behind a filter, with a ring of infrared diodes around it, which only an infrared camera sees.
+    /// The lens behind a spectral filter, with a ring of infrared diodes around it, whose light only an infrared camera sees.
     fn seeing(self, band: Band, ring_intensity_w_per_sr: f64) -> Lens {
         let ring_candela = match band {
             Band::Infrared => ring_intensity_w_per_sr * EQUIVALENT_LUMENS_PER_WATT_850_NM,
@@ -48,12 +48,12 @@ impl Lens {
     }
 }
 
-/// Pose of a camera as it is truly mounted on the body's true posture.
+/// True pose of a camera in the world: its true mount on the body's true posture.
 pub fn world_from_camera(truth: &Truth, drawn: &DrawnCamera) -> Isometry3<f64> {
     truth.world_from_body() * drawn.body_from_camera
 }
 
-/// Pose of the floor camera as it is truly mounted on the body's true posture.
+/// True pose of the floor camera in the world: its true mount on the body's true posture.
 pub fn world_from_floor_camera(truth: &Truth, camera: &DrawnFloorCamera) -> Isometry3<f64> {
     let [forward_m, left_m] = camera.position_m;
     let tilt = vector![camera.tilt_rad[0], camera.tilt_rad[1], 0.0];

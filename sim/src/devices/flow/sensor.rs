@@ -1,4 +1,4 @@
-//! The optical flow sensor: its own travel over the floor's surface, counted along two axes.
+//! The optical flow sensor, which counts its own travel over the floor's surface along two axes.
 
 use localizer::{Reading, bounds};
 use rand::RngExt;
@@ -14,36 +14,37 @@ use crate::{
 
 use super::DrawnFlow;
 
-/// A flow sensor over the scene's floor.
+/// A flow sensor that moves over the scene's floor.
 pub struct FlowSensor {
     flow: Flow,
     mount: DrawnFlow,
     floor: Floor,
     regions: Vec<Region>,
-    /// By what share each region's counts per metre are off, and last those around.
+    /// Relative error of the counts per metre on each floor region, and last on the floor around the regions.
     surfaces: Vec<f64>,
     noise: Repeated,
-    /// By what share those of the present period are off besides.
+    /// Further relative error of the counts per metre, caused by noise in the present period.
     noise_share: f64,
     blind: Vec<Event>,
-    /// In a drift: the direction in the world in which everything is counted to be longer, and against which shorter.
+    /// With the error distribution `drift`: the direction in the world along which all travel is counted too long, and against which too short.
     drifts_to: Option<[f64; 2]>,
     dropouts: ChaCha8Rng,
-    /// Where in a count each axis stood at the start, `[0, 1)`.
+    /// Position of each axis within a count at the start, in `[0, 1)`.
     phase: [f64; 2],
     n_readings: u64,
     before: Option<Truth>,
     period: Period,
-    /// Travel followed so far, in counts.
+    /// Travel that the sensor has counted since the start, in counts.
     followed_counts: [f64; 2],
     blind_periods: u64,
-    /// In the period before: |counts per metre − those at the mounted height| over nominal, at its greatest, and how much longer the way was
-    /// than what was counted of it, along the axis where it was most. 0 when nothing was followed.
+    /// In the previous period: the greatest deviation of the counts per metre from those at the mounted height, over nominal; and by how much
+    /// the path was longer than the net travel that is counted, along the axis where this was greatest. Both are 0 when the sensor did not
+    /// follow the motion.
     scale_change: f64,
     back_and_forth_m: f64,
 }
 
-/// One period so far.
+/// What the flow sensor has measured in the present period.
 #[derive(Clone, Copy, Debug, Default)]
 struct Period {
     counts: [f64; 2],
@@ -54,7 +55,7 @@ struct Period {
 }
 
 impl FlowSensor {
-    /// The flow sensor, mounted as drawn.
+    /// The flow sensor with its mount as drawn at random.
     pub fn new(flow: &Flow, mount: &DrawnFlow, scene: &Scene, seed: u64) -> Self {
         let (mut rng, errors) = (stream(seed, "flow.phase"), scene.robot.errors);
         let drifts_to = (errors == Distribution::Drift).then(|| {
@@ -89,12 +90,12 @@ impl FlowSensor {
 }
 
 impl Sensor for FlowSensor {
-    /// Answers with a reading at the end of each period.
+    /// Returns a reading at the end of each period.
     fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
         if let Some(before) = self.before.replace(*truth) {
             self.follow(&before, truth);
         }
-        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.flow.period_s {
             return None;
         }
@@ -118,7 +119,7 @@ impl Sensor for FlowSensor {
 }
 
 impl FlowSensor {
-    /// Adds the travel of one step, as the sensor's own axes and optics see it.
+    /// Adds the travel of one physics step, as seen along the sensor's own axes and by its optics.
     fn follow(&mut self, before: &Truth, truth: &Truth) {
         let (from_m, to_m) = (self.place(before), self.place(truth));
         let moved = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
@@ -127,7 +128,7 @@ impl FlowSensor {
         let travel_m = [cos * moved[0] + sin * moved[1], cos * moved[1] - sin * moved[0]];
 
         let ground = self.floor.at(to_m[0], to_m[1]);
-        // The floor comes closer where the pile stands up under it, and farther where the body rises.
+        // The seen surface is closer where the carpet's pile stands up below the sensor, and farther where the body rises.
         let closer_m = ground.height_m + ground.pile_height_m - to_m[2];
         let surface = self.surface(to_m) + self.noise_share;
         let seen = self.mount.scale * (1.0 + self.flow.optics.share_per_m() * closer_m + surface);
@@ -145,7 +146,7 @@ impl FlowSensor {
         }
     }
 
-    /// By what share the surface at a place puts the counts off.
+    /// Relative error of the counts per metre that the floor's surface at a place causes.
     fn surface(&self, [x_m, y_m, _]: [f64; 3]) -> f64 {
         let covers = |region: &Region| {
             (region.x_m[0]..=region.x_m[1]).contains(&x_m) && (region.y_m[0]..=region.y_m[1]).contains(&y_m)
@@ -154,21 +155,22 @@ impl FlowSensor {
         self.surfaces[region_idx]
     }
 
-    /// The scale of one step: as optics and height make it, or in a drift the worst that `flow.scale` leaves it beside its calibration.
+    /// The scale of one physics step: as optics and height make it, or with the error distribution `drift` the worst one that the bound
+    /// `flow.scale` allows beside the calibration's error.
     ///
-    /// What is counted longer one way and shorter on the way back adds up, which one wrong scale would not.
+    /// Travel that is counted too long one way and too short on the way back adds up to an error, which a constant wrong scale would not.
     fn drifting(&self, scale: f64, moved: [f64; 2]) -> f64 {
         let left = (self.flow.scale_tolerance - self.flow.calibration_tolerance).max(0.0);
         let Some(to) = self.drifts_to.filter(|_| (scale - self.mount.scale).abs() <= left) else { return scale };
         self.mount.scale + left.copysign(to[0] * moved[0] + to[1] * moved[1])
     }
 
-    /// Counts what was followed, or tells that nothing was.
+    /// Ends a period: adds its counts, or counts the period as blind when the sensor did not follow the motion.
     fn close_period(&mut self, truth: &Truth) {
         let period = std::mem::take(&mut self.period);
         self.noise_share = self.noise.one_way(self.flow.noise_tolerance);
         let at_m = self.place(truth);
-        // Drawn whether or not it matters, so that one drop-out does not move the next.
+        // The random number is drawn whether or not it matters, so that one drop-out does not change the next.
         let luck: f64 = self.dropouts.random_range(0.0..1.0);
         if period.lost || luck < self.floor.at(at_m[0], at_m[1]).flow_dropout {
             self.blind_periods += 1;
@@ -180,7 +182,7 @@ impl FlowSensor {
         (self.scale_change, self.back_and_forth_m) = (period.greatest_scale_change, excess_m[0].max(excess_m[1]));
     }
 
-    /// Where the sensor is in the world, and how high above its mounted height.
+    /// Position of the sensor in the world, and its height above the mounted height.
     fn place(&self, truth: &Truth) -> [f64; 3] {
         let [forward_m, left_m] = self.mount.position_m;
         let (sin, cos) = truth.pose.heading_rad.sin_cos();

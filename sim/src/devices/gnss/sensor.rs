@@ -1,4 +1,4 @@
-//! A receiver of satellite navigation over a drive: what the sky lets through, and how far positions are off.
+//! A receiver of satellite navigation over a drive: what reception the sky allows, and how far positions are off.
 
 use localizer::{
     Reading, bounds,
@@ -16,17 +16,17 @@ use crate::{
 
 use super::DrawnGnss;
 
-/// Errors of positions are those of the sky and of echoes, which change over seconds: between two draws so far apart they go evenly from one to
-/// the other, so that no average over a second hides them.
+/// Time between two drawn position errors, between which the error changes linearly. Errors of the sky and of echoes change over seconds,
+/// so that no average over a second removes them.
 const NODE_S: f64 = 5.0;
 
-/// A receiver that tells a position every period while it has one.
+/// A satellite navigation receiver. It reports a position every period, as long as it has a solution.
 pub struct GnssSensor {
     gnss: Gnss,
     mount: DrawnGnss,
-    /// Errors along x and y as shares of what their grade allows, one after the other.
+    /// Position errors along x and y as shares of the tolerance for the kind of solution (fixed or floating), in the order in which they are drawn.
     errors: Repeated,
-    /// Those at the two nodes around now, and the number of the first.
+    /// Position errors at the drawn instants (nodes) before and after the present time, and the number of the first of these nodes.
     nodes: [[f64; 2]; 2],
     node: u64,
     clock: Repeated,
@@ -49,14 +49,14 @@ impl GnssSensor {
         }
     }
 
-    /// Where the antenna truly is, world x and y.
+    /// True position of the antenna, world x and y.
     fn antenna_m(&self, truth: &Truth) -> [f64; 2] {
         let [forward_m, left_m] = self.mount.position_m;
         let antenna = truth.world_from_body() * Point3::new(forward_m, left_m, self.gnss.height_m);
         [antenna.x, antenna.y]
     }
 
-    /// The worst of what is said of this time and of this place.
+    /// The worst reception that outages at this time and shadows at this place leave.
     fn reception(&self, time_s: f64, [x_m, y_m]: [f64; 2]) -> Reception {
         let is_now = |outage: &&Outage| (outage.at_s..outage.at_s + outage.lasts_s).contains(&time_s);
         let is_here = |shadow: &&Shadow| {
@@ -68,7 +68,7 @@ impl GnssSensor {
         left.min().unwrap_or(Reception::Fixed)
     }
 
-    /// The error along either axis at a time, as a share of what its grade allows.
+    /// The position error along either axis at a time, as a share of the tolerance for the kind of solution.
     fn error_at(&mut self, time_s: f64) -> [f64; 2] {
         while time_s >= (self.node + 1) as f64 * NODE_S {
             self.nodes = [self.nodes[1], [0; 2].map(|_| self.errors.one_way(1.0))];
@@ -80,15 +80,15 @@ impl GnssSensor {
 }
 
 impl Sensor for GnssSensor {
-    /// Answers with a position when one is due and there is one.
+    /// Returns a position when one is due and the receiver has a solution.
     fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
-        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
         if truth.time_s + 0.0005 < (self.n_readings + 1) as f64 * self.gnss.period_s {
             return None;
         }
         self.n_readings += 1;
         let (antenna_m, error) = (self.antenna_m(truth), self.error_at(truth.time_s));
-        // Drawn whether or not there is a position, so that an outage does not move what comes after it.
+        // The clock's errors are drawn whether or not there is a position, so that an outage does not change what comes after it.
         let measured_s = truth.time_s + self.clock.one_way(self.gnss.stamp_tolerance_s);
         let late_s = self.gnss.latency_s + self.clock.in_turn(self.gnss.latency_tolerance_s);
         let arrived_s = truth.time_s + late_s.max(0.0);

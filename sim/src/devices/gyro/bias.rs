@@ -1,4 +1,4 @@
-//! The gyroscope's bias as it wanders: flicker and random walk, cut to the bounds that are declared.
+//! The wandering bias of a gyroscope: flicker and random walk, cut to the declared bounds.
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -8,25 +8,25 @@ use crate::{
     scene::{Distribution, Gyro},
 };
 
-/// Time between two values that are drawn; the bias goes evenly from one to the next.
+/// Time between two drawn values (nodes) of the gyroscope's bias, which changes linearly from one to the next.
 const NODE_S: f64 = 1.0;
 
-/// Correlation times of the processes whose sum is the flicker, each four times the one before: from 1 s to over an hour.
+/// Correlation times of the processes whose sum is the flicker noise, each four times the one before: from 1 s to over an hour.
 const FLICKER_S: [f64; 7] = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
 
-/// Seconds in an hour, for terms that data sheets state per hour.
+/// Seconds in an hour, for quantities that data sheets state per hour.
 const HOUR_S: f64 = 3600.0;
 
-/// The bias over time.
+/// A gyroscope's bias over time.
 #[derive(Clone, Debug)]
 pub struct WanderingBias {
     rng: ChaCha8Rng,
     errors: Distribution,
-    /// To which side it goes in a drift: 1 or −1. At an end of its tolerance it turns back.
+    /// Side to which the bias moves with the error distribution `drift`: 1 or −1. It turns back at the ends of its range.
     side: f64,
     drawn_rad_per_s: f64,
-    /// What the bias never leaves: its tolerance, and where `gyro.angle` is declared, what that may grow by about the drawn one. A bias that
-    /// stayed farther away for long enough would break that bound with no noise at all.
+    /// Range that the bias never leaves: its tolerance and, where `gyro.angle` is declared, the drawn bias plus or minus the rate of that
+    /// bound. A bias that stayed farther away for long enough would exceed that bound without any noise.
     within_rad_per_s: [f64; 2],
     wander_rad_per_s2: f64,
     walk_per_node_rad_per_s: f64,
@@ -34,18 +34,18 @@ pub struct WanderingBias {
     walk_rad_per_s: f64,
     flicker_rad_per_s: [f64; FLICKER_S.len()],
     n_nodes: u64,
-    /// Values at the two nodes around now.
+    /// Values of the bias at the nodes before and after the latest time.
     around_rad_per_s: [f64; 2],
 }
 
 impl WanderingBias {
-    /// A bias that is `drawn_rad_per_s` at time 0.
+    /// A bias that has the value `drawn_rad_per_s` at time 0.
     pub fn new(gyro: &Gyro, drawn_rad_per_s: f64, errors: Distribution, mut rng: ChaCha8Rng) -> Self {
         let instability_rad_per_s = gyro.bias_instability_deg_per_h.to_radians() / HOUR_S;
         let walk_rad_per_s_per_sqrt_s =
             gyro.rate_random_walk_deg_per_h_per_sqrt_h.to_radians() / (HOUR_S * HOUR_S.sqrt());
-        // IEEE Std 952 eq. (C.11): S(f) = B²/(2πf), two-sided. Processes of variance s² whose correlation times τ are spread evenly over
-        // ln τ, one per ln 4, have ∫ 2s²τ/(1 + (2πfτ)²) d ln τ/ln 4 = s²/(2·ln 4·f), so that s² = B²·ln 4/π.
+        // IEEE Std 952 eq. (C.11) gives the two-sided spectrum S(f) = B²/(2πf) of flicker noise. Processes of variance s² whose correlation
+        // times τ are spread evenly over ln τ, one per ln 4, have ∫ 2s²τ/(1 + (2πfτ)²) d ln τ/ln 4 = s²/(2·ln 4·f), so that s² = B²·ln 4/π.
         let flicker_deviation_rad_per_s = instability_rad_per_s * (4.0_f64.ln() / std::f64::consts::PI).sqrt();
         let flicker_rad_per_s = [0; FLICKER_S.len()].map(|_| flicker_deviation_rad_per_s * normal(&mut rng));
         WanderingBias {
@@ -58,7 +58,7 @@ impl WanderingBias {
             walk_per_node_rad_per_s: walk_rad_per_s_per_sqrt_s * NODE_S.sqrt(),
             flicker_deviation_rad_per_s,
             walk_rad_per_s: 0.0,
-            // What the flicker begins with is part of the drawn bias.
+            // The initial value of the flicker is part of the drawn bias.
             flicker_rad_per_s,
             n_nodes: 0,
             around_rad_per_s: [drawn_rad_per_s; 2],
@@ -66,7 +66,7 @@ impl WanderingBias {
         .beginning()
     }
 
-    /// The bias at an instant no earlier than the last one asked for.
+    /// The bias at a time that is not earlier than the time of the call before.
     pub fn at(&mut self, time_s: f64) -> f64 {
         while time_s > self.n_nodes as f64 * NODE_S {
             self.next_node();
@@ -84,7 +84,7 @@ impl WanderingBias {
         self.n_nodes += 1;
         self.walk_rad_per_s += self.walk_per_node_rad_per_s * normal(&mut self.rng);
         for (flicker, correlation_s) in self.flicker_rad_per_s.iter_mut().zip(FLICKER_S) {
-            // Ornstein and Uhlenbeck's process, exact at the nodes.
+            // Each part of the flicker noise is an Ornstein–Uhlenbeck process, exact at the nodes.
             let kept = (-NODE_S / correlation_s).exp();
             let fresh = self.flicker_deviation_rad_per_s * (1.0 - kept * kept).sqrt();
             *flicker = kept * *flicker + fresh * normal(&mut self.rng);
@@ -102,14 +102,14 @@ impl WanderingBias {
     }
 }
 
-/// |bias| ≤ tolerance, and |bias − drawn| ≤ the rate of `gyro.angle`: then what the bias
-/// departs by adds up to at most rate·T over any span T, and noise that is 0 is always allowed.
+/// Range of the bias: |bias| ≤ tolerance, and |bias − drawn| ≤ the rate of `gyro.angle`. Within it the departure of the bias from the drawn
+/// one adds up to at most rate·T over any span T, so that noise of 0 is always allowed.
 fn within_rad_per_s(gyro: &Gyro, drawn_rad_per_s: f64) -> [f64; 2] {
     let tolerance_rad_per_s = gyro.bias_tolerance_deg_per_s.to_radians();
     let departs_rad_per_s = gyro.angle_floor_deg.map_or(f64::INFINITY, |_| gyro.angle_deg_per_s.to_radians());
-    // A hair less, so that rounded sums of many readings keep to the bound.
+    // The rate of the bound `gyro.angle` is reduced slightly, so that rounded sums of many readings keep to the bound.
     let departs_rad_per_s = departs_rad_per_s * (1.0 - 1e-9);
-    // The drawn bias is in both, whatever the rounding.
+    // The drawn bias is within both limits of the bias's range, whatever the rounding.
     [
         (drawn_rad_per_s - departs_rad_per_s).max(-tolerance_rad_per_s).min(drawn_rad_per_s),
         (drawn_rad_per_s + departs_rad_per_s).min(tolerance_rad_per_s).max(drawn_rad_per_s),
@@ -117,7 +117,8 @@ fn within_rad_per_s(gyro: &Gyro, drawn_rad_per_s: f64) -> [f64; 2] {
 }
 
 impl WanderingBias {
-    /// As far as the bias may get within one node: to either side, or in a drift on to the same one until there is an end.
+    /// Farthest value that the bias may reach from its value before within one node: to a side drawn anew or, with the error distribution
+    /// `drift`, to the same side until the end of its range.
     fn farthest_from(&mut self, before_rad_per_s: f64) -> f64 {
         let step_rad_per_s = self.wander_rad_per_s2 * NODE_S;
         if self.errors == Distribution::Corner {

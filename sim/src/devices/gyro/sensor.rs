@@ -1,4 +1,4 @@
-//! The gyroscope: turn of the body since the last reading, read through scale, bias and noise.
+//! The gyroscope as a sensor: the mean turn rate of the body since the last reading, with scale, bias and noise.
 
 use localizer::{Reading, bounds};
 use rand_chacha::ChaCha8Rng;
@@ -14,30 +14,31 @@ use crate::{
 
 use super::{DrawnGyro, bias::WanderingBias};
 
-/// Times 5 ms apart have lost some digits of their difference.
+/// Factor for rounding: the difference of two times that are 5 ms apart has lost some digits.
 const ROUNDING: f64 = 1.0 - 1e-6;
 
-/// A gyroscope that averages over each period.
+/// A gyroscope that averages the turn rate over each period.
 pub struct GyroSensor {
     gyro: Gyro,
     calibration: DrawnGyro,
     errors: Distribution,
-    /// To which side the noise of a drift pushes: 1 or −1.
+    /// Side to which the noise pushes with the error distribution `drift`: 1 or −1.
     side: f64,
     noise: ChaCha8Rng,
     noise_deviation_rad_per_s: f64,
     bias: WanderingBias,
     angle: BoundedAngle,
-    /// Whether its bias has to hold from one fix to the next: where it is learnt, and `gyro.angle` does not tell how far it gets.
+    /// Whether the bound `gyro.wander` on the bias's rate of change is checked: where the localizer learns the bias, and no bound
+    /// `gyro.angle` limits the angle to which errors add up.
     watches_wander: bool,
     n_readings: u64,
     before: Option<Truth>,
-    /// Time and bias of the reading before.
+    /// Time and bias of the previous reading.
     bias_before: Option<(f64, f64)>,
 }
 
 impl GyroSensor {
-    /// The gyroscope, calibrated as drawn.
+    /// The gyroscope with its true calibration, as drawn at random.
     pub fn new(gyro: &Gyro, calibration: &DrawnGyro, scene: &Scene, seed: u64) -> Self {
         let of_random_walk = |walk_deg: f64| gyro.deviation_deg_per_s(walk_deg).to_radians();
         let errors = scene.robot.errors;
@@ -60,7 +61,7 @@ impl GyroSensor {
 }
 
 impl Sensor for GyroSensor {
-    /// Answers with a reading at the end of each period.
+    /// Returns a reading at the end of each period.
     fn observe(&mut self, truth: &Truth, _people: &[Bystander]) -> Option<Observation> {
         if truth.time_s + 0.0005 < self.n_readings as f64 * self.gyro.period_s {
             return None;
@@ -79,7 +80,7 @@ impl Sensor for GyroSensor {
 }
 
 impl GyroSensor {
-    /// The declared bounds beside what was true of one reading's errors.
+    /// The declared bounds on one reading's errors, each with the true value.
     fn checks(&mut self, time_s: f64, bias_rad_per_s: f64, noise_rad_per_s: f64) -> Vec<BoundCheck> {
         let gyro = &self.gyro;
         let span_s = [time_s - gyro.period_s, time_s];
@@ -101,9 +102,11 @@ impl GyroSensor {
         checks
     }
 
-    /// Noise that with the bias's departure from its first value adds up, over any span, to what is declared; drawn again otherwise.
+    /// Noise of one reading. If noise beyond its bounds is drawn again, draws are repeated until the sum of noise and of the bias's
+    /// departure from its first value keeps, over any span, to the bound `gyro.angle`.
     fn draw_bounded_rad_per_s(&mut self, departed_rad_per_s: f64) -> f64 {
-        /// What none of as many draws keeps to is read without noise: the bias alone departs by no more than the bound grows.
+        /// Greatest number of draws of noise for one reading. If none of them keeps to the bound on the sum of errors, the reading has no
+        /// noise: the bias alone departs by no more than the bound grows.
         const MOST_DRAWS: usize = 1000;
         if self.errors == Distribution::Drift {
             return self.push_rad_per_s(departed_rad_per_s);
@@ -121,8 +124,9 @@ impl GyroSensor {
         noise_rad_per_s
     }
 
-    /// Noise without what of it is beyond the bounds that it is cut to, reading by reading the least that has to be taken off. As the bias alone
-    /// departs by no more than the band grows, noise of 0 keeps to it: what is cut is nearer to 0, and keeps to both bounds if it is cut to both.
+    /// The noise without the part that exceeds the bounds to which it is cut; from each reading as little as possible is cut off. Since the
+    /// bias alone departs by no more than the bound `gyro.angle` grows, noise of 0 keeps to that bound: cutting moves noise towards 0, so
+    /// that it keeps to both bounds if it is cut to both.
     fn cut_rad_per_s(&self, noise_rad_per_s: f64, departed_rad_per_s: f64) -> f64 {
         let (cuts, bound_rad_per_s) = (self.calibration.cuts, self.gyro.noise_deg_per_s.to_radians());
         let noise_rad_per_s =
@@ -135,12 +139,13 @@ impl GyroSensor {
         }
     }
 
-    /// Whether noise keeps to its bounds by being drawn again. At corners it does so anyway: they are about what bounds allow.
+    /// Whether noise beyond its bounds is drawn again. With the error distribution `corner` it always is, because that distribution goes to
+    /// the limits of what the bounds allow.
     fn redraws(&self) -> bool {
         self.gyro.noise_redrawn || self.errors == Distribution::Corner
     }
 
-    /// Noise of a drift: as far to its side as its bound and that of the sum let it.
+    /// Noise with the error distribution `drift`: as far to one side as its own bound and the bound on the sum of errors allow.
     fn push_rad_per_s(&mut self, departed_rad_per_s: f64) -> f64 {
         let bound_rad_per_s = self.gyro.noise_deg_per_s.to_radians();
         let wanted_rad_per_s = departed_rad_per_s + self.side * bound_rad_per_s;
@@ -150,14 +155,15 @@ impl GyroSensor {
         noise_rad_per_s
     }
 
-    /// Normal, drawn again when beyond the bound; or at its bound.
+    /// One draw of noise: at its bound with the error distribution `corner`, otherwise normal and, unless noise may exceed its bound, drawn
+    /// again until it is within the bound.
     fn draw_noise_rad_per_s(&mut self) -> f64 {
         let bound_rad_per_s = self.gyro.noise_deg_per_s.to_radians();
         if self.errors == Distribution::Corner {
             return draw_within(bound_rad_per_s, self.errors, &mut self.noise);
         }
         let Some(_) = self.gyro.angle_random_walk_deg_per_sqrt_h else {
-            // The same order of operations as ever, so that runs keep their bytes.
+            // A different order of these operations would change the last bits of the noise, and with them a run's results.
             let third = self.draw_deviations(3.0);
             return bound_rad_per_s * third / 3.0;
         };
@@ -179,9 +185,10 @@ impl GyroSensor {
     }
 }
 
-/// What errors of readings have added up to, kept within floor + rate·|t − s| between any two times s and t.
+/// The angle to which the errors of readings add up, kept within floor + rate·|t − s| between any two times s and t.
 ///
-/// With W the sum, W(t) − W(s) ≤ a + r·(t − s) for all s before t is W(t) − r·t ≤ a + min (W(s) − r·s), and likewise below.
+/// Let W be the sum, a the floor and r the rate. That W(t) − W(s) ≤ a + r·(t − s) for all s before t is W(t) − r·t ≤ a + min (W(s) − r·s),
+/// and likewise below.
 struct BoundedAngle {
     floor_rad: f64,
     rad_per_s: f64,
@@ -190,7 +197,7 @@ struct BoundedAngle {
     sum_rad: f64,
     least_rad: f64,
     greatest_rad: f64,
-    /// What of the sum since any time is not rate·|t − s|.
+    /// Greatest part of the change of the sum of errors since any earlier time s that exceeds rate·|t − s|.
     beyond_rad: f64,
 }
 
@@ -208,28 +215,28 @@ impl BoundedAngle {
         }
     }
 
-    /// Time, sum and what of it is beyond rate·|t − s| after one more reading.
+    /// Values after one more reading: time, sum of the errors, and the part of the sum's change that exceeds rate·|t − s|.
     fn after(&self, error_rad_per_s: f64) -> [f64; 3] {
         let (time_s, sum_rad) = (self.time_s + self.period_s, self.sum_rad + error_rad_per_s * self.period_s);
         let (low, high) = (sum_rad - self.rad_per_s * time_s, sum_rad + self.rad_per_s * time_s);
         [time_s, sum_rad, (low - self.least_rad).max(self.greatest_rad - high)]
     }
 
-    /// Whether the sum keeps to its bound with one more reading's error.
+    /// Whether the sum of the errors keeps to its bound with one more reading's error.
     fn allows(&self, error_rad_per_s: f64) -> bool {
         self.after(error_rad_per_s)[2] <= self.floor_rad
     }
 
-    /// Of the errors with which the sum keeps to its bound, the one nearest to `error_rad_per_s`.
+    /// The error nearest to `error_rad_per_s` with which the sum of the errors keeps to its bound.
     fn nearest_allowed(&self, error_rad_per_s: f64) -> f64 {
-        // `after` solved for the error of which nothing is left beyond the floor.
+        // Solves the equation in `after` for the error at which the excess of the sum equals the floor.
         let left_rad = self.floor_rad + self.rad_per_s * (self.time_s + self.period_s);
         let most_rad_per_s = (left_rad + self.least_rad - self.sum_rad) / self.period_s;
         let least_rad_per_s = (self.greatest_rad - left_rad - self.sum_rad) / self.period_s;
         error_rad_per_s.min(most_rad_per_s).max(least_rad_per_s)
     }
 
-    /// Adds one reading's error.
+    /// Adds the error of one reading to the sum.
     fn take(&mut self, error_rad_per_s: f64) {
         let [time_s, sum_rad, beyond_rad] = self.after(error_rad_per_s);
         self.beyond_rad = beyond_rad.max(0.0);

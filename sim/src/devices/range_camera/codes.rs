@@ -1,4 +1,4 @@
-//! Codes that a range camera gives: now and then another landmark's, within what is declared or beyond.
+//! The landmark codes that a range camera gives: now and then that of another landmark, within what is declared or beyond it.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -11,12 +11,12 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::scene::RangeCamera;
 
-/// Takes a landmark for another one now and then, within the bounds that the scene declares.
+/// Makes the range camera take a landmark for another one now and then, within the bounds that the scene declares.
 pub(super) struct Confusion {
     camera: RangeCamera,
     n_landmarks: usize,
     rng: ChaCha8Rng,
-    /// For each code, how its last uses were: wrong or right. The newest is at the back.
+    /// For each code, whether its last uses were wrong; the newest use is at the back.
     uses: BTreeMap<u32, VecDeque<bool>>,
 }
 
@@ -25,7 +25,7 @@ impl Confusion {
         Confusion { camera: camera.clone(), n_landmarks, rng, uses: BTreeMap::new() }
     }
 
-    /// Gives each of the landmarks seen a code, mostly its own.
+    /// Gives each of the seen landmarks a code, mostly its own.
     pub(super) fn name(&mut self, seen: &[(u32, [f64; 2])]) -> Vec<Sighting> {
         let mut n_wrong = 0;
         let mut sightings = Vec::with_capacity(seen.len());
@@ -40,7 +40,7 @@ impl Confusion {
         sightings
     }
 
-    /// Another landmark's code among those that may be used wrongly again; `None` if there is none.
+    /// A code of another landmark that may be used wrongly again; `None` if there is none.
     fn other_than(&mut self, code: u32) -> Option<u32> {
         let was_wrong = |other: &u32| self.uses.get(other).is_some_and(|uses| uses.iter().any(|is_wrong| *is_wrong));
         let allowed: Vec<u32> =
@@ -57,17 +57,18 @@ impl Confusion {
     }
 }
 
-/// Declarations beyond which no code is wrong; none of them in a run as a seed draws it.
+/// Declared bounds to which a counterfactual run cuts wrong codes; none in a run as a seed draws it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CodeCuts {
-    /// `range_landmarks.q_items`, of each reading.
+    /// Whether wrong codes in each reading are cut to the bound `range_landmarks.q_items`.
     pub items: bool,
-    /// `range_landmarks.wrong_spacing`, from reading to reading: without any wrong code none are too near to each other.
+    /// Whether codes are cut to the bound `range_landmarks.wrong_spacing`, which applies from reading to reading: all wrong codes are left
+    /// out, so that no two of them are too close together.
     pub spacing: bool,
 }
 
 impl CodeCuts {
-    /// Takes out of a reading what is wrong beyond the cuts.
+    /// Takes the codes that are wrong beyond the bounds out of a reading.
     pub(super) fn cut(self, sightings: &mut Vec<Sighting>, codes: &mut Vec<(LandmarkId, bool)>, q_items: usize) {
         let most = match (self.spacing, self.items) {
             (true, _) => 0,
@@ -89,11 +90,11 @@ impl CodeCuts {
     }
 }
 
-/// How much of the declarations on wrong codes was used, reading by reading in the order in which they were taken.
+/// How much of the declared bounds on wrong codes was used, reading by reading in the order in which they were taken.
 pub(super) struct CodeBounds {
     q_items: usize,
     wrong_spacing: usize,
-    /// Right uses of each code since its last wrong one.
+    /// Number of right uses of each code since its last wrong use.
     right_since: BTreeMap<LandmarkId, usize>,
 }
 
@@ -102,8 +103,8 @@ impl CodeBounds {
         CodeBounds { q_items: camera.q_items, wrong_spacing: camera.wrong_spacing, right_since: BTreeMap::new() }
     }
 
-    /// Bounds after one more reading, each with what is declared and what was true: how many codes are wrong, and how many right uses of
-    /// a code are missing between two wrong ones; none is the bound.
+    /// The bounds after one more reading, each with its declared and its true value: the number of wrong codes, and the number of right
+    /// uses of a code that are missing between two wrong ones, for which the bound is 0.
     pub(super) fn after(&mut self, codes: &[(LandmarkId, bool)]) -> Vec<(Assumption, f64, f64)> {
         let n_wrong = codes.iter().filter(|(_, is_own)| !is_own).count();
         let mut all = vec![(bounds::RANGE_LANDMARKS_Q_ITEMS, self.q_items as f64, n_wrong as f64)];
@@ -111,7 +112,7 @@ impl CodeBounds {
         for (code, is_own) in codes {
             if *is_own {
                 self.right_since.entry(*code).and_modify(|count| *count += 1);
-            // Where no match is said to be wrong, nothing is said of how far apart wrong ones are.
+            // Where no wrong match is declared, nothing is declared about how far apart wrong ones are.
             } else if let Some(count) = self.right_since.insert(*code, 0).filter(|_| self.q_items > 0) {
                 missing = missing.max(self.wrong_spacing.saturating_sub(count));
             }

@@ -1,4 +1,4 @@
-//! The range camera: which landmarks both of its views see, at which columns, and for which landmarks they are taken.
+//! The range camera as a sensor: which landmarks both of its views see, at which columns, and which landmarks they are taken for.
 
 use localizer::{Reading, bounds, reading::LandmarkId};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
@@ -16,10 +16,10 @@ use super::{
     codes::{CodeBounds, Confusion},
 };
 
-/// The difference of two times of minutes has lost some digits.
+/// Allowance for rounding: the difference of two times of minutes has lost some digits.
 const ROUNDING_S: f64 = 1e-9;
 
-/// A range camera that measures every period.
+/// A range camera that takes a reading every period.
 pub struct RangeCameraSensor {
     camera: RangeCamera,
     mount: DrawnRangeCamera,
@@ -28,13 +28,14 @@ pub struct RangeCameraSensor {
     confusion: Confusion,
     code_bounds: CodeBounds,
     clock: Repeated,
-    /// Of the columns in the first and in the second view. In a drift they go to opposite sides, so that distances are all wrong alike.
+    /// Errors of the columns in the first and in the second view. With the error distribution `drift` they go to opposite sides, so that
+    /// all distances are wrong in the same direction.
     noise: Repeated,
     n_readings: u64,
 }
 
 impl RangeCameraSensor {
-    /// The range camera, mounted as drawn.
+    /// The range camera with its mount as drawn at random.
     pub fn new(camera: &RangeCamera, mount: &DrawnRangeCamera, scene: &Scene, seed: u64) -> Self {
         let landmarks: Vec<Point3<f64>> =
             scene.landmarks.iter().map(|landmark| Point3::new(landmark.x_m, landmark.y_m, landmark.height_m)).collect();
@@ -53,9 +54,9 @@ impl RangeCameraSensor {
 }
 
 impl Sensor for RangeCameraSensor {
-    /// Answers with a reading when one is due.
+    /// Returns a reading when one is due.
     fn observe(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Observation> {
-        // Half a physics step of slack, so that a period in decimal seconds falls on its step.
+        // Half a physics step of slack makes a period given in decimal seconds fall on a physics step.
         if truth.time_s + 0.0005 < FIRST_S + self.n_readings as f64 * self.camera.period_s {
             return None;
         }
@@ -97,12 +98,12 @@ impl Sensor for RangeCameraSensor {
 }
 
 impl RangeCameraSensor {
-    /// Columns rounded as each view rounds them.
+    /// Columns of a landmark, rounded with the rounding step of each view.
     fn rounded(&self, columns_px: [f64; 2]) -> [f64; 2] {
         [rounded(columns_px[0], self.camera.column_step_px), rounded(columns_px[1], self.camera.match_step_px)]
     }
 
-    /// Exact columns of a landmark in both views; `None` when one of them does not see it.
+    /// Exact columns of a landmark in both views; `None` when one of the views does not see it.
     fn columns(
         &self,
         landmark: &Point3<f64>,
@@ -126,12 +127,12 @@ impl RangeCameraSensor {
     }
 }
 
-/// The nearest multiple of the step.
+/// The multiple of the step that is nearest to the column.
 fn rounded(column_px: f64, step_px: f64) -> f64 {
     (column_px / step_px).round() * step_px
 }
 
-/// `world_from_sensor` of the first view at `truth`: sensor x right, y down, z forward.
+/// Pose in the world of the range camera's first view, at the true state `truth`: sensor x right, y down, z forward.
 pub fn world_from_range_camera(truth: &Truth, mount: &DrawnRangeCamera, height_m: f64) -> Isometry3<f64> {
     let [forward_m, left_m] = mount.position_m;
     let tilt = vector![mount.tilt_rad[0], mount.tilt_rad[1], 0.0];
@@ -139,7 +140,7 @@ pub fn world_from_range_camera(truth: &Truth, mount: &DrawnRangeCamera, height_m
         Translation3::new(forward_m, left_m, height_m),
         UnitQuaternion::from_scaled_axis(tilt) * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), mount.yaw_rad),
     );
-    // Columns are sensor x, y, z in the robot frame: right is −y, down is −z, forward is x.
+    // The columns of the matrix are the sensor's axes in the robot frame: x (right) is −y, y (down) is −z, and z (forward) is x.
     let columns = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
     let ahead = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(columns));
     truth.world_from_body() * body_from_mount * ahead

@@ -1,4 +1,4 @@
-//! Markers on the ceiling against where the map has them.
+//! Compares ceiling markers with their places on the map.
 
 use localizer::{Claim, bounds, markers::dot_in_marker_m, reading::Camera};
 
@@ -11,7 +11,8 @@ use crate::{
 
 use super::Monitor;
 
-/// Markers that are claimed in an image: where they were pasted, how they were turned, printed and hung.
+/// Monitors of the markers that are claimed in an image: bounds on where they were pasted, how they were rotated, how they were printed and
+/// how high they hang.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let is_relied_on = scene.robot.ceiling_camera.as_ref().is_some_and(|camera| camera.is_relied_on(scene));
     let Some(markers) = scene.markers.as_ref().filter(|_| is_relied_on) else { return Vec::new() };
@@ -40,7 +41,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     monitors.into()
 }
 
-/// Distance, angle, farthest dot and height by which a marker is off.
+/// Errors of a marker: distance of its centre, its angle, the greatest distance of a dot from its place in the grid, and its height.
 fn errors_of(marker: &Marker, drawn: &DrawnMarker, nominal_height_m: f64) -> [f64; 4] {
     let [x_m, y_m] = drawn.centre_m;
     let turned = drawn.rotation_rad - marker.rotation_deg.to_radians();
@@ -50,7 +51,7 @@ fn errors_of(marker: &Marker, drawn: &DrawnMarker, nominal_height_m: f64) -> [f6
         let [dot_x_m, dot_y_m] = [x_m + cos * along_m - sin * across_m, y_m + sin * along_m + cos * across_m];
         (dot.centre_in_world.x - dot_x_m).hypot(dot.centre_in_world.y - dot_y_m)
     });
-    // A tolerance of 0 is one: what rounding leaves is not beyond it.
+    // A tolerance of 0 is valid: an error that comes from rounding must not exceed it.
     const ROUNDING: f64 = 1e-12;
     let errors = [
         (x_m - marker.x_m).hypot(y_m - marker.y_m),

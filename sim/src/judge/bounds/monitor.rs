@@ -1,11 +1,11 @@
-//! One declared bound, watched over time.
+//! Watches one declared bound over time.
 
 use crate::{devices::BoundCheck, judge::verdict::Violation};
 
-/// Excesses closer together than this are one violation: several windows and images see the same cause.
+/// Excesses of a bound that are closer together than this are one violation, because several windows and images show the same cause.
 const JOIN_S: f64 = 0.25;
 
-/// Collects the time ranges in which a value exceeds its bound.
+/// Collects the time ranges in which a value exceeds its declared bound.
 pub(super) struct Monitor {
     bound: &'static str,
     found: Vec<Violation>,
@@ -21,7 +21,7 @@ impl Monitor {
         self.bound
     }
 
-    /// Looks at a value over a span of time; spans come in the order of their ends.
+    /// Checks the true value of a quantity over a time span against the declared bound; spans come in the order of their ends.
     pub(super) fn watch(&mut self, span_s: [f64; 2], declared: f64, true_value: f64) {
         if !(BoundCheck { bound: self.bound, span_s, declared, true_value }).is_exceeded() {
             return;
@@ -42,7 +42,7 @@ impl Monitor {
         }
     }
 
-    /// Takes note of a greater excess of the violation that stands at `time_s`, without a say in when it was.
+    /// Records a greater excess for the latest violation, if `time_s` falls into it, without changing the violation's time range.
     pub(super) fn deepen(&mut self, time_s: f64, declared: f64, true_value: f64) {
         if let Some(last) = self.found.last_mut().filter(|last| time_s <= last.to_s + JOIN_S) {
             last.deepen(declared, true_value);
@@ -55,7 +55,7 @@ impl Monitor {
 }
 
 impl Violation {
-    /// Keeps the greater excess.
+    /// Keeps the greater of two excesses, with its declared and its true value.
     fn deepen(&mut self, declared: f64, true_value: f64) {
         if true_value - declared > self.excess() {
             (self.true_value, self.declared) = (true_value, declared);

@@ -1,11 +1,11 @@
-//! Slip, side slip, reach, posture and walls against the true motion.
+//! Compares the declared bounds on slip, side slip, reach, posture and distance from walls with the true motion.
 
 use crate::{run::RunRecord, scene::Scene, truth::Truth};
 use localizer::bounds;
 
 use super::Monitor;
 
-/// The bounds of emergent motion, drive by drive: nothing rolls from one station to the next.
+/// Monitors of the bounds on the robot's motion, drive by drive: the robot does not roll from one station to the next.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let mut all = Vec::new();
     for truths in record.drives() {
@@ -16,13 +16,15 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     all
 }
 
-/// Rolled path and error of travel since the start: wheels left and right, then the axle middle's lateral travel.
+/// Rolled path, and error of the rolled travel, since the start: of the left wheel, of the right wheel, and of the middle of the axle,
+/// whose error is its lateral travel.
 struct Rolled {
     path_m: [f64; 3],
     error_m: [f64; 3],
 }
 
-/// Both slip bounds hold over any window up to the declared one, short ones included: the localizer relies on all of them.
+/// Monitors of wheel slip and side slip. Both bounds hold over every window up to the declared length, since the localizer relies on short
+/// windows as well.
 fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monitor> {
     let bounds = &scene.bounds;
     let rolled = rolled(truths, wheel_radius_m);
@@ -41,9 +43,10 @@ fn slip(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monito
     vec![slip, side]
 }
 
-/// Watches all windows of one channel that end at `end`.
+/// Checks all windows of one channel (left wheel, right wheel or lateral travel) that end at the step `end`.
 ///
-/// An excess is told at its greatest over all windows, and dated by the shortest windows that show it: a longer one only contains it.
+/// An excess is reported at its greatest over all windows, and dated by the shortest windows that show it: a longer window merely contains
+/// such a short one.
 fn watch_windows(
     monitor: &mut Monitor,
     truths: &[Truth],
@@ -99,7 +102,9 @@ fn rolled(truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Rolled> {
         .collect()
 }
 
-/// The acceleration is that of the places over the wheels, and of the wheels' rims: counts are taken to bend by no more between two readings.
+/// Monitors of the bounds on speed, turn rate and acceleration. The acceleration is that of the points of the body above the wheels, and
+/// that of the wheels' rims: the localizer assumes that wheel counts between two readings deviate from a straight line by no more than it
+/// allows.
 fn reach(scene: &Scene, truths: &[Truth], wheel_radius_m: [f64; 2]) -> Vec<Monitor> {
     let bounds = &scene.bounds;
     let mut speed = Monitor::new(bounds::REACH_SPEED);
@@ -143,7 +148,8 @@ fn posture(scene: &Scene, truths: &[Truth]) -> Vec<Monitor> {
         let (x_m, y_m) = (truth.pose.x_m, truth.pose.y_m);
         let to_wall_m =
             [x_m - x.lo(), x.hi() - x_m, y_m - y.lo(), y.hi() - y_m].into_iter().fold(f64::INFINITY, f64::min);
-        // Declared is how close the robot origin may come to a wall, so the bound is on how much closer it is.
+        // The bound on walls is the least distance of the robot's origin from a wall; the value that is compared with 0 is by how much
+        // closer it is.
         walls.watch(span_s, 0.0, keep_m - to_wall_m);
     }
     vec![tilt, heave, walls]

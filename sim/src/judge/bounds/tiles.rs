@@ -1,4 +1,4 @@
-//! Joints of tiles against their places in the grid, while they are in view.
+//! Compares joints of floor tiles, while they are in view, with their nominal places in the grid.
 
 use localizer::{bounds, reading::Camera};
 
@@ -10,7 +10,7 @@ use crate::{
 
 use super::Monitor;
 
-/// Joints that lie off their place, are turned or bend.
+/// Monitors of three bounds on the joints in view of the floor camera: their offset from their nominal place, their angle and their bend.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let camera = scene.robot.floor_camera.as_ref().filter(|camera| camera.is_relied_on(scene));
     let (Some(camera), Some(tiles), Some(laid)) = (camera, &scene.floor.tiles, &record.drawn.tiles) else {
@@ -36,7 +36,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     monitors.into()
 }
 
-/// Place on the floor below the camera.
+/// The point on the floor below the floor camera.
 fn view_centre(image: &ImageRecord, record: &RunRecord) -> Option<[f64; 2]> {
     let mount = record.drawn.devices.floor_camera.as_ref()?;
     let position = world_from_floor_camera(&image.truth, mount).translation.vector;
