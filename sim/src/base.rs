@@ -1,5 +1,5 @@
-//! The base of a robot, a differential drive: what a seed draws of it, what the localizer is told of it, and its bounds. How it moves is
-//! [`world`](crate::world)'s, how its wheels are read `devices::encoders`'.
+//! The robot's base, a differential drive: its true dimensions as a seed draws them, what the localizer is given of them, and their
+//! declared bounds. The base's motion is in [`world`](crate::world), the reading of its wheels in `devices::encoders`.
 
 use interval::Interval;
 use localizer::{
@@ -13,22 +13,22 @@ use crate::{
     scene::{Bounds, Robot},
 };
 
-/// The bounds beyond which the wear of its wheels may put it.
+/// Bounds of the base whose true values can lie outside, because wheels may be worn beyond what is declared.
 pub(crate) const CLIPPED: [Assumption; 2] = [bounds::WHEELS_RADIUS, bounds::WHEELS_TRACK];
 
-/// True dimensions of the base, and its clock.
+/// True dimensions of the robot's base, and the error of its clock.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnBase {
     /// True rolling radius of the left and of the right wheel.
     pub wheel_radius_m: [f64; 2],
-    /// True distance between the contact points.
+    /// True distance between the contact points of the two wheels.
     pub track_m: f64,
-    /// By how much the stamps of wheels, gyroscope and flow sensor are late.
+    /// Delay, drawn at random, by which the stamps of wheels, gyroscope and flow sensor are late; negative if they are early.
     pub clock_s: f64,
 }
 
 impl DrawnBase {
-    /// Draws the base of a robot.
+    /// Draws the true dimensions and the clock error of a robot's base for a seed.
     pub(crate) fn draw(robot: &Robot, seed: u64) -> DrawnBase {
         let mut rng = stream(seed, "wheels");
         let mut around = |nominal: f64, share: f64| nominal * (1.0 + draw_within(share, robot.errors, &mut rng));
@@ -42,21 +42,22 @@ impl DrawnBase {
         }
     }
 
-    /// Its declared bounds: name, declared, and true value. Radii and track are drawn inside of them, but for wear.
+    /// Declared bounds of the base, each as name, declared value, and true value. Wheel radii and track are drawn within their bounds; only
+    /// wear can put a radius outside.
     pub(crate) fn constants(&self, robot: &Robot) -> Vec<(Assumption, f64, f64)> {
         let off_m = self.wheel_radius_m.map(|radius_m| (radius_m - robot.wheel_radius_m).abs());
         let mut all = vec![
             (bounds::WHEELS_RADIUS, robot.wheel_radius_m * robot.wheel_radius_tolerance, off_m[0].max(off_m[1])),
             (bounds::WHEELS_TRACK, robot.track_m * robot.track_tolerance, (self.track_m - robot.track_m).abs()),
         ];
-        // Without a tolerance there is one clock.
+        // With a stamp tolerance of zero the base and the localizer share one clock, so that there is no bound to check.
         if robot.delivery.stamp_tolerance_s > 0.0 {
             all.push((bounds::BASE_STAMP, robot.delivery.stamp_tolerance_s, self.clock_s.abs()));
         }
         all
     }
 
-    /// Moves back to its bound what was drawn, or is worn, beyond the bound of this name.
+    /// Moves the true value behind the bound of this name back to the bound, if the draw or the wear put it beyond.
     pub(crate) fn clip(&mut self, bound: &str, robot: &Robot) {
         let near = |value: f64, nominal: f64, share: f64| value.clamp(nominal * (1.0 - share), nominal * (1.0 + share));
         match bound {
@@ -70,7 +71,7 @@ impl DrawnBase {
     }
 }
 
-/// The keys of the base that tell the localizer a bound.
+/// Scene keys of the base from which the localizer's bounds are taken.
 pub(crate) fn told_keys(robot: &mut Robot) -> Vec<ToldKey<'_>> {
     vec![
         ToldKey::is_share_of(&[bounds::WHEELS_RADIUS], &mut robot.wheel_radius_tolerance, robot.wheel_radius_m),
@@ -79,7 +80,7 @@ pub(crate) fn told_keys(robot: &mut Robot) -> Vec<ToldKey<'_>> {
     ]
 }
 
-/// What the localizer is told of the wheels.
+/// The model of the wheels that the localizer is given: nominal dimensions with their declared tolerances.
 pub(crate) fn wheel_model(robot: &Robot, bounds: &Bounds) -> WheelModel {
     let radius_m: Interval = relative(robot.wheel_radius_m, robot.wheel_radius_tolerance);
     WheelModel {

@@ -1,4 +1,4 @@
-//! The building as geometry: flat rectangles with their materials, from what a scene states.
+//! The building as geometry: flat rectangles with their materials, built from the keys of a scene.
 
 mod body;
 mod coverings;
@@ -24,46 +24,47 @@ use crate::{
     scene::{Scene, Tiles, UNDER_CEILING_M},
 };
 
-/// What lies on something, or in the same plane, is drawn so far above it that the depth buffer tells them apart.
+/// Height by which a surface that lies on another one, or in its plane, is raised when drawn, so that the depth buffer tells the two apart.
 const LAYER_M: f64 = 0.001;
 
-/// Everything about a building that stands still.
+/// The geometry of a building: everything in it that stands still.
 #[derive(Clone, Debug)]
 pub struct Building {
-    /// Rooms: the one that the robot drives in, then the further ones.
+    /// Rooms of the building: first the one that the robot drives in, then all others.
     pub rooms: Vec<Enclosure>,
-    /// All faces that can be seen, boxes included.
+    /// All visible faces of the building, those of boxes such as furniture included.
     pub panels: Vec<Panel>,
-    /// The first ones, without frames and bars, which nobody misses in a puddle.
+    /// Number of panels at the start of `panels` that reflections in puddles show. Door frames and window bars come after them and are left
+    /// out: in a puddle nobody misses them.
     pub n_large_panels: usize,
-    /// Furniture, which casts shadows.
+    /// Pieces of furniture, which cast shadows.
     pub boxes: Vec<UprightBox>,
-    /// The tiles as they were laid.
+    /// The floor's tiles: the scene's keys for them, and the joints as they were truly laid.
     pub tiles: Option<(Tiles, LaidTiles)>,
-    /// Retro-reflective dots.
+    /// Retro-reflective dots in the building: those that the scene states and those of the ceiling markers.
     pub dots: Vec<RetroDot>,
-    /// Holes between rooms.
+    /// Openings between rooms, through which light passes.
     pub openings: Vec<Opening>,
 }
 
 /// A round retro-reflective dot that faces down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RetroDot {
-    /// Centre, world.
+    /// Centre of the dot, world frame.
     pub centre: Point3<f64>,
-    /// Radius.
+    /// Radius of the dot.
     pub radius_m: f64,
-    /// Coefficient of retroreflection.
+    /// The dot's coefficient of retroreflection.
     pub retroreflection_cd_per_lux_m2: f64,
 }
 
 impl Building {
-    /// The building of a scene.
+    /// Builds the geometry of a scene's building.
     pub fn new(scene: &Scene, drawn: &Drawn) -> Building {
         Building::furnished(scene, drawn, scene.furniture.iter().map(UprightBox::from).collect())
     }
 
-    /// The building of a scene with these boxes instead of the scene's furniture.
+    /// Builds the geometry of a scene's building with the given boxes in place of the scene's furniture.
     pub fn furnished(scene: &Scene, drawn: &Drawn, boxes: Vec<UprightBox>) -> Building {
         let rooms = walls::enclosures(scene);
         let mut building = Building {
@@ -92,17 +93,17 @@ impl Building {
         building
     }
 
-    /// Upright faces of the rooms.
+    /// The panels of the building that are walls of rooms.
     pub fn walls(&self) -> impl Iterator<Item = &Panel> {
         self.panels.iter().filter(|panel| panel.part == Part::Wall)
     }
 
-    /// The room in which a place is, or else the first.
+    /// Index of the room that a place is in; 0, the robot's room, if it is in none.
     pub fn room_at(&self, at: Point3<f64>) -> usize {
         self.rooms.iter().position(|room| room.contains(at)).unwrap_or(0)
     }
 
-    /// A place moved onto the nearest wall that faces along `facing`.
+    /// The given place moved onto the nearest wall that faces along `facing`; unchanged if no wall does.
     pub fn on_wall(&self, at: Point3<f64>, facing: Vector3<f64>) -> Point3<f64> {
         let sides = self.rooms.iter().flat_map(Enclosure::sides);
         let nearest = sides
@@ -130,12 +131,12 @@ fn dots(scene: &Scene, drawn: &Drawn) -> Vec<RetroDot> {
     stated.chain(of_markers).collect()
 }
 
-/// The point at a height above a place on the floor.
+/// The point at the given height above a place on the floor.
 fn raised([x, y]: [f64; 2], height_m: f64) -> Point3<f64> {
     Point3::new(x, y, height_m)
 }
 
-/// A direction on the floor.
+/// Horizontal unit vector along a heading.
 pub(crate) fn level(heading_rad: f64) -> Vector3<f64> {
     vector![heading_rad.cos(), heading_rad.sin(), 0.0]
 }

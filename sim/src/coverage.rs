@@ -1,12 +1,12 @@
-//! Whether the ceiling camera surely sees a marker from wherever the robot can stand.
+//! Proof that the ceiling camera surely sees enough markers from every pose that the robot can take.
 //!
 //! ```text
-//! keys ──> Field: edges of the image as planes, all tolerances ──> boxes of poses, halved until one of the markers is surely in view ──> Coverage
+//! keys ──> Field: edges of the image as planes, all tolerances ──> boxes of poses, halved until enough markers are surely in view ──> Coverage
 //! ```
 //!
 //! A point is in the image if it lies on the inner side of the four planes through the optical centre and the image's edges. The camera's
-//! attitude is a turn about the vertical, known with the heading, times an error of at most the tilts of body and mount; such an error turns a
-//! direction by at most its own angle, so that a direction that far within all planes stays within.
+//! attitude is a turn about the vertical, known with the heading, times an error rotation of at most the tilts of body and mount together.
+//! A rotation turns a direction by at most its own angle, so that a direction that lies farther than that inside all planes stays inside.
 
 mod field;
 mod lattice;
@@ -24,12 +24,12 @@ use crate::scene::{Layout, Markers, Scene};
 pub use field::Field;
 pub use lattice::{Ceiling, Unlaid, smallest};
 
-/// What a coverage is asked for.
+/// The goal of a marker coverage: what the ceiling camera has to see from every pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// Markers that lie wholly in the image, at least.
+    /// Least number of markers that must lie wholly in the ceiling camera's image at once.
     pub seen_at_once: usize,
-    /// Their least distance from its edges.
+    /// Least distance from the edges of the ceiling camera's image that a marker must have to count as seen.
     pub margin_px: f64,
 }
 
@@ -41,7 +41,7 @@ impl Default for Goal {
 }
 
 impl Markers {
-    /// What their coverage is asked for.
+    /// The coverage goal of the scene's markers.
     pub fn goal(&self) -> Goal {
         self.layout.as_ref().map_or_else(Goal::default, |layout| Goal {
             seen_at_once: layout.seen_at_once,
@@ -50,24 +50,24 @@ impl Markers {
     }
 }
 
-/// A marker as surveyed: world x and y of its middle, and its height.
+/// Surveyed place of a marker: world x and y of its middle, and its height.
 pub type Place = [f64; 3];
 
-/// Whether the goal is met.
+/// Result of a coverage proof: whether enough markers are surely seen from every pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coverage {
-    /// From every pose that the robot can take, whatever the errors are within their tolerances.
+    /// The coverage goal is met from every pose that the robot can take, whatever the errors are within their tolerances.
     Covered,
-    /// Not from this pose, or not surely from it.
+    /// The coverage goal is not met from the given pose, or not surely.
     Uncovered {
-        /// Where the robot stands.
+        /// A robot pose from which enough markers are not surely seen.
         pose: Pose,
-        /// Markers whose middle is in the image without any error.
+        /// Number of markers whose middle is in the ceiling camera's image from the reported pose, if there are no errors at all.
         seen: usize,
     },
 }
 
-/// Whether the markers that the scene's map names cover its room; `None` without a ceiling camera or markers.
+/// Checks whether the markers on the scene's map cover the robot's room; `None` if there is no ceiling camera or no marker.
 pub fn coverage(scene: &Scene) -> Option<Coverage> {
     let markers = scene.markers.as_ref()?;
     let goal = markers.goal();
@@ -77,29 +77,32 @@ pub fn coverage(scene: &Scene) -> Option<Coverage> {
     Some(covered(&field, &places, &reach(scene), goal.seen_at_once))
 }
 
-/// World x and y between which the robot's origin stays, as its body keeps it from the walls.
+/// Ranges of world x and y in which the robot's origin stays, because its body cannot come closer to the walls.
 pub fn reach(scene: &Scene) -> [[f64; 2]; 2] {
     let clearance_m = scene.robot_model().body.clearance_m;
     [scene.room.width_m, scene.room.depth_m].map(|extent_m| [clearance_m, extent_m - clearance_m])
 }
 
-/// A box of poses: its middle and half its sides.
+/// A box of poses, given by its middle and half of each of its sides.
 #[derive(Clone, Debug)]
 pub(crate) struct Poses {
     pub(crate) middle: Pose,
     pub(crate) half_m: [f64; 2],
     pub(crate) half_rad: f64,
-    /// Markers that may be in view from it.
+    /// Markers that may be in view from some pose of the box.
     near: Rc<[Place]>,
 }
 
-/// Boxes smaller than this, in which some poses are covered and others are not told, are named as they are.
+/// Size below which a box of poses is not halved further. If enough markers are not proven to be seen from all of its poses then, its
+/// middle is reported as uncovered.
 const LEAST_M: f64 = 0.002;
 const LEAST_RAD: f64 = 0.004;
-/// After a pose that is not surely covered was found, so many boxes are searched for one that sees too few even without any error.
+/// Number of boxes of poses that are still searched after a pose that is not surely covered was found, to find one from which too few
+/// markers are seen even without errors.
 const MORE_BOXES: usize = 20_000;
 
-/// Branch and bound over the poses: a box is done when enough markers are surely in the image from all of it.
+/// Proves by branch and bound that a room is covered: a box of poses is done when enough markers are surely in the image from all of its
+/// poses.
 pub fn covered(field: &Field, places: &[Place], reach_m: &[[f64; 2]; 2], seen_at_once: usize) -> Coverage {
     match search(field, places, reach_m, seen_at_once, MORE_BOXES) {
         None => Coverage::Covered,
@@ -110,7 +113,8 @@ pub fn covered(field: &Field, places: &[Place], reach_m: &[[f64; 2]; 2], seen_at
     }
 }
 
-/// A pose that is not surely covered: of `more_boxes` after the first one found, the first that sees too few even without errors.
+/// Finds a pose from which too few markers are surely in the image. Among `more_boxes` boxes of poses after the first such pose, it prefers
+/// one that sees too few markers even without errors.
 fn search(
     field: &Field,
     places: &[Place],
@@ -126,7 +130,7 @@ fn search(
     let half_m = [0.5 * (x_m[1] - x_m[0]), 0.5 * (y_m[1] - y_m[0])];
     let mut boxes = VecDeque::from([Poses { middle, half_m, half_rad: PI, near: places.into() }]);
     let (mut found, mut left) = (None, usize::MAX);
-    // Whoever asks for no more boxes asks for no better pose either: depth first comes upon some pose soon, breadth first upon it late.
+    // With `more_boxes` at 0 any uncovered pose will do, and a depth-first search finds one sooner than a breadth-first search.
     let next = if more_boxes == 0 { VecDeque::pop_back } else { VecDeque::pop_front };
     while left > 0
         && let Some(poses) = next(&mut boxes)
@@ -160,9 +164,10 @@ impl Poses {
         Poses { half_m: [0.0; 2], half_rad: 0.0, ..self.clone() }
     }
 
-    /// Both halves of it, cut where it matters most to what is in the image.
+    /// Halves of a box of poses, cut along the coordinate that moves markers in the image most.
     fn halves(&self, near: Rc<[Place]>) -> [Poses; 2] {
-        // A turn moves what is at the rim of the image, about a metre away on a ceiling; where it is not needed at all it is not cut first.
+        // Lever by which a turn of the robot moves what is at the rim of the image. On a ceiling the rim is about a metre away; half of
+        // that is used, so that the heading is not cut first where no cut of it is needed.
         const RIM_M: f64 = 0.5;
         let [x_m, y_m] = self.half_m;
         let turn_m = RIM_M * self.half_rad;
@@ -182,12 +187,12 @@ impl Poses {
         })
     }
 
-    /// One pose.
+    /// A box of poses that holds a single pose.
     pub(crate) fn at(middle: Pose) -> Poses {
         Poses { middle, half_m: [0.0; 2], half_rad: 0.0, near: Rc::new([]) }
     }
 
-    /// Whether it holds poses of all headings.
+    /// Whether a box of poses holds poses of all headings.
     pub(crate) fn has_all_headings(&self) -> bool {
         2.0 * self.half_rad >= TAU
     }

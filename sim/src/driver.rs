@@ -1,7 +1,8 @@
-//! From estimates to wheel commands: along the scene's route, or on errands by ways of its own.
+//! The driver: turns the localizer's estimates into wheel commands, along the scene's route or on errands by paths that it plans itself.
 //!
-//! A route is followed by the estimated pose: pure pursuit along the polyline, stops and turns where it says so. The driver sees
-//! estimates only, so that a lost robot drives as a lost robot does; on errands it also has its proximity sensor.
+//! On a route the driver steers by the estimated pose: pure pursuit along the polyline, with stops and turns in place where the route asks
+//! for them. It is given estimates only, never the true pose, so that a robot with a wrong estimate drives as such a robot would. On
+//! errands it also has its proximity sensor.
 
 use localizer::{Estimate, Pose, Status};
 
@@ -22,44 +23,48 @@ pub use pilot::Pilot;
 use ramp::Ramp;
 pub use turn_then_drive::{Bearing, bearing};
 
-/// Time between two commands.
+/// Time between two commands of the driver.
 pub const PERIOD_S: f64 = 0.01;
 
-/// Time in which an acceleration rises to its full value. Shorter ones make the tyres slip more, longer ones overshoot.
+/// Time in which a commanded acceleration rises to its full value. Shorter times make the tyres slip more, longer ones make the robot
+/// overshoot.
 const JERK_RISE_S: f64 = 0.2;
 
-/// Look-ahead over the track, at standstill. Shorter ones weave when the estimate jumps, longer ones cut corners.
+/// Look-ahead distance of pure pursuit at standstill, over the track. With a shorter one the robot weaves when the estimate jumps, with a
+/// longer one it cuts corners.
 const LOOK_AHEAD_OVER_TRACK: f64 = 1.0;
 
-/// Look-ahead per speed.
+/// Look-ahead distance of pure pursuit that is added per unit of speed.
 const LOOK_AHEAD_S: f64 = 0.2;
 
-/// The robot has arrived at a stop when this little of the way is left.
+/// Remaining distance at which the robot counts as arrived at a stop.
 const ARRIVED_M: f64 = 0.01;
 
-/// The robot faces its way when it is off by less; pure pursuit corrects the rest. With less, an estimate that jumps by
-/// centimetres keeps it turning to and fro.
+/// Angle between the heading and the look-ahead point below which the robot counts as facing that point; pure pursuit corrects the rest.
+/// With a smaller angle, an estimate that jumps by centimetres would keep the robot turning to and fro.
 const FACING_RAD: f64 = 0.08;
 
-/// With the way ahead farther off than this the robot turns in place first.
+/// Angle between the heading and the look-ahead point beyond which the robot first turns in place.
 const TURN_FIRST_RAD: f64 = 1.2;
 
-/// Speed below which no stop is planned, so that the last millimetres do not take for ever.
+/// Speed that is always allowed on the approach to a stop, so that the last millimetres do not take for ever.
 const CREEP_M_PER_S: f64 = 0.02;
 
-/// Turn rate per angle left, near the end of a turn: slow enough for the ramp's rise, or the robot swings to and fro.
+/// Turn rate per remaining angle near the end of a turn. A higher one is too fast for the rise time of the acceleration, so that the robot
+/// swings to and fro.
 const TURN_GAIN_PER_S: f64 = 2.0;
 
-/// Turn rate at which a turn counts as ended.
+/// Turn rate below which a turn counts as ended.
 const STILL_RAD_PER_S: f64 = 0.01;
 
-/// Without this much progress in `STUCK_S` the waypoint is given up.
+/// Least progress within `STUCK_S`; with less the waypoint is given up.
 const PROGRESS_M: f64 = 0.02;
 
-/// See `PROGRESS_M`. Longer than any caution lasts, and than any turn.
+/// Time without `PROGRESS_M` of progress after which a waypoint is given up. It is longer than any turn, and than the driver ever waits out
+/// of caution.
 const STUCK_S: f64 = 20.0;
 
-/// Drives the route.
+/// Driver that follows the scene's route.
 #[derive(Clone, Debug)]
 pub struct Driver {
     path: Option<Path>,
@@ -73,11 +78,11 @@ pub struct Driver {
     progress: Progress,
 }
 
-/// What the driver is about.
+/// What the driver is doing at present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
     Drive,
-    /// Slowing down at a stop, then standing until a time.
+    /// The robot slows down at a stop, then stands until the given time.
     Stand {
         until_s: Option<f64>,
     },
@@ -85,14 +90,14 @@ enum Stage {
     Finished,
 }
 
-/// The last time that the robot got on.
+/// The remaining distance and the time when the robot last made progress.
 #[derive(Clone, Copy, Debug)]
 struct Progress {
     left_m: f64,
     at_s: f64,
 }
 
-/// Speed and turn rate that the driver would like.
+/// Speed and turn rate that the driver aims at, before accelerations are limited.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wish {
     speed_m_per_s: f64,
@@ -100,7 +105,7 @@ struct Wish {
 }
 
 impl Driver {
-    /// A driver of the scene's route; without one it stands still.
+    /// Makes a driver for the scene's route. Without a route it stands still.
     pub fn new(scene: &Scene) -> Driver {
         let robot = &scene.robot;
         let acceleration_m_per_s2 = robot.max_acceleration_m_per_s2;
@@ -110,8 +115,8 @@ impl Driver {
             segment_idx: 0,
             stage: Stage::Turn,
             speed: Ramp::new(acceleration_m_per_s2, JERK_RISE_S),
-            // In a turn the wheels accelerate half as hard as straight on: both at once load a tyre, and a robot that ends a
-            // turn swings its rubber from full braking to nothing without rolling on.
+            // In a turn the wheels accelerate half as hard as straight on. Both at once load a tyre, and at the end of a turn the tyres'
+            // rubber swings from full braking to nothing without rolling on.
             turn: Ramp::new(acceleration_m_per_s2 / robot.track_m, JERK_RISE_S),
             caution: Caution::new(scene),
             pose: scene.nominal_start(),
@@ -119,7 +124,7 @@ impl Driver {
         }
     }
 
-    /// The wheel speeds for the next [`PERIOD_S`].
+    /// The wheel speeds for the next [`PERIOD_S`], by the localizer's estimate.
     pub fn command(&mut self, estimate: &Estimate, time_s: f64) -> WheelCommand {
         let hull = estimate.pose.hull();
         if !hull.is_empty() {
@@ -133,19 +138,20 @@ impl Driver {
                 let wish = self.wish(time_s);
                 Wish { speed_m_per_s: wish.speed_m_per_s * speed_share, ..wish }
             }
-            // A robot that turns about its own middle touches nothing, and shows its camera other joints.
+            // The robot turns in place to see more: a round robot that turns about its own middle touches nothing, and its floor camera
+            // sees other joints.
             Freedom::LookAround { turn_rad_per_s } => Wish { speed_m_per_s: 0.0, turn_rad_per_s },
             Freedom::Halt => Wish::default(),
         };
         self.actuate(wish)
     }
 
-    /// Whether the route has not begun yet.
+    /// Whether the route has not begun yet, so that the robot rests.
     fn rests(&self, time_s: f64) -> bool {
         self.scene.route.as_ref().is_some_and(|route| time_s < route.begins_s)
     }
 
-    /// Wheel speeds on the way to a wish, as fast as the tyres should bear.
+    /// Wheel speeds that approach the wanted speed and turn rate as fast as the tyres should bear.
     fn actuate(&mut self, wish: Wish) -> WheelCommand {
         let robot = &self.scene.robot;
         let speed_m_per_s = self.speed.follow(wish.speed_m_per_s, PERIOD_S);
@@ -157,7 +163,7 @@ impl Driver {
         }
     }
 
-    /// Follows the route at an instant.
+    /// The speed and turn rate that the route asks for at a time.
     fn wish(&mut self, time_s: f64) -> Wish {
         if self.path.is_none() {
             let place_m = [self.pose.x_m, self.pose.y_m];
@@ -175,7 +181,7 @@ impl Driver {
         wish
     }
 
-    /// Gives up a turn that does not end, and a waypoint that does not come closer: behind a wall, say.
+    /// Gives up a turn that does not end, and a waypoint that does not come closer, for example one behind a wall.
     fn watch_progress(&mut self, path: &Path, time_s: f64) {
         let left_m =
             path.segment(self.segment_idx).map_or(0.0, |segment| segment.length_m - segment.foot_m(self.place_m()));
@@ -188,7 +194,7 @@ impl Driver {
         }
     }
 
-    /// Comes to a stand, waits as long as the waypoint says, then turns to the next one.
+    /// Brings the robot to a stand, waits as long as the waypoint asks for, then turns to the next waypoint.
     fn stand(&mut self, path: &Path, until_s: Option<f64>, time_s: f64) -> Wish {
         if self.speed.value() == 0.0 && self.turn.value() == 0.0 {
             let pause_s = path.waypoint(self.segment_idx).map_or(0.0, |waypoint| waypoint.pause_s);
@@ -206,7 +212,7 @@ impl Driver {
         self.stage = if path.waypoint(self.segment_idx).is_some() { Stage::Turn } else { Stage::Finished };
     }
 
-    /// Turns in place until the way lies ahead.
+    /// Turns the robot in place until it faces the look-ahead point on the path.
     fn turn(&mut self, path: &Path) -> Wish {
         let (off_rad, _) = self.way_ahead(path);
         if off_rad.abs() < FACING_RAD {
@@ -224,7 +230,8 @@ impl Driver {
         Wish { speed_m_per_s: 0.0, turn_rad_per_s: off_rad.signum() * rate_rad_per_s }
     }
 
-    /// Pure pursuit (Coulter 1992): the arc through the robot's place, along its heading, to the point ahead: `κ = 2·y/d²`.
+    /// Pure pursuit (Coulter 1992): the robot follows the arc that starts along its heading and leads to the look-ahead point, of curvature
+    /// `κ = 2·y/d²`.
     fn drive(&mut self, path: &Path) -> Wish {
         let place_m = self.place_m();
         while let Some(segment) = path.segment(self.segment_idx)
@@ -261,29 +268,32 @@ impl Driver {
         Wish { speed_m_per_s: limit_m_per_s, turn_rad_per_s: turn_rad_per_s.clamp(-turn_limit, turn_limit) }
     }
 
-    /// Greatest speed from which the end of the segment can be met at the speed that its corner allows.
+    /// Greatest speed from which the robot can still slow down, by the end of the segment, to the speed that the corner there allows.
     fn approach_speed_m_per_s(&self, path: &Path, left_m: f64) -> f64 {
-        // Half of the acceleration: the other half is for the ramp's rise and for jumps of the estimate.
+        // Only half of the robot's acceleration limit is planned with. The other half is kept for the acceleration's rise time and for
+        // jumps of the estimate.
         let braking_m_per_s2 = 0.5 * self.scene.robot.max_acceleration_m_per_s2;
         if path.stops_after(self.segment_idx) {
             return (2.0 * braking_m_per_s2 * left_m.max(0.0)).sqrt() + CREEP_M_PER_S;
         }
         let look_ahead_m = self.look_ahead_m();
         let corner_rad = path.corner_rad(self.segment_idx).unwrap_or(0.0);
-        // The point ahead goes round the corner while the robot does, so that it is seen under about two thirds of its angle.
+        // The look-ahead point goes round the corner while the robot does, so that the robot sees it at about two thirds of the corner's
+        // angle.
         let curvature_per_m = 2.0 * (0.67 * corner_rad).sin() / look_ahead_m;
         let corner_m_per_s = self.curve_speed_m_per_s(curvature_per_m);
         (corner_m_per_s * corner_m_per_s + 2.0 * braking_m_per_s2 * (left_m - look_ahead_m).max(0.0)).sqrt()
     }
 
-    /// Greatest speed in a curve: within the turn rate, and with no more acceleration to the side than ahead.
+    /// Greatest speed in a curve: within the turn rate's limit, and with a sideways acceleration no greater than the limit of the forward
+    /// one.
     fn curve_speed_m_per_s(&self, curvature_per_m: f64) -> f64 {
         let sideways_m_per_s2 = self.scene.robot.max_acceleration_m_per_s2;
         let curvature_per_m = curvature_per_m.abs().max(1e-9);
         (self.turn_limit_rad_per_s() / curvature_per_m).min((sideways_m_per_s2 / curvature_per_m).sqrt())
     }
 
-    /// Bearing of the point ahead against the heading, `[−π, π]`, and its distance.
+    /// Bearing of the look-ahead point against the robot's heading, in `[−π, π]`, and the distance of that point.
     fn way_ahead(&self, path: &Path) -> (f64, f64) {
         let along_m = path
             .segment(self.segment_idx)

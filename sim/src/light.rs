@@ -1,9 +1,9 @@
-//! Light in a building: lamps, what of their light arrives where, and what bounces on from there.
+//! Light in a building: lamps, how much of their light arrives where, and the indirect light that floors, walls and ceilings reflect.
 //!
 //! Everything here is double precision on the processor and free of graphics; the renderer reads the result from light maps.
 //!
-//! Unit: light is counted by its photons. An *equivalent* lumen, lux or candela of a band is that number of photons which a
-//! lumen, lux or candela of 555 nm has, so that one conversion to electrons serves all spectra and both bands.
+//! Unit: light is counted by its photons. An *equivalent* lumen, lux or candela of a band is that number of photons which a lumen, lux or
+//! candela of 555 nm has, so that one conversion to electrons serves all spectra and both bands.
 
 mod bounce;
 mod floor_field;
@@ -27,39 +27,39 @@ use crate::{
     scene::Scene,
 };
 
-/// Lamps of a scene in its building, with what is in the way.
+/// The lighting of a building: its lamps, what casts shadows, and the light reflected between surfaces.
 #[derive(Clone, Debug)]
 pub struct Lighting {
-    /// Sources that do not move.
+    /// Light sources of the building, none of which moves.
     pub sources: Vec<Source>,
-    /// What casts shadows.
+    /// Furniture and walls that cast shadows.
     pub occluders: Occluders,
-    /// Light that arrives by way of walls, floor and ceiling, by room.
+    /// Light that arrives by reflection at floor, walls and ceiling, for each room.
     pub bounces: Vec<Bounce>,
-    /// Holes between them.
+    /// Openings between rooms, through which light passes.
     pub openings: Vec<Opening>,
-    /// Factor on everything, so that the scene's illuminance comes out.
+    /// Factor on all light, chosen so that the illuminance is what the scene states.
     pub dimming: f64,
 }
 
-/// Light that arrives somewhere: photometric, and by the photons of the visible and of the infrared band.
+/// Illuminance at a point: in photometric units, and as counted by photons of the visible and of the infrared band.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Illuminance {
-    /// As a luxmeter reads it.
+    /// Illuminance as a luxmeter reads it.
     pub lux: f64,
-    /// Equivalent lux in the visible and in the infrared band.
+    /// Illuminance in equivalent lux, in the visible and in the infrared band.
     pub by_band: [f64; 2],
 }
 
 impl Illuminance {
-    /// `self + share·photons`, the light of a spectrum.
+    /// Adds light of a spectrum: its lux, and these times its photons in each band.
     fn add(&mut self, lux: f64, photons: Photons) {
         self.lux += lux;
         self.by_band[0] += lux * photons.visible;
         self.by_band[1] += lux * photons.infrared;
     }
 
-    /// Sum with another one times a factor.
+    /// This illuminance plus another one times a factor.
     pub fn plus(self, factor: f64, other: Illuminance) -> Illuminance {
         Illuminance {
             lux: self.lux + factor * other.lux,
@@ -67,14 +67,14 @@ impl Illuminance {
         }
     }
 
-    /// All of it times a factor.
+    /// This illuminance times a factor, in all units.
     pub fn times(self, factor: f64) -> Illuminance {
         Illuminance::default().plus(factor, self)
     }
 }
 
 impl Lighting {
-    /// The scene's lamps, undimmed and without what bounces.
+    /// The lighting by the scene's lamps alone, without dimming and without reflected light.
     pub fn direct(scene: &Scene, building: &Building) -> Lighting {
         Lighting {
             sources: source::sources(scene, building),
@@ -85,7 +85,7 @@ impl Lighting {
         }
     }
 
-    /// Direct light at a point of a surface, shadows included; `samples` on each lamp along each of its sides.
+    /// Direct light at a point of a surface, shadows included. Each lamp is sampled at `samples` × `samples` places.
     pub fn direct_at(&self, at: Point3<f64>, normal: Vector3<f64>, samples: usize) -> Illuminance {
         let mut sum = Illuminance::default();
         for source in &self.sources {
@@ -97,13 +97,13 @@ impl Lighting {
         sum.times(self.dimming)
     }
 
-    /// All light at a point of a surface in a room; `samples` as in [`Lighting::direct_at`].
+    /// Direct and reflected light at a point of a surface in a room; `samples` as in [`Lighting::direct_at`].
     pub fn at(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize, samples: usize) -> Illuminance {
         let direct = self.direct_at(at, normal, samples);
         direct.plus(self.dimming, self.bounced(at, normal, room))
     }
 
-    /// What bounces, undimmed, onto a point of a surface in a room.
+    /// Reflected light, without dimming, at a point of a surface in a room.
     pub(crate) fn bounced(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize) -> Illuminance {
         Bounce::at(&self.bounces, &self.openings, room, (at, normal))
     }

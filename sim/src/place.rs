@@ -1,5 +1,5 @@
-//! The place that the robot is in, as its wheels and its sensors find it: the floor under a point, what stands between two points, and who is
-//! about.
+//! The surroundings of the robot as its wheels and sensors meet them: the floor under a point, what stands between two points, and people
+//! nearby.
 
 pub(crate) mod floor;
 pub(crate) mod sight;
@@ -7,16 +7,16 @@ pub(crate) mod sight;
 /// A person at an instant, as an upright cylinder on the floor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bystander {
-    /// Where the person stands, world.
+    /// Place where the person stands, world frame.
     pub place_m: [f64; 2],
-    /// Radius of the cylinder.
+    /// Radius of the cylinder that stands for the person.
     pub radius_m: f64,
-    /// Its height.
+    /// Height of the person.
     pub height_m: f64,
-    /// Direction of the face from world x.
+    /// Direction that the person faces, measured from world x.
     pub heading_rad: f64,
-    /// Way walked since the start.
+    /// Distance that the person has walked since the start.
     pub walked_m: f64,
-    /// Of the last step, along world x and y.
+    /// Velocity of the person in the last time step, along world x and y.
     pub velocity_m_per_s: [f64; 2],
 }

@@ -1,12 +1,12 @@
-//! Pictures of the world as a camera's sensor gives them, drawn headlessly by wgpu.
+//! Pictures of the world as a camera's sensor gives them, drawn by wgpu without a window.
 //!
 //! ```text
 //! View ─> floor pass (rasterised faces, then bands)     ─> plate in cd/m² ─> lens and photons, one pass ─> GrayImage
 //!      or room pass (faces, lamps, people; then edges)
 //! ```
 //!
-//! All views of a tick go in one submit. Same world, views and adapter: same bytes. A further camera is a further
-//! [`View`]; a further kind of surface is a further pass onto the same plate.
+//! All views of a tick are submitted to the device at once. The same world, views and adapter give the same bytes. A further camera is
+//! added as a further [`View`], a further kind of surface as a further pass onto the same plate.
 
 use image::GrayImage;
 use nalgebra::Isometry3;
@@ -37,52 +37,54 @@ use photons::PhotonPass;
 use room::{RoomPass, RoomWorld};
 use target::{Levels, Target};
 
-/// Targets that are kept though a tick does not need them: those of other cameras, whose turn comes again.
+/// Number of targets (device memory of views) that are kept although the present tick does not need them: those of other cameras will be
+/// needed again.
 const MOST_SPARE_TARGETS: usize = 8;
 
-/// Grey levels of more than eight bits.
+/// An image with grey levels of more than eight bits.
 pub type DeepImage = image::ImageBuffer<image::Luma<u16>, Vec<u16>>;
 
-/// One picture to take. Camera frame: x right, y down, z forward.
+/// Description of one picture to take. Camera frame: x right, y down, z forward.
 #[derive(Clone, Debug)]
 pub struct View {
-    /// What of the world it shows.
+    /// The part of the world that the view shows.
     pub shows: Shows,
-    /// The lens through which it does.
+    /// The lens through which the picture is taken.
     pub lens: Lens,
-    /// What turns light into grey levels.
+    /// The sensor that turns light into grey levels.
     pub sensor: SensorModel,
-    /// Camera poses at equal steps of time, from the start of the first row's exposure to the end of the last row's; one pose if nothing moves.
+    /// Camera poses at equal steps of time, from the start of the first row's exposure to the end of the last row's; a single pose if the
+    /// camera does not move.
     pub world_from_camera: Vec<Isometry3<f64>>,
-    /// Length of the exposure.
+    /// Length of the exposure of each row.
     pub exposure_s: f64,
-    /// Grey levels of the sensor's own depth per electron.
+    /// Gain of the sensor: grey levels, at its own bit depth, per electron.
     pub gain_levels_per_electron: f64,
     /// Mean illuminance over the room's floor.
     pub illuminance_at_floor_lux: f64,
-    /// Where the noise of this picture comes from.
+    /// Key of the random noise of this picture.
     pub noise: NoiseKey,
 }
 
-/// What of the world a view shows.
+/// The part of the world that a view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shows {
-    /// The floor alone, from near: joints, wear, strays, what is printed on tiles.
+    /// The floor alone, seen from near: joints, wear, stray wires and tape, and the pattern of tiles.
     Floor,
-    /// All that stands in the building and moves in it.
+    /// The whole room: everything that stands in the building or moves in it.
     Room,
 }
 
-/// Names the noise of one picture: another seed or another number gives independent noise.
+/// Key of the noise of one picture: another seed or another number gives independent noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NoiseKey {
     /// Seed of the run, mixed with the name of the camera if there are several.
     pub seed: u64,
-    /// Number of the picture since the start.
+    /// Number of the picture since the start of the run.
     pub image: u32,
 }
 
-/// A world as it is drawn, made by [`Renderer::upload`].
+/// A world prepared on the graphics device for drawing, made by [`Renderer::upload`].
 #[derive(Debug)]
 pub struct RenderedWorld {
     floor: Floor,
@@ -92,14 +94,14 @@ pub struct RenderedWorld {
 }
 
 impl RenderedWorld {
-    /// Mean illuminance at the floor of the robot's room as the scene's lamps give it; `None` where it has none and only
-    /// the floor was uploaded.
+    /// Mean illuminance at the floor of the robot's room by the scene's lamps; `None` if the scene states no lamps and only the floor was
+    /// uploaded.
     pub fn illuminance_at_floor_lux(&self) -> Option<f64> {
         self.lamps_at_floor_lux
     }
 
-    /// Puts people where the next pictures show them when their exposure ends; until then they walk. Their shadows are worked out here,
-    /// once for all views.
+    /// Sets where people are at the end of the exposure of the next pictures; during the exposure they walk there. Their shadows are
+    /// computed here, once for all views.
     pub fn place_bodies(&mut self, bodies: &[UprightBody]) {
         let Some(room) = &mut self.room else { return };
         if let Some(nodes) = room.place_bodies(&self.graphics, bodies)
@@ -110,61 +112,62 @@ impl RenderedWorld {
     }
 }
 
-/// Why no picture came.
+/// Reason why no picture could be drawn.
 #[derive(Debug, Error)]
 pub enum RenderError {
-    /// No graphics adapter, real or software, that could be used.
+    /// There is no graphics adapter, real or software, that can be used.
     #[error(
         "find a graphics adapter{}; `make driver` installs a software one{}",
         wanted.as_ref().map(|name| format!(" whose name contains \"{name}\" (--adapter or WHEREIN_ADAPTER)")).unwrap_or_default(),
         if found.is_empty() { String::new() } else { format!("; found: {}", found.join(", ")) }
     )]
     NoAdapter {
-        /// What was asked for.
+        /// Name of the adapter that was asked for.
         wanted: Option<String>,
-        /// Adapters that are there.
+        /// Names of the adapters that were found.
         found: Vec<String>,
     },
-    /// The adapter cannot do what the renderer needs.
+    /// The adapter lacks something that the renderer needs.
     #[error("open the graphics adapter {adapter}: {reason}")]
     Unusable {
         /// Name of the adapter.
         adapter: String,
-        /// What the driver said.
+        /// Message of the graphics driver.
         reason: String,
     },
-    /// The world or the picture does not fit on the device.
+    /// The world or the picture does not fit on the graphics device.
     #[error("draw {what}: it takes {needed}, where the graphics adapter allows {limit}")]
     TooLarge {
-        /// What is too large.
+        /// Name of the thing that is too large.
         what: &'static str,
-        /// What it takes, with its unit.
+        /// Size that the thing needs, with its unit.
         needed: String,
-        /// What there is.
+        /// Greatest size that the adapter allows, with its unit.
         limit: String,
     },
-    /// A view that cannot be drawn.
+    /// The view cannot be drawn.
     #[error("draw a view: {0}")]
     BadView(&'static str),
-    /// The driver reported an error or lost the device.
+    /// The graphics driver reported an error or lost the device.
     #[error("draw a picture: the graphics driver reported: {0}")]
     Device(String),
-    /// The driver did not finish in time.
+    /// The graphics driver did not finish in time.
     #[error("draw a picture: the graphics driver did not answer within {waited_s} s")]
     Hung {
-        /// Time waited.
+        /// Time that was waited for the driver, in seconds.
         waited_s: f64,
     },
 }
 
-/// The graphics device with its pipelines. Make one per process, and siblings of it for further threads: contexts of OpenGL abort when
-/// threads share them.
+/// The graphics device with its pipelines. A process should make one renderer, and siblings of it for further threads, because OpenGL
+/// contexts abort when threads share them.
 pub struct Renderer {
     graphics: Graphics,
     floor_pass: FloorPass,
     room_pass: RoomPass,
     photon_pass: PhotonPass,
-    /// One per view of a tick and those of some ticks before, kept as a lens's map takes a while.
+    /// Targets (device memory) for the views of the present tick, followed by those for views of some earlier ticks. They are kept because
+    /// a lens's map takes a while to compute.
     targets: Vec<Target>,
 }
 
@@ -177,7 +180,7 @@ impl Renderer {
         Renderer::on_adapter(None)
     }
 
-    /// Opens the adapter that has `adapter` in its name, driver or backend; without one, as [`Renderer::new`].
+    /// Opens the adapter that has `adapter` in its name, driver or backend; without a name it does the same as [`Renderer::new`].
     ///
     /// # Errors
     /// If there is no such adapter or it cannot be opened.
@@ -185,8 +188,8 @@ impl Renderer {
         Renderer::on(Graphics::open(adapter)?)
     }
 
-    /// Another renderer for another thread: on the same device, or with a software driver on one of its own; none when the driver does not
-    /// allow several threads.
+    /// Another renderer for another thread, on the same device or, with a software driver, on a device of its own; `None` if the driver
+    /// does not allow several threads.
     ///
     /// # Errors
     /// If the driver reported an error.
@@ -202,7 +205,7 @@ impl Renderer {
         Ok(Renderer { graphics, floor_pass, room_pass, photon_pass, targets: Vec::new() })
     }
 
-    /// Name, driver and backend of the adapter: pictures are the same bytes only on the same one.
+    /// Name, driver and backend of the adapter: pictures have the same bytes only on the same adapter.
     pub fn adapter(&self) -> String {
         self.graphics.adapter_name()
     }
@@ -210,7 +213,7 @@ impl Renderer {
     /// Prepares a world for views of its floor.
     ///
     /// # Errors
-    /// If the driver reported an error since, or lost the device.
+    /// If the driver reported an error earlier, or lost the device.
     pub fn upload(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check_alive()?;
         let (mut lamplight, mut lamps_at_floor_lux) = (None, None);
@@ -224,10 +227,10 @@ impl Renderer {
         Ok(RenderedWorld { floor, room: None, lamps_at_floor_lux, graphics: self.graphics.clone() })
     }
 
-    /// Prepares a world for all views, its people at the start; its light is worked out here, which takes up to a second.
+    /// Prepares a world for all views, with its people at their starts. Its light is computed here, which takes up to a second.
     ///
     /// # Errors
-    /// If the driver reported an error since, or lost the device.
+    /// If the driver reported an error earlier, or lost the device.
     pub fn upload_room(&mut self, scene: &Scene, drawn: &Drawn) -> Result<RenderedWorld, RenderError> {
         self.graphics.check_alive()?;
         let room = self.room_pass.upload(&self.graphics, scene, drawn);
@@ -249,19 +252,19 @@ impl Renderer {
         Ok(world)
     }
 
-    /// Takes all pictures of a tick, in the order of `views`: the eight most significant bits of each level.
+    /// Takes all pictures of a tick, in the order of `views`, with the eight most significant bits of each grey level.
     ///
     /// # Errors
-    /// If a view has no pose or is larger than the device allows, or the driver reports an error or does not answer.
+    /// If a view has no pose or is larger than the device allows, or if the driver reports an error or does not answer.
     pub fn draw(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<GrayImage>, RenderError> {
         let together: Vec<(&RenderedWorld, &View)> = views.iter().map(|view| (world, view)).collect();
         self.draw_together(&together)
     }
 
-    /// As [`Renderer::draw`], each view of a world of its own; still one submit.
+    /// Takes pictures like [`Renderer::draw`], but each view is of a world of its own; all views are still submitted at once.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// As for [`Renderer::draw`].
     pub fn draw_together(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<Vec<GrayImage>, RenderError> {
         let pictures = self.read_out(views)?.into_iter().zip(views).map(|(levels, (_, view))| {
             let pixels = match levels {
@@ -276,10 +279,10 @@ impl Renderer {
         pictures.collect()
     }
 
-    /// The same pictures with all bits that the sensors give.
+    /// Takes the same pictures as [`Renderer::draw`], but with all bits that the sensors give.
     ///
     /// # Errors
-    /// As [`Renderer::draw`].
+    /// As for [`Renderer::draw`].
     pub fn draw_deep(&mut self, world: &RenderedWorld, views: &[View]) -> Result<Vec<DeepImage>, RenderError> {
         let together: Vec<(&RenderedWorld, &View)> = views.iter().map(|view| (world, view)).collect();
         let pictures = self.read_out(&together)?.into_iter().zip(views).map(|(levels, view)| {
@@ -311,7 +314,7 @@ impl Renderer {
             }
             self.photon_pass.draw(&self.graphics, &mut encoder, (&world.floor, view), target);
         }
-        // Copies last: a software driver waits with each for all that was drawn before.
+        // Grey levels are copied last, because a software driver waits at each copy for everything that was drawn before.
         self.targets.iter().take(views.len()).for_each(|target| target.stage(&mut encoder));
         let submission = self.graphics.queue.submit([encoder.finish()]);
         let mappings: Vec<_> = self.targets.iter().take(views.len()).map(Target::map).collect();
@@ -320,7 +323,7 @@ impl Renderer {
         self.targets.iter().take(views.len()).map(Target::read).collect()
     }
 
-    /// Puts first, in the order of the views, targets that suit them.
+    /// Puts the targets (device memory) that suit the views first, in the order of the views, and makes those that are missing.
     fn prepare_targets(&mut self, views: &[(&RenderedWorld, &View)]) -> Result<(), RenderError> {
         for (index, (_, view)) in views.iter().enumerate() {
             let spare = (index..self.targets.len()).find(|spare| self.targets[*spare].suits(view));

@@ -1,32 +1,32 @@
-//! The true state of the world at an instant. It reaches the sensors, the check and the record, never the localizer.
+//! The true state of the world at an instant. It reaches the sensors, the check of estimates and the record, never the localizer.
 
 use localizer::Pose;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
-/// Length of a step of the physics. Longer steps make the supports of a light robot unstable from 2.5 ms on.
+/// Length of a time step of the physics. From 2.5 ms on, longer steps make the supports of a light robot unstable.
 pub const STEP_S: f64 = 0.001;
 
-/// True state of the robot.
+/// True state of the robot at an instant.
 ///
-/// `pose` is that of the body's origin, which lies under the middle of the axle at floor level when the body is at rest;
-/// its heading is unwrapped.
+/// `pose` is that of the body's origin, which lies under the middle of the axle at floor level when the body is at rest; its heading is
+/// unwrapped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Truth {
-    /// Time since the start.
+    /// Time since the start of the run.
     pub time_s: f64,
-    /// `world_from_robot` in the plane.
+    /// True pose of the robot in the plane, `world_from_robot`.
     pub pose: Pose,
-    /// Forward speed, leftward speed and turn rate of the robot origin, robot frame.
+    /// Forward speed, leftward speed and turn rate of the robot's origin, robot frame.
     pub velocity: [f64; 3],
-    /// Height of the robot origin above its height at rest.
+    /// Height of the robot's origin above its height at rest.
     pub heave_m: f64,
     /// Rotation of the body about robot x (roll) and robot y (pitch) against the floor.
     pub tilt_rad: [f64; 2],
     /// Spin angle of the left and of the right wheel since the start.
     pub wheel_angle_rad: [f64; 2],
-    /// True travel over the floor of the left and of the right wheel's contact point along the robot's x axis, accumulated.
+    /// True travel over the floor of the left and of the right wheel's contact point along the robot's x axis, accumulated since the start.
     pub wheel_travel_m: [f64; 2],
-    /// True travel of the robot origin along the robot's y axis, accumulated.
+    /// True travel of the robot's origin along the robot's y axis, accumulated since the start.
     pub lateral_travel_m: f64,
 }
 
@@ -36,12 +36,12 @@ impl Truth {
         let [roll_rad, pitch_rad] = self.tilt_rad;
         Isometry3::from_parts(
             Translation3::new(self.pose.x_m, self.pose.y_m, self.heave_m),
-            // nalgebra's Euler angles are exactly this product.
+            // nalgebra's Euler angles mean exactly the product Rz(yaw)·Ry(pitch)·Rx(roll).
             UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, self.pose.heading_rad),
         )
     }
 
-    /// The state at `time_s` on the chord from this one to `later`.
+    /// The state at `time_s` by linear interpolation between this state and a later one.
     pub fn interpolated(&self, later: &Truth, time_s: f64) -> Truth {
         let span_s = later.time_s - self.time_s;
         let share = if span_s > 0.0 { (time_s - self.time_s) / span_s } else { 0.0 };

@@ -1,8 +1,8 @@
-//! The physical world: a robot on its wheels in a walled room, in steps of 1 ms. Slip comes out of the tyres.
+//! The physical world: a robot on its wheels in a walled room, in time steps of 1 ms. Wheel slip emerges from the tyres.
 //!
-//! rapier moves the body; wheels, tyres and springs are ours and act on it as forces, because wheels on joints creep and
-//! rolling cylinders scrub. In each step: what the floor is here, what the springs bear, what the tyres grip, what a hand
-//! pushes, then the body moves.
+//! rapier moves the body. Wheels, tyres and springs are modelled here and act on the body as forces, because rapier's wheels on joints
+//! creep and its rolling cylinders scrub. Each step computes what the floor is like under the robot, what the springs bear, what the tyres
+//! grip and what a hand pushes; then the body moves.
 
 use rapier3d_f64::prelude::Vector;
 
@@ -36,28 +36,29 @@ use stuck::StuckWheels;
 use support::Support;
 use tyre::{Contact, Tyre};
 
-/// Steps in a second, so that times are quotients of whole numbers and never drift.
+/// Number of time steps in a second. Times are quotients of whole numbers and therefore never drift.
 pub const STEPS_PER_S: f64 = 1000.0;
 
 /// Standard gravity.
 const GRAVITY_M_PER_S2: f64 = 9.806_65;
 
-/// Wheel speeds that the drive is asked for, positive when rolling forward.
+/// Wheel speeds that the drive is commanded to reach, positive when rolling forward.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WheelCommand {
-    /// Left, right.
+    /// Commanded speeds of the left and of the right wheel.
     pub speed_rad_per_s: [f64; 2],
 }
 
-/// Speed over the ground from which the pile's drag is whole; below it grows evenly, so that a robot comes to rest.
+/// Speed over the ground from which the drag of a carpet's pile has its full value. Below it the drag is proportional to the speed, so that
+/// a robot comes to rest.
 const DRAG_WHOLE_M_PER_S: f64 = 0.01;
 
-/// Robot, floor and walls. A clone is a snapshot: both go on alike, bit for bit.
+/// The simulated robot, floor and walls. A clone is a snapshot: the original and the clone continue alike, bit for bit.
 #[derive(Clone)]
 pub struct World {
     chassis: Chassis,
     wheels: [Wheel; 2],
-    /// Of both wheels on a hard floor.
+    /// Tyre of both wheels on a hard floor.
     tyre: Tyre,
     supports: [Support; 4],
     floor: Floor,
@@ -65,10 +66,10 @@ pub struct World {
     lifts: Vec<Lift>,
     stuck: StuckWheels,
     walkers: Vec<Walker>,
-    /// How far the wheels rolled in this step, and what the floor gave them.
+    /// Distance and turn that the wheels rolled in the present step; `traction` is the force that the floor gave them.
     rolled: Rolled,
     traction: Vector,
-    /// What the floor bears in this step.
+    /// Total vertical force of the floor on the robot in the present step.
     borne_n: f64,
     track_m: f64,
     n_steps: u64,
@@ -76,7 +77,7 @@ pub struct World {
 }
 
 impl World {
-    /// The scene's world at time 0: the robot at its drawn start, at rest on its wheels.
+    /// The scene's world at time 0: the robot at its true start, at rest on its wheels.
     pub fn new(scene: &Scene, drawn: &Drawn) -> World {
         let chassis = Chassis::new(scene, drawn);
         let wheel = |radius_m| Wheel::new(radius_m, scene.robot.mass_kg, GRAVITY_M_PER_S2);
@@ -99,7 +100,7 @@ impl World {
         }
     }
 
-    /// Advances by [`STEP_S`] under a command and returns the truth after it.
+    /// Advances the world by [`STEP_S`] under a wheel command and returns the truth afterwards.
     pub fn step(&mut self, command: WheelCommand) -> Truth {
         let time_s = self.n_steps as f64 / STEPS_PER_S;
         self.floor.advance_to(time_s);
@@ -115,12 +116,12 @@ impl World {
         self.odometer.advance(time_s, &self.chassis.state(), &self.wheels)
     }
 
-    /// The truth now.
+    /// The truth at the present time.
     pub fn truth(&self) -> Truth {
         self.odometer.truth()
     }
 
-    /// People as they stand now.
+    /// People as they stand at the present time.
     pub fn people(&self) -> Vec<Bystander> {
         self.walkers.iter().map(Walker::body).collect()
     }
@@ -133,7 +134,8 @@ impl World {
         }
     }
 
-    /// Supports bear the body, driven wheels pull at it, and the pile drags at all of them.
+    /// Applies the forces of the floor: supports bear the body, driven wheels pull it, and the pile of a carpet drags at wheels and
+    /// casters.
     fn bear(&mut self, body: &BodyState, command: WheelCommand, time_s: f64) {
         let robot_left = body.world_from_robot.rotation * Vector::Y;
         let mut rolled_m = [0.0; 2];
@@ -145,7 +147,7 @@ impl World {
             self.borne_n += load_n;
             let mut force = Vector::new(0.0, 0.0, load_n);
             if ground.slope != [0.0; 2] {
-                // The ground pushes at right angles to itself.
+                // On a slope the force of the ground is at right angles to the surface.
                 force -= Vector::new(ground.slope[0], ground.slope[1], 0.0) * load_n;
             }
             if ground.drag > 0.0 {
@@ -153,7 +155,7 @@ impl World {
                 let velocity = body.forward * forward_m_per_s + body.left * left_m_per_s;
                 force -= velocity * (ground.drag * load_n / velocity.length().max(DRAG_WHOLE_M_PER_S));
             }
-            // The first two supports are the wheels; casters roll without friction.
+            // The first two supports are the wheels; the others are casters, which roll without friction.
             if let Some(wheel) = self.wheels.get_mut(support_idx) {
                 let (contact, axes) = contact(body, foot, load_n, &ground);
                 let tyre = ground.pile_stiffness.map_or(self.tyre, |pile| self.tyre.on_pile(pile));
@@ -175,7 +177,8 @@ impl World {
         };
     }
 
-    /// Hands push the body: low against the tyres' grip, at the centre of mass for the rest, so that it stays level.
+    /// Applies the pushes of hands. The part against the tyres' grip acts low, the rest at the centre of mass, so that the body stays
+    /// level.
     fn shove(&mut self, body: &BodyState, time_s: f64) {
         let [left_m, right_m] = [0, 1].map(|wheel_idx: usize| self.wheels[wheel_idx].patch.deflection_m());
         let deflection = (body.forward * (left_m[0] + right_m[0]) + body.left * (left_m[1] + right_m[1])) * 0.5;
@@ -190,7 +193,7 @@ impl World {
         }
     }
 
-    /// Hands that have taken the robot up hold it where they want.
+    /// Applies the forces of hands that have lifted the robot and hold it on their path.
     fn lift(&mut self, body: &BodyState, time_s: f64) {
         let heading_rad = self.odometer.truth().pose.heading_rad;
         for lift in &mut self.lifts {
@@ -202,7 +205,7 @@ impl World {
     }
 }
 
-/// What a wheel meets at its foot, and the axes of its patch in the world: forward and left along the ground.
+/// Contact of a wheel with the floor at its foot, and the axes of the contact patch in the world: forward and left along the ground.
 fn contact(body: &BodyState, foot: Vector, load_n: f64, ground: &Ground) -> (Contact, [Vector; 2]) {
     let (mut axes, mut velocity_m_per_s) = ([body.forward, body.left], body.coming.over_floor(body, foot));
     let along = |world: [f64; 2], axis: Vector| world[0] * axis.x + world[1] * axis.y;
@@ -211,7 +214,7 @@ fn contact(body: &BodyState, foot: Vector, load_n: f64, ground: &Ground) -> (Con
         for axis in 0..2 {
             let rise = along(ground.slope, axes[axis]);
             let longer = (1.0 + rise * rise).sqrt();
-            // A wheel that stays on the ramp rolls along it.
+            // A wheel that stays on a ramp rolls along the slope, which is longer than its horizontal projection.
             velocity_m_per_s[axis] *= longer;
             axes[axis] = (axes[axis] + Vector::Z * rise) / longer;
         }

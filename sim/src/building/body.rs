@@ -1,32 +1,33 @@
-//! People, as simple bodies of human proportions.
+//! People in the building, as simple bodies of human proportions.
 
 use nalgebra::{Point3, Vector3, vector};
 
 use super::level;
 use crate::scene::Person;
 
-/// A person who stands or walks.
+/// The body of a person who stands or walks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UprightBody {
-    /// World x and y of the middle.
+    /// World x and y of the middle of the person's body.
     pub middle_m: [f64; 2],
-    /// Direction of the face from world x.
+    /// Direction that the person faces, measured from world x.
     pub heading_rad: f64,
-    /// Height.
+    /// Height of the person.
     pub height_m: f64,
-    /// Half of the width over the shoulders.
+    /// Half of the person's width over the shoulders.
     pub radius_m: f64,
-    /// Where in a pair of steps the legs are, from 0 to 1; 0 with both legs side by side.
+    /// Phase of the legs within a pair of steps, from 0 to 1; at 0 both legs are side by side.
     pub stride: f64,
-    /// How fast the middle moves along world x and y.
+    /// Velocity of the middle of the person's body along world x and y.
     pub velocity_m_per_s: [f64; 2],
 }
 
-/// Way of two steps.
+/// Length of two steps of a walking person.
 pub const STRIDE_M: f64 = 1.4;
 
 impl UprightBody {
-    /// As [`UprightBody::at_start`], but walking already, if there is a way to go.
+    /// A person at the start of the walk, as [`UprightBody::at_start`] has it, but walking at full speed already if there is a second
+    /// waypoint.
     pub fn setting_out(person: &Person) -> Option<UprightBody> {
         let stands = UprightBody::at_start(person)?;
         let speed_m_per_s = if person.waypoints_m.len() > 1 { person.speed_m_per_s } else { 0.0 };
@@ -34,7 +35,7 @@ impl UprightBody {
         Some(UprightBody { velocity_m_per_s: [ahead.x, ahead.y], ..stands })
     }
 
-    /// The person a while later, walking on as now.
+    /// The person's body after the given time, if the person walks on at the present velocity.
     pub fn later(&self, by_s: f64) -> UprightBody {
         let [x, y] = self.velocity_m_per_s;
         UprightBody {
@@ -44,7 +45,7 @@ impl UprightBody {
         }
     }
 
-    /// A person at the start of the walk, who faces the next place to walk to.
+    /// A person who stands at the first waypoint of the walk and faces the second one.
     pub fn at_start(person: &Person) -> Option<UprightBody> {
         let [x_m, y_m] = *person.waypoints_m.first()?;
         let next_m = person.waypoints_m.get(1).copied().unwrap_or([x_m + 1.0, y_m]);
@@ -59,42 +60,43 @@ impl UprightBody {
     }
 }
 
-/// One corner of a body's surface.
+/// One vertex of the triangulated surface of a person's body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyVertex {
-    /// Where, world.
+    /// Place of a vertex of a person's body, world frame.
     pub at: Point3<f64>,
-    /// Outward.
+    /// Outward normal of a person's body at a vertex of its surface.
     pub normal: Vector3<f64>,
-    /// Visible and infrared.
+    /// Albedo of a person's body at a vertex of its surface, in the visible and in the infrared band.
     pub albedo: [f64; 2],
 }
 
-/// The surface of a body.
+/// The surface of a person's body, as triangles.
 #[derive(Clone, Debug, Default)]
 pub struct BodyMesh {
-    /// Its corners.
+    /// Vertices of the surface of a person's body.
     pub corners: Vec<BodyVertex>,
-    /// Corners of each triangle, counter-clockwise seen from outside.
+    /// Indices of the three vertices of each triangle of a person's body, counter-clockwise as seen from outside.
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Rings of a limb or trunk: height, half width across and half depth along the heading, all as shares; offset across.
+/// Horizontal rings that a limb or the trunk is made of: height, half width across, and half depth along the heading, all as shares of the
+/// body's measures.
 type Rings<'a> = &'a [[f64; 3]];
 
-/// Corners of a body's side around each ring.
+/// Number of vertices on each ring of a limb or of the trunk.
 const AROUND: usize = 12;
 
-/// The surface of a body.
+/// Makes the surface of a person's body.
 pub fn body_mesh(body: &UprightBody) -> BodyMesh {
     const TROUSERS: [f64; 2] = [0.12, 0.35];
     const SHIRT: [f64; 2] = [0.35, 0.55];
     const SKIN: [f64; 2] = [0.35, 0.5];
     const HAIR: [f64; 2] = [0.06, 0.2];
     let swing = (body.stride * std::f64::consts::TAU).sin();
-    // Heights as shares of the body's, widths as shares of the half width over the shoulders.
+    // Heights are given as shares of the body's height, widths as shares of half the width over the shoulders.
     let leg: Rings = &[[0.0, 0.26, 0.5], [0.04, 0.2, 0.3], [0.27, 0.26, 0.32], [0.49, 0.26, 0.3]];
-    // A shirt that hangs over the trousers: nowhere do the legs come through it.
+    // The shirt hangs over the trousers, so that the legs come through it nowhere.
     let trunk: Rings = &[
         [0.45, 0.74, 0.5],
         [0.56, 0.68, 0.45],
@@ -124,7 +126,7 @@ pub fn body_mesh(body: &UprightBody) -> BodyMesh {
     mesh
 }
 
-/// A stack of elliptic rings, moved aside by `across` and leaning forward about the height `pivot`.
+/// Adds a limb made of a stack of elliptic rings, moved sideways by `across` and leaning forward about the height `pivot`.
 fn limb(mesh: &mut BodyMesh, body: &UprightBody, rings: Rings, across: f64, lean: f64, pivot: f64, albedo: [f64; 2]) {
     let ahead = level(body.heading_rad);
     let left = vector![-ahead.y, ahead.x, 0.0];
@@ -133,7 +135,7 @@ fn limb(mesh: &mut BodyMesh, body: &UprightBody, rings: Rings, across: f64, lean
         let forward_m = (pivot - ring[0]) * lean * body.height_m + ring[2] * cos * body.radius_m;
         let left_m = (across + ring[1] * sin) * body.radius_m;
         let at = super::raised(body.middle_m, ring[0] * body.height_m) + ahead * forward_m + left * left_m;
-        // Of an ellipse with half axes a and b: (cos/a, sin/b).
+        // The normal of an ellipse with the half axes a and b has the direction (cos/a, sin/b).
         let normal = (ahead * (cos / ring[2]) + left * (sin / ring[1])).normalize();
         BodyVertex { at, normal, albedo }
     };

@@ -1,11 +1,11 @@
-//! Floors: what each room's is made of, and what covers it in places.
+//! Floors as geometry: the floor of each room, and the coverings that lie on parts of it.
 
 use nalgebra::{Point3, vector};
 
 use super::{Building, LAYER_M, Material, Panel, Part, Texture};
 use crate::scene::{Covering, Scene};
 
-/// The floors of all rooms and the coverings of regions upon them.
+/// Panels for the floors of all rooms, and for the coverings of the scene's floor regions on top of them.
 pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
     let usual = match &scene.floor.tiles {
         Some(tiles) => Material::matt(tiles.tile_albedo).with(Texture::Tiles).glossy(0.03, 0.035),
@@ -30,7 +30,7 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
             corner: Point3::new(x0, y0, LAYER_M * (index + 1) as f64),
             along: vector![x1 - x0, 0.0, 0.0],
             up: vector![0.0, y1 - y0, 0.0],
-            // Water shows what is below it.
+            // A wet region of the floor shows the floor below the water.
             material: if covering == Covering::Wet { wet(base) } else { material(covering, index as u32) },
             part: Part::Floor,
             room: building.room_at(Point3::new((x0 + x1) / 2.0, (y0 + y1) / 2.0, 0.0)),
@@ -39,13 +39,13 @@ pub(super) fn floor_panels(scene: &Scene, building: &Building) -> Vec<Panel> {
     panels
 }
 
-/// Mean visible albedo of a covering.
+/// Mean visible albedo of a floor covering.
 pub(crate) fn covering_albedo(covering: Covering) -> f64 {
     material(covering, 0).albedo[0]
 }
 
-/// Water over another covering, which shows through and around it. What is mirrored at right incidence is that of most varnishes
-/// too: ((1.33 − 1)/(1.33 + 1))² = 0.02.
+/// Material of water over another covering, which shows through and around it. Its reflectance at normal incidence, ((1.33 − 1)/(1.33 +
+/// 1))² = 0.02, is also that of most varnishes.
 fn wet(below: Material) -> Material {
     let seed = if below.texture == Texture::Wet { below.seed } else { below.texture as u32 };
     Material { texture: Texture::Wet, mirrored: below.mirrored.max(0.02), seed, ..below }
@@ -58,7 +58,7 @@ fn material(covering: Covering, seed: u32) -> Material {
         Covering::Concrete => matt(0.4, Texture::Concrete).glossy(0.03, 0.08),
         Covering::Wood => matt(0.35, Texture::Wood).glossy(0.04, 0.05),
         Covering::Carpet => matt(0.22, Texture::Carpet),
-        // Over concrete.
+        // A floor that is wet as a whole is taken to be wet concrete.
         Covering::Wet => Material { seed: Texture::Concrete as u32, ..matt(0.28, Texture::Wet).glossy(0.02, 0.0) },
     }
 }

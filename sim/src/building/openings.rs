@@ -1,4 +1,4 @@
-//! Holes between rooms: open doors, and where rooms run into each other.
+//! Openings between rooms: open doors, and places where rooms run into each other.
 
 use nalgebra::{Point3, vector};
 
@@ -8,24 +8,25 @@ use super::{
 };
 use crate::scene::{Door, Scene};
 
-/// A hole between two rooms through which light passes.
+/// An opening between two rooms through which light passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opening {
-    /// Numbers of the rooms, the lesser first.
+    /// Indices of the two rooms, the smaller one first.
     pub rooms: [usize; 2],
-    /// Area of all of it.
+    /// Total area of the opening.
     pub area_m2: f64,
-    /// Its upright rectangles, each by its corners in order, world.
+    /// Upright rectangles that the opening consists of, each as its corners in order, world frame.
     pub holes: Vec<[Point3<f64>; 4]>,
 }
 
-/// Open doors, and where rooms run into each other.
+/// Finds the openings between all pairs of rooms: open doors, and places where rooms run into each other.
 pub(crate) fn openings(scene: &Scene, rooms: &[Enclosure]) -> Vec<Opening> {
     let pairs = (0..rooms.len()).flat_map(|one| (one + 1..rooms.len()).map(move |other| [one, other]));
     let mut found = Vec::new();
     for pair in pairs {
         let [one, other] = pair.map(|index| &rooms[index]);
-        // What of one room's walls is left out within the other one; a straight cut has the same on both sides.
+        // Parts of one room's walls that are left out because they lie within the other room. Where the seam of two rooms is straight, both
+        // rooms give the same parts.
         let within = |room: &Enclosure, other: &Enclosure| -> Vec<[Point3<f64>; 4]> {
             room.sides().filter_map(|side| Some(hole(&side, other.covers(&side, false)?, room.height_m))).collect()
         };
@@ -47,7 +48,7 @@ pub(crate) fn openings(scene: &Scene, rooms: &[Enclosure]) -> Vec<Opening> {
     found
 }
 
-/// The part of a side between two shares of its length, up to a height.
+/// The upright rectangle on a room's side between two shares of its length, from the floor up to a height.
 fn hole(side: &Side, [from, to]: [f64; 2], height_m: f64) -> [Point3<f64>; 4] {
     let way = side.to - side.from;
     let up = vector![0.0, 0.0, height_m];
@@ -59,9 +60,9 @@ fn area_m2(holes: &[[Point3<f64>; 4]]) -> f64 {
     holes.iter().map(|[first, second, _, last]| (second - first).norm() * (last - first).norm()).sum()
 }
 
-/// Whether an open door is a hole through which another room is seen.
+/// Whether there is another room behind an open door, so that the door is an opening through which that room is seen.
 pub(crate) fn leads_into_a_room(door: &Door, rooms: &[Enclosure]) -> bool {
-    // Beyond both walls, where two rooms stand back to back.
+    // Distance behind the door at which the other room is looked for: beyond both walls where two rooms stand back to back.
     const BEYOND_M: f64 = 2.0 * DOOR_TO_WALL_M + 0.05;
     let middle = raised([0, 1].map(|axis| (door.from_m[axis] + door.to_m[axis]) / 2.0), 0.0);
     rooms.iter().enumerate().any(|(index, room)| {

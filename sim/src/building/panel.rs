@@ -1,82 +1,83 @@
-//! A flat rectangle with its material.
+//! A flat rectangle of a building, with its material.
 
 use nalgebra::{Point3, Vector3};
 
-/// A rectangle that is seen from the side to which `along × up` points.
+/// A flat rectangle of a building. It is visible only from the side to which `along × up` points.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// One corner, world.
+    /// First corner of the panel, world frame.
     pub corner: Point3<f64>,
-    /// To the next corner.
+    /// Vector from the panel's first corner to its second.
     pub along: Vector3<f64>,
-    /// From the first corner to the last, at a right angle to `along`.
+    /// Vector from the panel's first corner to its last, at a right angle to `along`.
     pub up: Vector3<f64>,
-    /// What it is made of.
+    /// Material of the panel.
     pub material: Material,
-    /// What it is part of.
+    /// Part of the building that the panel belongs to.
     pub part: Part,
-    /// The room whose light bounces onto it.
+    /// Index of the room whose indirect light falls onto the panel.
     pub room: usize,
 }
 
-/// What a panel is part of.
+/// The part of the building that a panel belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// A floor.
+    /// The floor of a room.
     Floor,
-    /// A wall.
+    /// A wall of a room.
     Wall,
-    /// A ceiling.
+    /// The ceiling of a room.
     Ceiling,
-    /// Furniture, doors, pictures, lamps.
+    /// A thing in the building: furniture, a door, a picture or a lamp.
     Thing,
 }
 
-/// What a surface does with light.
+/// Optical properties of a surface: how it reflects light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// What is on it.
+    /// Pattern on the surface.
     pub texture: Texture,
-    /// Mean albedo, visible and infrared.
+    /// Mean albedo of the surface, in the visible and in the infrared band.
     pub albedo: [f64; 2],
-    /// Share of the light that is reflected like a mirror's, at right incidence.
+    /// Share of the light that the surface reflects like a mirror, at normal incidence.
     pub mirrored: f64,
-    /// Standard deviation of the mirrored direction, about each axis.
+    /// Standard deviation of the mirrored direction about each axis, by which a reflection is blurred.
     pub roughness_rad: f64,
-    /// Another number, another cut of the same texture.
+    /// Number that selects a variant of the texture: another number, another cut of the same pattern.
     pub seed: u32,
 }
 
-/// What is on a surface.
+/// The pattern on a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Texture {
-    /// One albedo.
+    /// A plain surface of one albedo.
     Plain,
-    /// Slightly uneven paint.
+    /// Plaster with slightly uneven paint.
     Plaster,
-    /// The scene's tiles.
+    /// The floor tiles that the scene states.
     Tiles,
-    /// Cloudy concrete.
+    /// Concrete with a cloudy pattern.
     Concrete,
-    /// Boards along world x.
+    /// Wooden boards along world x.
     Wood,
-    /// Loop pile.
+    /// Carpet with a loop pile.
     Carpet,
     /// A painting with its frame.
     Picture,
-    /// Water: mirrors what is there.
+    /// Water, which mirrors its surroundings.
     Wet,
-    /// Black and white squares within a white margin as wide as one; the seed says how many.
+    /// A chessboard: black and white squares within a white margin as wide as one square. The material's seed encodes how many columns and
+    /// rows it has.
     Chessboard,
 }
 
 impl Texture {
-    /// How many there are.
+    /// Number of textures.
     pub const COUNT: usize = 9;
 }
 
 impl Material {
-    /// A matt material of one albedo.
+    /// A matt, plain material of the given visible albedo.
     pub fn matt(albedo: f64) -> Material {
         Material {
             texture: Texture::Plain,
@@ -87,49 +88,50 @@ impl Material {
         }
     }
 
-    /// The same with another texture.
+    /// The same material with another texture.
     pub fn with(self, texture: Texture) -> Material {
         Material { texture, ..self }
     }
 
-    /// The same under a varnish that mirrors a share of the light, blurred by its roughness.
+    /// The same material under a varnish, which reflects a share of the light like a mirror that is blurred by the roughness.
     pub fn glossy(self, mirrored: f64, roughness_rad: f64) -> Material {
         Material { mirrored, roughness_rad, ..self }
     }
 }
 
-/// Albedo at 850 nm of something with this visible albedo: most dyes are transparent there, so that what is dark to the eye is not.
+/// Albedo at 850 nm of a material with the given visible albedo. Most dyes are transparent at 850 nm, so that what is dark to the eye is
+/// not dark there.
 fn in_infrared(albedo: f64) -> f64 {
     0.25 + 0.65 * albedo
 }
 
 impl Panel {
-    /// Unit vector towards the side from which it is seen.
+    /// Unit normal of the panel, towards the side from which it is visible.
     pub fn normal(&self) -> Vector3<f64> {
         self.along.cross(&self.up).normalize()
     }
 
-    /// Extents along both sides.
+    /// Lengths of the panel's two sides.
     pub fn size_m(&self) -> [f64; 2] {
         [self.along.norm(), self.up.norm()]
     }
 
-    /// Area.
+    /// Area of the panel.
     pub fn area_m2(&self) -> f64 {
         self.along.norm() * self.up.norm()
     }
 
-    /// A place on it, `s` and `t` from 0 to 1.
+    /// A point on the panel, at the shares `s` and `t` of its sides, each from 0 to 1.
     pub fn place(&self, s: f64, t: f64) -> Point3<f64> {
         self.corner + self.along * s + self.up * t
     }
 
-    /// Its corners in order.
+    /// The panel's corners in order.
     pub fn corners(&self) -> [Point3<f64>; 4] {
         [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[s, t]| self.place(s, t))
     }
 
-    /// How far along a ray, in its own lengths, it is met from the side from which it is seen; `None` if it is not.
+    /// Distance at which a ray meets the panel's visible side, in multiples of the ray's length; `None` if the ray misses the panel.
     pub fn seen_along(&self, from: Point3<f64>, ray: Vector3<f64>) -> Option<f64> {
         let normal = self.along.cross(&self.up);
         let (height, fall) = (normal.dot(&(from - self.corner)), -normal.dot(&ray));
@@ -140,11 +142,11 @@ impl Panel {
         self.spans(hit).then_some(height / fall)
     }
 
-    /// Whether the straight way between two places goes through it, from either side.
+    /// Whether the straight line between two places passes through the panel, from either side.
     pub fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         let normal = self.along.cross(&self.up);
         let (before, behind) = (normal.dot(&(from - self.corner)), normal.dot(&(to - self.corner)));
-        // What lies in its plane does not go through it.
+        // A line that ends in the panel's plane does not pass through it.
         let slack = 1e-4 * normal.norm();
         if before.abs() < slack || behind.abs() < slack || (before > 0.0) == (behind > 0.0) {
             return false;
@@ -153,7 +155,7 @@ impl Panel {
         self.spans(hit)
     }
 
-    /// Whether a place of its plane, from its first corner, is on it.
+    /// Whether a point of the panel's plane, given from the panel's first corner, lies on the panel.
     fn spans(&self, from_corner: Vector3<f64>) -> bool {
         [self.along, self.up].iter().all(|side| (0.0..=side.norm_squared()).contains(&from_corner.dot(side)))
     }

@@ -1,25 +1,25 @@
-//! A box that stands upright: furniture, door leaves, frames.
+//! An upright box of the building: a piece of furniture, a door leaf, a frame.
 
 use nalgebra::{Point3, Vector3, vector};
 
 use super::{Material, Panel, Part, level, raised};
 use crate::scene::Furniture;
 
-/// What lies so near to a box touches it.
+/// Distance from a box up to which a panel counts as touching it.
 const TOUCH_M: f64 = 1e-4;
 
 /// A box with vertical sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UprightBox {
-    /// World x and y of its middle.
+    /// World x and y of the middle of the box.
     pub middle_m: [f64; 2],
-    /// Direction of its length from world x.
+    /// Direction of the box's length, measured from world x.
     pub heading_rad: f64,
-    /// Length along the heading and width across it.
+    /// Length of the box along its heading, and width across.
     pub size_m: [f64; 2],
-    /// Heights of its lower and its upper face.
+    /// Heights of the lower and the upper face of the box.
     pub between_m: [f64; 2],
-    /// What it is made of.
+    /// Material of the box.
     pub material: Material,
 }
 
@@ -36,12 +36,12 @@ impl From<&Furniture> for UprightBox {
 }
 
 impl UprightBox {
-    /// Its middle.
+    /// Middle of the box, world frame.
     pub fn middle(&self) -> Point3<f64> {
         raised(self.middle_m, (self.between_m[0] + self.between_m[1]) / 2.0)
     }
 
-    /// Its corners: the four of the lower face in order, then those of the upper one.
+    /// Corners of the box: the four of the lower face in order, then those of the upper face.
     pub fn corners(&self) -> [Point3<f64>; 8] {
         let [half_length, half_width] = self.half_sides();
         std::array::from_fn(|index| {
@@ -55,7 +55,7 @@ impl UprightBox {
         [ahead * (self.size_m[0] / 2.0), vector![-ahead.y, ahead.x, 0.0] * (self.size_m[1] / 2.0)]
     }
 
-    /// Its faces; one that stands on the floor has no lower one.
+    /// Faces of the box. A box that stands on the floor has no lower face.
     pub fn panels(&self, room: usize) -> Vec<Panel> {
         let corners = self.corners();
         let height = vector![0.0, 0.0, self.between_m[1] - self.between_m[0]];
@@ -76,7 +76,7 @@ impl UprightBox {
         faces
     }
 
-    /// Both halves of its width.
+    /// The two boxes that a cut along the length gives, each half as wide.
     pub fn halves(&self) -> [UprightBox; 2] {
         let [_, half_width] = self.half_sides();
         [-0.5, 0.5].map(|share| {
@@ -89,7 +89,7 @@ impl UprightBox {
         })
     }
 
-    /// Whether a panel that touches it is hidden by it whole.
+    /// Whether the box hides the whole of a panel that touches it.
     pub fn hides(&self, panel: &Panel) -> bool {
         let before = panel.along.cross(&panel.up).normalize() * TOUCH_M;
         let middle = panel.corner + (panel.along + panel.up) / 2.0;
@@ -99,7 +99,7 @@ impl UprightBox {
         })
     }
 
-    /// Whether the straight way between two places goes through it (slabs).
+    /// Whether the straight line between two places passes through the box (slab method).
     pub fn meets(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         let (start, end) = (self.in_own_frame(from), self.in_own_frame(to));
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
@@ -118,12 +118,12 @@ impl UprightBox {
         enter < leave
     }
 
-    /// Whether a place is inside.
+    /// Whether a place is inside the box.
     pub fn contains(&self, at: Point3<f64>) -> bool {
         self.in_own_frame(at).iter().all(|coordinate| coordinate.abs() < 1.0)
     }
 
-    /// From −1 to 1 along each of its axes inside of it.
+    /// Coordinates of a place in the box's own frame, in which each coordinate runs from −1 to 1 inside the box.
     fn in_own_frame(&self, at: Point3<f64>) -> [f64; 3] {
         let [half_length, half_width] = self.half_sides();
         let from_middle = at - self.middle();

@@ -1,14 +1,15 @@
-//! What is on the walls: doors with their frames, pictures, the bars of windows.
+//! Things on the walls: doors with their frames, pictures, and the bars of windows.
 
 use nalgebra::{Point3, Vector3, vector};
 
 use super::{Building, Material, Panel, Part, Texture, UprightBox, raised};
 use crate::scene::{Door, LampKind, Picture, Scene};
 
-/// Width of a frame on the wall, and how far it stands out.
+/// Width of a door frame on the wall, and the length by which it stands out of the wall.
 const FRAME_M: [f64; 2] = [0.07, 0.03];
 
-/// Frames and leaves of doors, and bars of windows, as thin boxes on the walls: of what is let into a wall, what stands out into a room.
+/// Thin boxes on the walls: frames and leaves of doors, and bars of windows. Of a box that is let into a wall, only the half that stands
+/// out into a room is kept.
 pub(super) fn trim(scene: &Scene, building: &Building) -> Vec<UprightBox> {
     let mut boxes: Vec<UprightBox> = scene.building.doors.iter().flat_map(door).collect();
     for lamp in scene.lamps.iter().filter(|lamp| lamp.kind == LampKind::Window) {
@@ -26,7 +27,7 @@ fn painted(albedo: f64) -> Material {
     Material::matt(albedo).glossy(0.03, 0.08)
 }
 
-/// A box on a wall between two feet.
+/// A box on a wall between two points of the floor plan.
 fn between(from_m: [f64; 2], to_m: [f64; 2], depth_m: f64, between_m: [f64; 2], material: Material) -> UprightBox {
     let way = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
     UprightBox {
@@ -61,7 +62,7 @@ fn door(door: &Door) -> Vec<UprightBox> {
     boxes
 }
 
-/// Frame, cross and sill of a window.
+/// Boxes for the frame, the cross and the sill of a window.
 fn window(middle: Point3<f64>, facing: Vector3<f64>, size_m: [f64; 2]) -> Vec<UprightBox> {
     let left = vector![-facing.y, facing.x, 0.0];
     let half_m = size_m.map(|side_m| side_m / 2.0);
@@ -83,12 +84,12 @@ fn window(middle: Point3<f64>, facing: Vector3<f64>, size_m: [f64; 2]) -> Vec<Up
     ]
 }
 
-/// Pictures, each facing the room that it hangs in.
+/// Panels for the pictures on the walls, each facing the room that it hangs in.
 pub(super) fn pictures(scene: &Scene, building: &Building) -> Vec<Panel> {
     scene.building.pictures.iter().map(|picture| hung(picture, building)).collect()
 }
 
-/// A chessboard's mean albedo is that of its black and its white, as in texture.wgsl.
+/// Material of a picture. The mean albedo of a chessboard is that of its black and its white squares together, as in texture.wgsl.
 fn painting(picture: &Picture) -> Material {
     let material = Material::matt(0.45);
     match picture.chessboard {
@@ -101,7 +102,8 @@ fn hung(picture: &Picture, building: &Building) -> Panel {
     let (from, to) = (raised(picture.from_m, picture.bottom_m), raised(picture.to_m, picture.bottom_m));
     let along = to - from;
     let out = along.cross(&Vector3::z()).normalize();
-    // The room is on the side from which a room's wall faces here; half a metre out there is one and behind there is none.
+    // A picture faces the side on which there is a room: on one side a point 0.3 m before the picture lies in a room, on the other side it
+    // does not.
     let middle = from + along / 2.0;
     let faces_out = building.rooms.iter().any(|room| room.contains(middle + out * 0.3));
     let (corner, along, out) = if faces_out { (from, along, out) } else { (to, -along, -out) };

@@ -1,29 +1,29 @@
-//! Rooms and their walls: no wall where another room is, and holes where doors stand open.
+//! Rooms and their walls. A wall is left out where another room is, and has an opening where a door stands open.
 
 use nalgebra::{Point3, Vector3, vector};
 
 use super::{LAYER_M, Material, Panel, Part, Texture, level, raised};
 use crate::scene::{Door, Scene};
 
-/// How far from a wall's foot a door may stand and still belong to it.
+/// Greatest distance from a wall's foot at which a door still counts as a door in that wall.
 pub(super) const DOOR_TO_WALL_M: f64 = 0.15;
 
 /// A rectangular room.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Enclosure {
-    /// A corner, world, on the floor.
+    /// One corner of the room, on the floor, world frame.
     pub corner: Point3<f64>,
-    /// Direction of the side of length `width_m`; the other one is to its left.
+    /// Direction of the room's first side, of length `width_m`, measured from world x; the second side is a quarter turn to its left.
     pub heading_rad: f64,
-    /// Length of the first side.
+    /// Length of the room's first side.
     pub width_m: f64,
-    /// Length of the second side.
+    /// Length of the room's second side.
     pub depth_m: f64,
-    /// Height of the ceiling.
+    /// Height of the room's ceiling.
     pub height_m: f64,
 }
 
-/// One side of a room on the floor, the room on its left.
+/// One side of a room, as a line on the floor with the room on its left.
 pub(crate) struct Side {
     pub(crate) from: Point3<f64>,
     pub(crate) to: Point3<f64>,
@@ -33,7 +33,7 @@ pub(crate) struct Side {
 impl Enclosure {
     /// Whether a place is within the room's walls, at any height.
     pub fn contains(&self, at: Point3<f64>) -> bool {
-        // What is on a wall is inside, however its coordinates are rounded.
+        // A point on a wall counts as inside, however its coordinates are rounded.
         self.sides().all(|side| side.inward.dot(&(at - side.from)) >= -1e-9)
     }
 
@@ -52,12 +52,13 @@ impl Enclosure {
         })
     }
 
-    /// Shares of another room's side, from 0 to 1, that lie within the room; where both rooms have a wall in one place, of the first one's.
+    /// The part of another room's side that lies within this room, as shares of its length from 0 to 1. A wall that both rooms have in
+    /// common counts as inside if this room comes first in the list.
     pub(super) fn covers(&self, side: &Side, is_first: bool) -> Option<[f64; 2]> {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         for own in self.sides() {
             let (start, end) = (own.inward.dot(&(side.from - own.from)), own.inward.dot(&(side.to - own.from)));
-            // A side that only touches the room is not inside of it, unless it is the same wall.
+            // A side of another room that only touches this room is not inside it, unless it is the same wall.
             const TOUCH_M: f64 = 1e-6;
             let is_same_wall = is_first && own.inward.dot(&side.inward) > 1.0 - 1e-9;
             let inside_m = if is_same_wall { -TOUCH_M } else { TOUCH_M };
@@ -73,7 +74,7 @@ impl Enclosure {
     }
 }
 
-/// The rooms of a scene, the robot's own first; of a scene as built, as they truly stand.
+/// The rooms of a scene, the robot's own room first. For a scene as built, they are the rooms as they truly stand.
 pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
     let (height_m, plan) = (scene.building.ceiling_height_m, scene.plan());
     let own = Enclosure {
@@ -93,7 +94,7 @@ pub(crate) fn enclosures(scene: &Scene) -> Vec<Enclosure> {
     std::iter::once(own).chain(further).collect()
 }
 
-/// Walls with their skirting.
+/// Panels for the walls of all rooms, with their skirting boards.
 pub(crate) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     let mut panels = Vec::new();
     for (index, room) in rooms.iter().enumerate() {
@@ -118,7 +119,7 @@ pub(crate) fn wall_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     panels
 }
 
-/// What there is of the rooms' walls, doors or not: nothing where another room is.
+/// The parts of the rooms' walls that exist, whether or not there are doors in them: a wall is left out where another room is.
 pub(crate) fn standing_walls(rooms: &[Enclosure]) -> Vec<Side> {
     let of_room = |(index, room): (usize, &Enclosure)| -> Vec<Side> {
         let of_side = |side: Side| -> Vec<Side> {
@@ -131,19 +132,19 @@ pub(crate) fn standing_walls(rooms: &[Enclosure]) -> Vec<Side> {
     rooms.iter().enumerate().flat_map(of_room).collect()
 }
 
-/// Shares of a room's side where another room leaves it out.
+/// The parts of a room's side that are left out because another room is there, as shares of its length.
 fn covered(rooms: &[Enclosure], index: usize, side: &Side) -> Vec<[f64; 2]> {
     others(rooms, index).filter_map(|(other, room)| room.covers(side, other < index)).collect()
 }
 
-/// Ceilings.
+/// Panels for the ceilings of all rooms.
 pub(super) fn ceiling_panels(scene: &Scene, rooms: &[Enclosure]) -> Vec<Panel> {
     let material = Material::matt(scene.building.ceiling_albedo).with(Texture::Plaster);
     let panel = |(room, enclosure): (usize, &Enclosure)| {
         let [along, across] = enclosure.axes();
-        // Where rooms overlap, the first one's ceiling is the one that is seen.
+        // Where rooms overlap, only the ceiling of the first of them is visible, because the others are a little higher.
         let corner = enclosure.corner + vector![0.0, 0.0, enclosure.height_m + LAYER_M * room as f64];
-        // Across before along: seen from below.
+        // The ceiling's sides are given in reverse order, so that the panel is visible from below.
         Panel { corner, along: across, up: along, material, part: Part::Ceiling, room }
     };
     rooms.iter().enumerate().map(panel).collect()
@@ -153,7 +154,7 @@ pub(super) fn others(rooms: &[Enclosure], index: usize) -> impl Iterator<Item = 
     rooms.iter().enumerate().filter(move |(other, _)| *other != index)
 }
 
-/// The shares of a side between a door's jambs, if the door stands on it.
+/// The part of a room's side between a door's jambs, as shares of its length; `None` if the door does not stand on that side.
 pub(super) fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
     let along = side.to - side.from;
     let shares = [door.from_m, door.to_m].map(|jamb| {
@@ -161,7 +162,7 @@ pub(super) fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
         let beside_m = side.inward.dot(&from_corner).abs();
         (from_corner.dot(&along) / along.norm_squared(), beside_m)
     });
-    // A door that ends with its wall still does when both are turned.
+    // The tolerance is for rounding: a door that ends where its wall ends still does so when both are turned.
     const ROUNDING: f64 = 1e-9;
     let is_near = |beside_m: f64| beside_m <= DOOR_TO_WALL_M + ROUNDING;
     let stands =
@@ -170,7 +171,7 @@ pub(super) fn on_side(door: &Door, side: &Side) -> Option<[f64; 2]> {
     stands.then(|| [one.min(other), one.max(other)])
 }
 
-/// What is left of 0 to 1 without the gaps.
+/// The parts of the range from 0 to 1 that are left when the gaps are taken out.
 fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     gaps.sort_by(|one, other| one[0].total_cmp(&other[0]));
     let (mut left, mut at) = (Vec::new(), 0.0);
@@ -186,11 +187,11 @@ fn remaining(mut gaps: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     left
 }
 
-/// Part of a wall between two heights: its skirting, if it reaches the floor, and what is above.
+/// Panels for a part of a wall between two heights: the skirting board, if the part reaches the floor, and the wall above it.
 fn face(scene: &Scene, side: &Side, shares: [f64; 2], between_m: [f64; 2], room: usize) -> Vec<Panel> {
     let building = &scene.building;
     let way = side.to - side.from;
-    // Backwards along the side, so that the panel faces inwards.
+    // The wall panel runs backwards along the room's side, so that it faces the room.
     let strip = |low_m: f64, high_m: f64, material: Material| Panel {
         corner: side.from + way * shares[1] + vector![0.0, 0.0, low_m],
         along: way * (shares[0] - shares[1]),

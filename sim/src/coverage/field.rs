@@ -1,4 +1,4 @@
-//! What part of the ceiling the ceiling camera surely shows.
+//! The part of the ceiling that the ceiling camera surely sees.
 
 use interval::Interval;
 use localizer::Pose;
@@ -11,30 +11,32 @@ use crate::{
     scene::{CeilingCamera, Scene},
 };
 
-/// From the middle of a marker to the middle of its corner dots.
+/// Distance from the middle of a marker to the middle of its corner dots.
 const CORNER_M: f64 = 0.06 * std::f64::consts::SQRT_2;
-/// For the rounding of what is computed here without intervals, in metres: a thousand times too much.
+/// Allowance in metres for the rounding of computations without intervals in this file; a thousand times more than needed.
 const ROUNDING_M: f64 = 1e-9;
 
-/// The field of view of a ceiling camera over all of its tolerances and those of the markers.
+/// The field of view of a ceiling camera, for all errors within its tolerances and those of the markers.
 #[derive(Clone, Debug)]
 pub struct Field {
-    /// Inward unit normals of the planes through the optical centre and the image's edges, in the frame of an upright body without errors.
+    /// Inward unit normals of the planes through the optical centre and the image's edges, in the frame of an upright robot body without
+    /// errors.
     edges: [Vector3<f64>; 4],
-    /// Sine of the greatest angle between the attitude and one that is known with the heading.
+    /// Sine of the greatest angle between the camera's true attitude and its nominal attitude at a known heading.
     sin_tilt: f64,
-    /// Optical centre in the robot frame: forward and left, and its height.
+    /// Optical centre of the camera in the robot frame: forward, left, and height.
     centre_m: [f64; 3],
-    /// Greatest horizontal distance of a point of a marker from the marker's middle by the map, as seen from where the camera should be.
+    /// Greatest horizontal distance of a point of a marker from the marker's middle on the map, as seen from the camera's nominal place.
     reach_m: f64,
-    /// No point of a ceiling farther than this from the robot's origin is in the image.
+    /// Distance from the robot's origin beyond which no point of the ceiling is in the image.
     farthest_m: f64,
-    /// Greatest error of the height of a marker over the camera, downwards and upwards.
+    /// Greatest errors of a marker's height above the camera, downwards and upwards.
     rise_m: [f64; 2],
 }
 
 impl Field {
-    /// The field of a scene's ceiling camera, but for `margin_px` at the edges; `None` without camera, markers, or an image that wide.
+    /// The field of view of a scene's ceiling camera, less a margin of `margin_px` at the image's edges. `None` if there is no camera, no
+    /// marker, or if the margin leaves nothing of the image.
     pub fn new(scene: &Scene, margin_px: f64) -> Option<Field> {
         let (camera, markers) = (scene.robot.ceiling_camera.as_ref()?, scene.markers.as_ref()?);
         let (robot, known) = (scene.robot_model(), DrawnCamera::ceiling(camera));
@@ -49,7 +51,8 @@ impl Field {
         let tilt_rad = robot.body.tilt_rad;
         let (aside_m, height_m) = (camera.forward_m.hypot(camera.left_m), camera.height_m);
         let tolerance_m = camera.calibration.position_tolerance_m;
-        // A body that tips takes the camera with it; an attitude turned about the vertical is one of another heading, from a place that is not.
+        // A body that tips takes the camera with it. An attitude error about the vertical is treated as another heading, which also moves
+        // the camera's place.
         let moved_m =
             1.5 * tolerance_m + height_m * tilt_rad.sin() + aside_m * (model.yaw_rad.radius() + tilt_rad * tilt_rad);
         let heaved_m = tolerance_m + robot.body.heave_m + aside_m * tilt_rad.sin() + markers.height_tolerance_m;
@@ -65,16 +68,16 @@ impl Field {
         })
     }
 
-    /// The same field, narrower by a length on the ceiling.
+    /// The same field of view, made narrower by a length on the ceiling.
     pub(super) fn narrowed(&self, by_m: f64) -> Field {
         Field { reach_m: self.reach_m + by_m, ..self.clone() }
     }
 
-    /// Whether all of a marker is in the image from every pose of a box, whatever the errors are.
+    /// Whether the whole of a marker is in the image from every pose of a box, whatever the errors are within their tolerances.
     pub(crate) fn surely_sees(&self, poses: &Poses, place: &Place) -> bool {
         let (along_m, rise_m) = self.seen_from(&poses.middle, place);
         let half_m = poses.half_m[0].hypot(poses.half_m[1]);
-        // Of the camera, as the robot moves and turns.
+        // Distance of the camera from the robot's origin, by which it moves when the robot turns.
         let aside_m = self.centre_m[0].hypot(self.centre_m[1]);
         let from_origin_m = (place[0] - poses.middle.x_m).hypot(place[1] - poses.middle.y_m);
         let farthest_m = from_origin_m + half_m + aside_m;
@@ -88,19 +91,19 @@ impl Field {
             let level = normal.x.hypot(normal.y);
             let up_m = (normal.z * rises_m[0]).min(normal.z * rises_m[1]);
             let at_middle_m = normal.x * along_m[0] + normal.y * along_m[1] - level * turned_m;
-            // By whatever heading.
+            // Lower bound on the marker's distance inside the image's edge, which holds for every heading.
             let at_worst_m = -level * farthest_m;
             let level_m = if poses.has_all_headings() { at_worst_m } else { at_middle_m.max(at_worst_m) };
             up_m + level_m - level * self.reach_m >= tilted_m + ROUNDING_M
         })
     }
 
-    /// Whether a marker is near enough to a place of the robot's origin to be in the image at all.
+    /// Whether a marker is near enough to a place of the robot's origin to be in the image at any heading.
     pub(super) fn reaches(&self, from_m: [f64; 2], place: &Place) -> bool {
         (place[0] - from_m[0]).hypot(place[1] - from_m[1]) <= self.farthest_m
     }
 
-    /// Whether the middle of a marker is in the image without any error.
+    /// Whether the middle of a marker is in the image if there are no errors.
     pub fn sees_without_errors(&self, pose: &Pose, place: &Place) -> bool {
         let (along_m, rise_m) = self.seen_from(pose, place);
         self.edges.iter().all(|normal| {
@@ -109,12 +112,12 @@ impl Field {
         })
     }
 
-    /// Whether a marker is surely in the image from one pose.
+    /// Whether a marker is surely in the image from a single pose.
     pub fn surely_sees_from(&self, pose: &Pose, place: &Place) -> bool {
         self.surely_sees(&Poses::at(*pose), place)
     }
 
-    /// Whether the middle of a marker may be in the image from some pose of a box, without any error.
+    /// Whether the middle of a marker may be in the image from some pose of a box, if there are no errors.
     pub(crate) fn may_see(&self, poses: &Poses, place: &Place) -> bool {
         let (along_m, rise_m) = self.seen_from(&poses.middle, place);
         let half_m = poses.half_m[0].hypot(poses.half_m[1]);
@@ -126,7 +129,7 @@ impl Field {
         })
     }
 
-    /// A marker's middle from the optical centre: forward and left, and up.
+    /// Vector from the optical centre to a marker's middle: forward and left, and upwards.
     fn seen_from(&self, pose: &Pose, place: &Place) -> ([f64; 2], f64) {
         let (sin, cos) = pose.heading_rad.sin_cos();
         let (x_m, y_m) = (place[0] - pose.x_m, place[1] - pose.y_m);
@@ -135,15 +138,15 @@ impl Field {
     }
 }
 
-/// Nearer to the horizon than this no place of a ceiling is thought of as seen.
+/// Greatest angle from the optical axis that is considered; points of the ceiling nearer to the horizon count as not seen.
 const MOST_RAD: f64 = 1.5;
 
 fn lean_rad(camera: &CeilingCamera) -> f64 {
     camera.lean_forward_deg.hypot(camera.lean_left_deg).to_radians()
 }
 
-/// Tangents of the angles from the optical axis to the left, right, upper and lower edge of the image, at least: a point of the plane at depth 1
-/// that is within them is in the image, whatever the lens is within its calibration.
+/// Lower bounds on the tangents of the angles from the optical axis to the left, right, upper and lower edge of the image. A point of the
+/// plane at depth 1 within them is in the image, whatever the lens is within its calibration.
 fn half_angles(camera: &CeilingCamera, margin_px: f64) -> Option<[f64; 4]> {
     let calibration = &camera.calibration;
     let margin_px = margin_px + calibration.distortion_tolerance_px;
@@ -155,7 +158,7 @@ fn half_angles(camera: &CeilingCamera, margin_px: f64) -> Option<[f64; 4]> {
         camera.principal_point_px.map(|at_px| Interval::point(at_px).inflate(calibration.principal_point_tolerance_px));
     let least_px = -0.5 + margin_px;
     let most_px = size_px.map(|size| size - 0.5 - margin_px);
-    // Without distortion.
+    // First, the tangents to the image's edges for a lens without distortion.
     let mut tangents = [0.0; 4];
     for axis in 0..2 {
         tangents[2 * axis] = ((centre_px[axis] - least_px) / focal_px[axis]).lo();
@@ -167,7 +170,7 @@ fn half_angles(camera: &CeilingCamera, margin_px: f64) -> Option<[f64; 4]> {
     if camera.lens.distortion == [0.0; 5] {
         return Some(tangents);
     }
-    // A lens that draws the rim inwards shows more than that, and one that draws it outwards less.
+    // A lens that draws the rim inwards shows more than a lens without distortion, and one that draws the rim outwards shows less.
     let is_inside = |scale: f64| {
         let [left, right, top, bottom] = tangents.map(|tangent| scale * tangent);
         let side = |from: f64, to: f64, step: f64| {
@@ -185,12 +188,13 @@ fn half_angles(camera: &CeilingCamera, margin_px: f64) -> Option<[f64; 4]> {
         })
     };
     (1..=140).rev().map(|percent| f64::from(percent) / 100.0).find(|scale| is_inside(*scale)).map(|scale| {
-        // A little less than what was asked, so that no rounding lies between.
+        // The resulting tangents are made slightly smaller than those that were checked, so that rounding cannot put a point between the
+        // two.
         tangents.map(|tangent| tangent * scale * (1.0 - 1e-9))
     })
 }
 
-/// Brown's model over a box of the plane at depth 1.
+/// Brown's distortion model, evaluated over a box of the plane at depth 1.
 fn bent([k1, k2, p1, p2, k3]: &[f64; 5], [x, y]: [Interval; 2]) -> [Interval; 2] {
     let (x2, y2) = (x.sqr(), y.sqr());
     let r2 = x2 + y2;

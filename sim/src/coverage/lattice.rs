@@ -1,4 +1,4 @@
-//! Lattices of markers, and the smallest of them that covers a ceiling.
+//! Lattices of ceiling markers, and the search for the smallest lattice that covers a room.
 
 use std::f64::consts::TAU;
 
@@ -6,72 +6,75 @@ use localizer::Pose;
 
 use super::{Field, Place, search};
 
-/// What has to be covered.
+/// The coverage problem that a lattice of markers has to solve.
 #[derive(Clone, Debug)]
 pub struct Ceiling {
-    /// World x and y between which the robot's origin stays.
+    /// Ranges of world x and y in which the robot's origin stays.
     pub reach_m: [[f64; 2]; 2],
-    /// World x and y between which middles of markers may be.
+    /// Ranges of world x and y in which the middles of markers may be.
     pub markers_m: [[f64; 2]; 2],
-    /// Height of the markers.
+    /// Height of the markers above the floor.
     pub height_m: f64,
-    /// Markers in view at once.
+    /// Number of markers that have to be in the ceiling camera's view at once.
     pub seen_at_once: usize,
-    /// So many markers there are at most.
+    /// Greatest number of markers that the lattice may have.
     pub most_markers: usize,
 }
 
-/// Why no lattice of markers was found.
+/// Reason why no lattice of markers was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unlaid {
-    /// None of up to 64 × 64 markers covers the ceiling.
+    /// No lattice of up to 64 × 64 markers covers the ceiling.
     Uncovered,
-    /// Those that may cover it have at least so many markers, which are more than there are.
+    /// Every lattice that may cover the ceiling has at least this many markers, more than there are.
     TooMany(usize),
 }
 
-/// How every other row of a lattice differs from the first.
+/// How every second row of a marker lattice differs from the first row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Between {
-    /// Not at all.
+    /// Every second row of the lattice equals the first row.
     Same,
-    /// Shifted by half a spacing.
+    /// Every second row of the lattice is shifted by half a spacing.
     Shifted,
-    /// One less, between those of the first row.
+    /// Every second row of the lattice has one marker less, and its markers lie between those of the first row.
     Fewer,
-    /// One more, on both sides of each of the first row.
+    /// Every second row of the lattice has one marker more, on both sides of each marker of the first row.
     More,
 }
 
-/// Rows of markers over a rectangle.
+/// A lattice of markers: parallel rows over a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Lattice {
     between: Between,
-    /// Whether rows run along world y.
+    /// Whether the rows of the marker lattice run along world y.
     along_y: bool,
     n_rows: usize,
-    /// Markers of the first row.
+    /// Number of markers in the lattice's first row.
     first: usize,
-    /// From the ends of the longest row and from the outermost rows to the edge of the rectangle, in spacings.
+    /// Insets of the marker lattice, in spacings: from the ends of the longest row, and from the outermost rows, to the edge of the
+    /// rectangle.
     inset: [f64; 2],
 }
 
-/// On the edge of what has to be covered, up to half a spacing and a little more inside of it.
+/// Insets of a marker lattice that are tried, in spacings: from markers on the edge of the area to be covered to markers a little more than
+/// half a spacing inside it.
 const INSETS: [f64; 6] = [0.0, 0.15, 0.28, 0.36, 0.44, 0.52];
-/// Rows that are farther apart than this times the spacing within them are not tried; an image is some 4 by 3.
+/// Greatest ratio of the distance between rows to the spacing within a row that is tried. An image has a ratio of about 4 to 3, so that
+/// more stretched lattices waste markers.
 const MOST_STRETCHED: f64 = 2.5;
-/// A proof needs something to spare; with a centimetre it takes a fraction of a second.
+/// Margin on the ceiling that a lattice must have to spare before a proof is tried. With a centimetre a proof takes a fraction of a second.
 const TO_SPARE_M: f64 = 0.01;
-/// So many poses that refuted a lattice are tried first on the next.
+/// Number of poses that are remembered because they refuted a lattice; they are tried first on the next lattice.
 const REMEMBERED: usize = 64;
-/// Greatest number of rows, and of markers in a row: 4096 in all, one for each identity there is.
+/// Greatest number of rows, and of markers in a row: 64 × 64 = 4096 markers in all, one for each identity there is.
 const MOST: usize = 64;
 
 /// The smallest of the lattices tried that is proven to cover a ceiling.
 ///
-/// Rows along x and along y are tried, as squares, as hexagons, and stretched; for each number of rows the fewest markers in a row are sought by
-/// halving on some poses. What they let pass is proven, the smallest first: a proof takes seconds where a hall is large, and is not begun for more markers
-/// than there are.
+/// Rows along x and along y are tried, in square, hexagonal and stretched lattices. For each number of rows, the fewest markers in a row
+/// are found by bisection, tested on a sample of poses. Lattices that pass are then proven, the smallest first. A proof takes seconds in a
+/// large hall, and is not begun for more markers than there are.
 pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> {
     let (narrowed, mut rim) = (field.narrowed(TO_SPARE_M), Rim::new(&ceiling.reach_m));
     let kinds = || {
@@ -96,7 +99,8 @@ pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> 
         if places.len() >= fewer_than {
             break;
         }
-        // What is proven at once or with one marker more a row; a bound that is still not met is not worth the search.
+        // Each lattice is tried as it is, and then with one more marker in each row; if neither is proven, a longer search is not worth its
+        // time.
         let proven = Some(places).filter(is_proven).or_else(|| {
             let wider = Lattice { first: lattice.first + 1, ..lattice }.passing(&narrowed, ceiling, &mut rim);
             let too_many = wider.as_ref().map(Vec::len).filter(|n_markers| *n_markers > ceiling.most_markers);
@@ -109,7 +113,7 @@ pub fn smallest(field: &Field, ceiling: &Ceiling) -> Result<Vec<Place>, Unlaid> 
 }
 
 impl Lattice {
-    /// Markers of every row between.
+    /// Number of markers in every second row of the lattice.
     fn second(&self) -> usize {
         match self.between {
             Between::Same | Between::Shifted => self.first,
@@ -118,7 +122,7 @@ impl Lattice {
         }
     }
 
-    /// With the fewest markers in its first row that pass, and its places then.
+    /// This lattice with the fewest markers in its first row that pass the test on sample poses, and the places of its markers.
     fn fewest(self, field: &Field, ceiling: &Ceiling, rim: &mut Rim) -> Option<(Lattice, Vec<Place>)> {
         let of = |first| Lattice { first, ..self };
         let most = (1..=MOST).rev().find(|first| !of(*first).is_narrow(ceiling))?;
@@ -134,7 +138,8 @@ impl Lattice {
         Some((of(passing), found))
     }
 
-    /// Its places with the first insets that let the camera see enough from some poses between four markers and along the rim.
+    /// The lattice's marker places with the first insets for which the camera sees enough from sample poses, both between four markers and
+    /// along the rim of the room.
     fn passing(self, field: &Field, ceiling: &Ceiling, rim: &mut Rim) -> Option<Vec<Place>> {
         let insets = INSETS.iter().flat_map(|along| INSETS.iter().map(move |across| [*along, *across]));
         insets.map(|inset| Lattice { inset, ..self }).filter(|lattice| lattice.covers_inside(field, ceiling)).find_map(
@@ -145,7 +150,7 @@ impl Lattice {
         )
     }
 
-    /// Whether it does far from all walls, from some poses.
+    /// Whether the lattice gives enough markers in view from sample poses far from all walls.
     fn covers_inside(&self, field: &Field, ceiling: &Ceiling) -> bool {
         const N: i32 = 6;
         const REACH: i32 = 3;
@@ -169,18 +174,18 @@ impl Lattice {
         })
     }
 
-    /// Whether its markers are much nearer to each other along a row than across.
+    /// Whether the lattice's markers are much nearer to each other along a row than the rows are to each other.
     fn is_narrow(&self, ceiling: &Ceiling) -> bool {
         let ([_, along_m], [_, across_m]) = self.spacing(ceiling);
         self.first > 1 && across_m > MOST_STRETCHED * along_m
     }
 
-    /// World axes along a row and across.
+    /// World axes along a row of the lattice and across the rows: 0 for x, 1 for y.
     fn axes(&self) -> [usize; 2] {
         if self.along_y { [1, 0] } else { [0, 1] }
     }
 
-    /// Of the first row and of those between, in spacings.
+    /// Shifts of the lattice's first row and of every second row, in spacings.
     fn shifts(&self) -> [f64; 2] {
         match self.between {
             Between::Same => [0.0, 0.0],
@@ -189,7 +194,7 @@ impl Lattice {
         }
     }
 
-    /// Along a row and across: where the first marker is, and from one to the next.
+    /// Place of the lattice's first marker and distance to the next one, along a row and across the rows.
     fn spacing(&self, ceiling: &Ceiling) -> ([f64; 2], [f64; 2]) {
         let [along, across] = self.axes().map(|axis| ceiling.reach_m[axis]);
         let end = |row: usize| self.shifts()[row] + [self.first, self.second()][row] as f64 - 1.0;
@@ -209,7 +214,7 @@ impl Lattice {
                 place_m[axes[1]] = first_row_m + row as f64 * across_m;
                 let [x_m, y_m] = [0, 1].map(|axis| {
                     let [least_m, most_m] = ceiling.markers_m[axis];
-                    // Whole millimetres are what a tape measure shows.
+                    // Places of markers are rounded to whole millimetres, which is what a tape measure shows.
                     (place_m[axis].clamp(least_m, most_m) * 1e3).round() / 1e3
                 });
                 places.push([x_m, y_m, ceiling.height_m]);
@@ -224,27 +229,28 @@ fn sees_enough(field: &Field, places: &[Place], pose: &Pose, seen_at_once: usize
     seen.take(seen_at_once).count() == seen_at_once
 }
 
-/// Headings that are tried.
+/// Headings at which sample poses are tried.
 fn headings() -> impl Iterator<Item = f64> {
     const N: usize = 12;
     (0..N).map(|heading| heading as f64 * TAU / N as f64)
 }
 
-/// The first of the places and the distance from one to the next, the outermost `inset` distances from the ends.
+/// Coordinate of the first of several evenly spaced places and the distance between neighbours. The outermost places are `inset` distances
+/// from the ends of the range.
 fn spread_over([from_m, to_m]: [f64; 2], spacings: f64, inset: f64) -> [f64; 2] {
     let all = spacings + 2.0 * inset;
     if spacings > 0.0 {
         [from_m + inset * (to_m - from_m) / all, (to_m - from_m) / all]
     } else {
-        // A single one is in the middle, the next beyond the walls.
+        // A single place is put in the middle; the distance to a next one is so large that it would lie beyond the walls.
         [0.5 * (from_m + to_m), to_m - from_m]
     }
 }
 
-/// Poses along the rim of what has to be covered.
+/// Sample poses of the robot along the rim of the area that has to be covered.
 struct Rim {
     places_m: Vec<[f64; 2]>,
-    /// Those that refuted a lattice not long ago, the last first.
+    /// Poses that refuted a lattice recently, the latest first.
     refuting: Vec<Pose>,
 }
 
@@ -263,7 +269,7 @@ impl Rim {
         Rim { places_m, refuting: Vec::new() }
     }
 
-    /// Whether enough is seen from all of them.
+    /// Whether enough markers are seen from all sample poses along the rim, at all headings tried.
     fn is_covered(&mut self, field: &Field, places: &[Place], seen_at_once: usize) -> bool {
         let near = |at_m: [f64; 2]| -> Vec<Place> {
             places.iter().filter(|place| field.reaches(at_m, place)).copied().collect()
@@ -274,7 +280,7 @@ impl Rim {
             return false;
         }
         let found = self.places_m.iter().find_map(|[x_m, y_m]| {
-            // Whatever the heading, few of them are in view.
+            // Markers too far away to be in view at any heading are left out, which leaves only few to test.
             let near = near([*x_m, *y_m]);
             let mut poses = headings().map(|heading_rad| Pose { x_m: *x_m, y_m: *y_m, heading_rad });
             poses.find(|pose| refutes(pose, &near))

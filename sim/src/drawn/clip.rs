@@ -1,4 +1,5 @@
-//! What a seed drew or a scene placed beyond a declared bound, moved back to the bound: the run as it should have been.
+//! Moves true values that lie beyond a declared bound, as drawn by a seed or placed by a scene, back to the bound. The run can then be
+//! repeated as it should have been.
 
 use localizer::bounds::{self, Assumption};
 use nalgebra::{Rotation2, Vector2};
@@ -10,7 +11,7 @@ use crate::{
 
 use super::{Drawn, DrawnMarker};
 
-/// The bounds beyond which floor, markers, furniture and walls may be drawn or placed.
+/// Bounds on floor, markers, furniture and walls whose true values may be drawn or placed outside.
 const CLIPPED: [Assumption; 8] = [
     bounds::FLOOR_TILES_LAYING,
     bounds::FLOOR_TILES_STRAIGHTNESS,
@@ -22,15 +23,15 @@ const CLIPPED: [Assumption; 8] = [
     bounds::WALL_DIRECTIONS_ASKEW,
 ];
 
-/// Whether the true value behind a bound is drawn by the simulator or placed by the scene, so that a run can have it within its bound.
-/// All else emerges from the physics, or is drawn within its bound by construction.
+/// Whether the true value behind a bound is drawn by the simulator or placed by the scene, so that a run can be repeated with the value
+/// within its bound. Every other true value emerges from the physics, or is drawn within its bound by construction.
 pub(crate) fn is_clipped(bound: &str) -> bool {
     let all = CLIPPED.iter().chain(&base::CLIPPED).chain(devices::CLIPPED.iter().copied().flatten());
     all.into_iter().any(|clipped| *clipped == bound)
 }
 
 impl Drawn {
-    /// Moves back to its bound what lies beyond the bound of this name; everything else stays as drawn.
+    /// Moves true values beyond the bound of this name back to the bound; everything else stays as drawn.
     pub(crate) fn clip(&mut self, bound: &str, scene: &Scene) {
         match bound {
             bounds::FLOOR_TILES_LAYING | bounds::FLOOR_TILES_STRAIGHTNESS => {
@@ -64,7 +65,7 @@ impl Drawn {
     }
 }
 
-/// The vector, shortened to a length.
+/// The vector, shortened to at most the given length.
 fn within(vector: Vector2<f64>, longest_m: f64) -> Vector2<f64> {
     let length_m = vector.norm();
     if length_m > longest_m { vector * (longest_m / length_m) } else { vector }

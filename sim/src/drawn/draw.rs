@@ -1,4 +1,4 @@
-//! Draws a run's errors inside the tolerances that its scene declares, each quantity from its own stream.
+//! Draws a run's true errors within the tolerances that its scene declares, each quantity from a random stream of its own.
 
 use localizer::Pose;
 use rand::seq::IndexedRandom;
@@ -14,7 +14,7 @@ use crate::{
 use super::{Drawn, DrawnMarker, LaidTiles, walls::draw_walls};
 
 impl Drawn {
-    /// Draws everything that a seed decides before the start.
+    /// Draws everything that a seed decides before the run starts.
     pub fn draw(scene: &Scene, seed: u64) -> Drawn {
         let (robot, errors) = (&scene.robot, scene.robot.errors);
         Drawn {
@@ -31,7 +31,8 @@ impl Drawn {
 }
 
 impl Scene {
-    /// The scene with its walls and its furniture as they truly stand, for all that feels and sees it. Its keys, the map and the localizer are told nothing.
+    /// The scene with walls and furniture as they truly stand, for the physics and the cameras. The scene's keys, the map and the localizer
+    /// keep the stated ones.
     pub fn as_built(&self, drawn: &Drawn) -> Scene {
         let mut built = self.clone();
         for (piece, turn_deg) in built.furniture.iter_mut().zip(&drawn.furniture_turn_deg) {
@@ -44,7 +45,7 @@ impl Scene {
 
 fn draw_furniture(scene: &Scene, seed: u64) -> Vec<f64> {
     let (tolerance_deg, errors) = (scene.building.furniture_tolerance_deg, scene.robot.errors);
-    // In a drift all pieces are askew alike, so that they agree with each other.
+    // With the distribution `Drift` all pieces of furniture are askew by the same angle, so that they agree with each other.
     let mut turn = Repeated::new(errors, stream(seed, "furniture"));
     scene.furniture.iter().map(|_| turn.one_way(tolerance_deg)).collect()
 }
@@ -59,10 +60,10 @@ fn draw_start(scene: &Scene, seed: u64) -> Pose {
     }
 }
 
-/// Random goals are at least so far from the one before, or there would be nothing to drive.
+/// Least distance of a random goal from the goal before; with a smaller one there would be nothing to drive.
 const LEAST_LEG_M: f64 = 1.0;
 
-/// Middles of cells that the robot can get to.
+/// Draws the random goals of errands, each in the middle of a grid cell that the robot can reach.
 fn draw_goals(scene: &Scene, seed: u64) -> Vec<[f64; 2]> {
     let n_goals = scene.navigation.as_ref().map_or(0, |navigation| navigation.random_goals);
     let mut from_m = scene.errands.last().map_or([scene.start.x_m, scene.start.y_m], |errand| [errand.x_m, errand.y_m]);
@@ -75,7 +76,7 @@ fn draw_goals(scene: &Scene, seed: u64) -> Vec<[f64; 2]> {
     for _ in 0..n_goals {
         let is_far = |at_m: &&[f64; 2]| (at_m[0] - from_m[0]).hypot(at_m[1] - from_m[1]) >= LEAST_LEG_M;
         let far_m: Vec<&[f64; 2]> = centres_m.iter().filter(is_far).collect();
-        // Where the room is too small for that, any place is far enough.
+        // In a room too small for the least distance between goals, any place that the robot can reach may be drawn.
         let Some(goal_m) = far_m.choose(&mut rng).copied().or_else(|| centres_m.choose(&mut rng)) else { break };
         goals_m.push(*goal_m);
         from_m = *goal_m;

@@ -1,4 +1,4 @@
-//! Markers as they were printed and pasted.
+//! Ceiling markers as they were truly printed and pasted.
 
 use localizer::markers::{GridPlace, MarkerId};
 use nalgebra::{Point3, Rotation2, Vector2};
@@ -10,54 +10,55 @@ use crate::{
     scene::{Distribution, Marker, Markers, Scene},
 };
 
-/// Matrix Q of paper 5's Eq. (9) as it is printed, first row at the top: Y is top left, O bottom left, X bottom right. It stands here apart from the
-/// localizer's, which reads what this prints.
+/// Matrix Q of paper 5's Eq. (9) as printed, first row at the top: Y is top left, O bottom left, X bottom right. It is written here apart
+/// from the localizer's copy, because the localizer reads what this one prints.
 const WEIGHTS: [[u16; 4]; 4] =
     [[0, 0x020, 0x200, 0], [0x002, 0x010, 0x100, 0x800], [0x001, 0x008, 0x080, 0x400], [0, 0x004, 0x040, 0]];
 
-/// Between neighbouring dots (paper 5, section 3.2).
+/// Distance between neighbouring dots of a marker (paper 5, section 3.2).
 pub const PITCH_M: f64 = 0.04;
-/// Of every dot.
+/// Radius of every dot of a marker.
 pub const DOT_RADIUS_M: f64 = 0.01;
 
-/// A marker on the ceiling as it truly is.
+/// A marker on the ceiling as it truly is, with all errors of printing and pasting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrawnMarker {
-    /// What is printed on it.
+    /// Identity that is printed on the marker.
     pub id: MarkerId,
-    /// Its place among the markers of the scene.
+    /// Index of the marker in the scene's list of markers.
     pub index: usize,
-    /// True world x and y of the middle of its grid.
+    /// True world x and y of the middle of the marker's grid.
     pub centre_m: [f64; 2],
-    /// True angle from world x to the direction from O to X.
+    /// True angle from world x to the marker's direction from dot O to dot X.
     pub rotation_rad: f64,
-    /// True height of its dots above the floor.
+    /// True height of the marker's dots above the floor.
     pub height_m: f64,
-    /// Everything that shines on it.
+    /// All dots of the marker that reflect, including stray ones.
     pub dots: Vec<DrawnDot>,
 }
 
 /// A dot of a marker as it truly is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnDot {
-    /// Where it is printed on the grid.
+    /// Cell of the marker's grid in which the dot is printed.
     pub place: GridPlace,
-    /// True centre, world.
+    /// True centre of the dot, world frame.
     pub centre_in_world: Point3<f64>,
 }
 
 impl DrawnMarker {
-    /// All markers that are on the ceiling.
+    /// Draws all markers that are on the ceiling.
     pub fn draw_all(scene: &Scene, seed: u64) -> Vec<DrawnMarker> {
         let Some(markers) = &scene.markers else { return Vec::new() };
         let mut rng = stream(seed, "markers");
         let errors = scene.robot.errors;
         let first = rng.clone();
-        // Fallen markers are drawn too, so that one that falls moves no other.
+        // Fallen markers are drawn too, so that the fall of one changes the draws of no other.
         let draw = |(index, marker): (usize, &Marker)| {
             let height_m = markers.height_m(marker, scene);
             if errors == Distribution::Drift {
-                // All are off alike, as by a tape that is too long: no number of them tells.
+                // With the distribution `Drift` all markers are off by the same error, as by a tape measure that is too long, so that no
+                // number of markers reveals it.
                 rng = first.clone();
             }
             let drawn = draw_marker((index, marker), markers, height_m, errors, &mut rng);
@@ -69,7 +70,7 @@ impl DrawnMarker {
     }
 }
 
-/// Which of the laid-out markers are missing.
+/// Indices of the markers that have fallen off the ceiling, drawn at random.
 fn fallen(markers: &Markers, seed: u64) -> Vec<usize> {
     let (share, n_markers) = (markers.share_missing, markers.all().len());
     let mut left: Vec<usize> = (0..n_markers).collect();
@@ -94,7 +95,7 @@ fn draw_marker(
     let world_from_marker = Rotation2::new(rotation_rad);
     let mut dots = Vec::new();
     for place in (0..4).flat_map(|i| (0..4).map(move |j| [i, j])) {
-        // Every place draws, so that a dot that is missing moves no other.
+        // Every cell of the grid takes its draw, so that a missing dot changes the draws of no other.
         let misprint = draw_in_disc(markers.print_tolerance_m, errors, rng);
         if marker.shines_at(place) {
             let at = centre + world_from_marker * (marker.place_in_marker_m(place) + misprint);
@@ -104,7 +105,7 @@ fn draw_marker(
     DrawnMarker { id: MarkerId(marker.id), index, centre_m: centre.into(), rotation_rad, height_m, dots }
 }
 
-/// A place in a disc about 0: the tolerance bounds the distance in any direction.
+/// Draws a vector whose length is bounded by the tolerance, in any direction.
 fn draw_in_disc(radius_m: f64, errors: Distribution, rng: &mut ChaCha8Rng) -> Vector2<f64> {
     let distance_m = draw_within(radius_m, errors, rng);
     let direction_rad = draw_within(std::f64::consts::FRAC_PI_2, Distribution::Uniform, rng);
@@ -112,28 +113,28 @@ fn draw_in_disc(radius_m: f64, errors: Distribution, rng: &mut ChaCha8Rng) -> Ve
 }
 
 impl Marker {
-    /// Whether a dot is printed there.
+    /// Whether a dot is printed in this cell of the marker's grid.
     pub fn is_printed(&self, [i, j]: GridPlace) -> bool {
         let weight = WEIGHTS[usize::from(3 - j)][usize::from(i)];
         [[0, 0], [3, 0], [0, 3]].contains(&[i, j]) || self.id & weight != 0
     }
 
-    /// Whether something shines there, print or not.
+    /// Whether anything reflects in this cell of the marker's grid, printed dot or stray one.
     fn shines_at(&self, place: GridPlace) -> bool {
         let is_dot = self.is_printed(place) && !self.missing_dots.contains(&place);
-        // The dots of the grid and their rims take up the width.
+        // Width of the marker that can be covered: the dots of the grid, their rims included.
         let width_m = 3.0 * PITCH_M + 2.0 * DOT_RADIUS_M;
         let is_covered = along_m(place[0]) > width_m * (0.5 - self.covered_share);
         (is_dot || self.extra_dots.contains(&place)) && !is_covered
     }
 
-    /// Where the film has this place of the grid: x from O to X and y from O to Y, unless it is the wrong way round.
+    /// Where a cell of the grid lies on the marker's film: x from O to X and y from O to Y, unless the film is the wrong way round.
     fn place_in_marker_m(&self, [i, j]: GridPlace) -> Vector2<f64> {
         if self.mirrored { Vector2::new(along_m(j), along_m(i)) } else { Vector2::new(along_m(i), along_m(j)) }
     }
 }
 
-/// Distance of a row or column of the grid from its middle.
+/// Distance of a row or column of the marker's grid from the grid's middle.
 fn along_m(index: u8) -> f64 {
     (f64::from(index) - 1.5) * PITCH_M
 }

@@ -1,4 +1,4 @@
-//! A tiled floor as it was laid: corners off their nominal place, joints worn or missing.
+//! A tiled floor as it was truly laid: tile corners off their nominal places, joints worn or missing.
 
 use nalgebra::{Rotation2, Vector2, vector};
 use rand::Rng;
@@ -14,59 +14,59 @@ mod segment;
 use laying::{albedos, contrasts, draw_lines, laid_straight};
 use segment::Segment;
 
-/// Displaced corners and joint contrasts of a tiled floor, covering the room with a margin.
+/// A tiled floor as it was truly laid: displaced corners and joint contrasts, covering the room with a margin.
 ///
-/// Corner `(i, j)` is the crossing of joint `i` of grid x and joint `j` of grid y, `first[a] ≤ index < first[a] + count[a]`.
-/// A joint runs straight from corner to corner.
+/// Corner `(i, j)` is the crossing of joint `i` of grid x and joint `j` of grid y, `first[a] ≤ index < first[a] + count[a]`. A joint runs
+/// straight from corner to corner.
 #[derive(Clone, Debug)]
 pub struct LaidTiles {
-    /// Index of the first joint of each axis.
+    /// Index of the first joint of each grid axis.
     pub first: [i32; 2],
-    /// Number of joints of each axis.
+    /// Number of joints of each grid axis.
     pub count: [usize; 2],
-    /// Displacement of each corner from its nominal place, grid frame; `count[0] × count[1]`, row-major in `(i, j)`.
+    /// Displacement of each tile corner from its nominal place, grid frame; `count[0] × count[1]`, row-major in `(i, j)`.
     pub corner_offset_m: Vec<[f64; 2]>,
-    /// The straight line that each joint of each axis was laid along: displacement where the other grid coordinate is 0, and slope.
+    /// The straight line that each joint of each axis was laid along: its displacement where the other grid coordinate is 0, and its slope.
     pub lines: [Vec<[f64; 2]>; 2],
-    /// Contrast of each joint segment, 1 as new and 0 not to be seen; `[0]`: from corner `(i, j)` to `(i, j + 1)`,
-    /// `[1]`: to `(i + 1, j)`; indexed as the corners.
+    /// Contrast of each joint segment, from 1 for a new joint to 0 for an invisible one. `[0]` holds the segments from corner `(i, j)` to
+    /// `(i, j + 1)`, `[1]` those to `(i + 1, j)`; both are indexed like the corners.
     pub contrast: [Vec<f32>; 2],
-    /// Albedo of the tile at corner `(i, j)` (towards `(i + 1, j + 1)`), indexed as the corners.
+    /// Albedo of the tile between the corners `(i, j)` and `(i + 1, j + 1)`, indexed like the corners.
     pub tile_albedo: Vec<f32>,
-    /// Seed of what is printed or grown on the tiles.
+    /// Random seed of the pattern that is printed or grown on the tiles.
     pub pattern_seed: u32,
 }
 
-/// The joint nearest to a place.
+/// The joint between floor tiles that is nearest to a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearestJoint {
-    /// Distance to the joint's centre line.
+    /// Distance from the given place to the nearest joint's centre line.
     pub distance_m: f64,
-    /// Family: 0 for the joints at constant grid x, 1 for those at constant grid y.
+    /// Family of the joint: 0 for the joints at constant grid x, 1 for those at constant grid y.
     pub axis: usize,
-    /// Whether there is anything to be seen of the joint at its nearest segment.
+    /// Whether the joint's segment nearest to the place is visible.
     pub visible: bool,
 }
 
-/// By how much joints are off at most.
+/// Greatest errors of the floor's joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointErrors {
-    /// Distance of a centre line from its nominal line.
+    /// Greatest distance of a joint's centre line from its nominal line.
     pub offset_m: f64,
-    /// Distance of a centre line from the straight line that it was laid along.
+    /// Greatest distance of a joint's centre line from the straight line that it was laid along.
     pub bend_m: f64,
-    /// Angle of such a straight line to its nominal direction.
+    /// Greatest angle between the straight line that a joint was laid along and its nominal direction.
     pub angle_rad: f64,
 }
 
-/// Joints laid beyond the room on each side, for views that reach behind its walls.
+/// Number of joints laid beyond the room on each side, for camera views that reach behind its walls.
 const MARGIN_JOINTS: i32 = 2;
 
 impl LaidTiles {
     /// Lays the tiles of a room as a seed draws them.
     ///
-    /// Laying, corners, wear, missing joints and albedos have a random stream each. Every point in the room of a joint's
-    /// centre line is within `laying_tolerance_m + corner_tolerance_m` of its nominal line, unless a tile is misplaced.
+    /// Laying, corners, wear, missing joints and albedos have a random stream each. Every point of a joint's centre line in the room is
+    /// within `laying_tolerance_m + corner_tolerance_m` of the joint's nominal line, unless a tile is misplaced.
     pub fn draw(tiles: &Tiles, room: &Room, distribution: Distribution, seed: u64) -> LaidTiles {
         let [low_m, high_m] = room_in_grid(tiles, room);
         let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
@@ -94,10 +94,10 @@ impl LaidTiles {
         laid
     }
 
-    /// The joint nearest to a place in the world; `None` far outside the room.
+    /// The joint nearest to a place in the world, visible or not; `None` far outside the room.
     pub fn joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
-        // A corner is displaced by less than a tile's edge, so that the nearest joint has a corner two tiles away at most.
+        // A corner is displaced by less than a tile's edge, so that the nearest joint has a corner at most two tiles away.
         let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
         self.segments_within(tiles, place, reach)
             .map(|segment| NearestJoint {
@@ -108,7 +108,7 @@ impl LaidTiles {
             .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
     }
 
-    /// The visible joint nearest to a place in the world, whatever lies between; `None` if there is none within two tiles.
+    /// The visible joint nearest to a place in the world, even if an invisible joint is nearer; `None` if there is none within two tiles.
     pub fn visible_joint_distance(&self, tiles: &Tiles, place_in_world_m: [f64; 2]) -> Option<NearestJoint> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
         let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
@@ -118,7 +118,8 @@ impl LaidTiles {
             .min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
     }
 
-    /// Family and index of every joint whose centre line passes within its family's distance of a place in the world; each once.
+    /// Family and index of every joint whose centre line passes within the distance given for its family of a place in the world; each
+    /// joint once.
     pub fn joints_within(&self, tiles: &Tiles, place_in_world_m: [f64; 2], distance_m: [f64; 2]) -> Vec<(usize, i32)> {
         let place = grid_from_world(tiles) * Vector2::from(place_in_world_m);
         let reach = vector![2.0 * tiles.edge_x_m, 2.0 * tiles.edge_y_m];
@@ -132,7 +133,7 @@ impl LaidTiles {
         joints
     }
 
-    /// By how much the joints are off at most, in the room and within a radius of a place in the world.
+    /// Greatest errors of the joints in the room within a radius of a place in the world.
     pub fn errors_near(&self, tiles: &Tiles, room: &Room, place_in_world_m: [f64; 2], radius_m: f64) -> JointErrors {
         let grid_from_world = grid_from_world(tiles);
         let place = grid_from_world * Vector2::from(place_in_world_m);
@@ -151,14 +152,14 @@ impl LaidTiles {
         greatest
     }
 
-    /// Moves every corner back until no joint is farther than this from its nominal line.
+    /// Moves corners back until no joint is farther than the tolerance from its nominal line.
     pub(super) fn clip_offsets(&mut self, tolerance_m: f64) {
         for offset in &mut self.corner_offset_m {
             *offset = offset.map(|off_m| off_m.clamp(-tolerance_m, tolerance_m));
         }
     }
 
-    /// Moves every corner back until no joint is farther than this from its own straight line.
+    /// Moves corners back until no joint is farther than the tolerance from the straight line that it was laid along.
     pub(super) fn clip_bends(&mut self, tiles: &Tiles, tolerance_m: f64) {
         let straight = laid_straight(tiles, self.first, &self.lines);
         let steepest = self.lines.iter().flatten().map(|[_, slope]| slope.abs()).fold(0.0, f64::max);
@@ -169,12 +170,12 @@ impl LaidTiles {
         }
     }
 
-    /// Index of corner `(i, j)` in the tables, counted from the first corner.
+    /// Index of tile corner `(i, j)` in the tables, with `i` and `j` counted from the first corner.
     fn corner_index(&self, i: usize, j: usize) -> usize {
         i * self.count[1] + j
     }
 
-    /// Every segment whose corners' nominal places are within a reach of a place, all in the grid frame.
+    /// All joint segments whose first corner's nominal place is within a given distance of a place along each axis, in the grid frame.
     fn segments_within<'a>(
         &'a self,
         tiles: &'a Tiles,
@@ -206,7 +207,8 @@ impl LaidTiles {
                 let (nominal, from_offset) = corner(i, j);
                 let (next_nominal, to_offset) = corner(next_i, next_j);
                 let [shift_m, slope] = self.lines[axis][[i, j][axis]];
-                // Across the joint from its straight line; a line's slope is so small that its cosine is 1.
+                // Distance of the joint from its straight line, across the joint. The line's slope is so small that its cosine is taken as
+                // 1.
                 let bend_m = |nominal: Vector2<f64>, offset: Vector2<f64>| {
                     offset[axis] - shift_m - slope * (nominal[1 - axis] + offset[1 - axis])
                 };
@@ -224,16 +226,17 @@ impl LaidTiles {
         })
     }
 
-    /// Moves every corner by its own draw, so that joints bend from tile to tile.
+    /// Moves every tile corner by a draw of its own, so that joints bend from tile to tile.
     fn move_corners(&mut self, tiles: &Tiles, distribution: Distribution, seed: u64, room: [[f64; 2]; 2]) {
-        // A joint that is not parallel to its axis is also shifted by a move along it; so much less keeps the bound exact.
+        // Where a joint is not parallel to its axis, a displacement along the joint also shifts it sideways. The tolerance is reduced by
+        // that much, so that the bound stays exact.
         let slope =
             (0..2).map(|axis| 2.0 * tiles.laying_tolerance_m / (room[1][axis] - room[0][axis])).fold(0.0, f64::max);
         let tolerance_m = tiles.corner_tolerance_m / (1.0 + slope);
         let mut rng = randomness::stream(seed, "tiles.corners");
         for offset_m in self.corner_offset_m.iter_mut().flatten() {
             *offset_m += match distribution {
-                // Farther off the way that the joint is off already.
+                // With the distribution `Drift` a corner is moved farther in the direction in which its joint is already off.
                 Distribution::Drift => tolerance_m.copysign(*offset_m),
                 _ => draw_within(tolerance_m, distribution, &mut rng),
             };
@@ -263,7 +266,7 @@ fn grid_from_world(tiles: &Tiles) -> Rotation2<f64> {
     Rotation2::new(-tiles.rotation_deg.to_radians())
 }
 
-/// Lowest and highest grid coordinates of the room.
+/// Lowest and highest coordinates of the room in the grid frame.
 fn room_in_grid(tiles: &Tiles, room: &Room) -> [[f64; 2]; 2] {
     let corners = [[0.0, 0.0], [room.width_m, 0.0], [0.0, room.depth_m], [room.width_m, room.depth_m]]
         .map(|corner| grid_from_world(tiles) * Vector2::from(corner));

@@ -1,4 +1,4 @@
-//! Walls as they truly stand: all turned alike against the map.
+//! Walls as they truly stand: all turned by the same angle against the map.
 
 use crate::{
     randomness::{draw_within, stream},
@@ -7,14 +7,15 @@ use crate::{
 
 use super::Drawn;
 
-/// Where walls turned as drawn would leave the robot no place, they are turned by so many hundredths less, and so on.
+/// Step, in hundredths of the drawn turn, by which the walls' turn is reduced until it leaves the robot room at every place that the scene
+/// gives.
 const STEP_PERCENT: i32 = 5;
 
-/// A piece of furniture that a scene turns by more than this against every wall stands across them on purpose: its edges are strays, which quotas
-/// count. Whoever puts furniture along a wall leaves it askew by 1 to 3°.
+/// Angle against every wall beyond which a piece of furniture counts as placed across the walls on purpose. Its edges are then outliers,
+/// which the quotas of false claims allow for. Furniture that people place along a wall ends up askew by 1 to 3°.
 const ON_PURPOSE_DEG: f64 = 5.0;
 
-/// One turn for all walls: they agree with each other, so that no image of them tells it from a turn of the robot.
+/// Draws one turn for all walls. The walls agree with each other, so that no image of them can distinguish it from a turn of the robot.
 pub(super) fn draw_walls(scene: &Scene, seed: u64) -> f64 {
     let drawn_deg = draw_within(scene.walls_askew_deg(), scene.robot.errors, &mut stream(seed, "walls"));
     let lesser = (0..=100 / STEP_PERCENT).map(|step| drawn_deg * f64::from(100 - STEP_PERCENT * step) / 100.0);
@@ -23,13 +24,14 @@ pub(super) fn draw_walls(scene: &Scene, seed: u64) -> f64 {
 }
 
 impl Scene {
-    /// Directions of the walls from world x as they truly stand, modulo 90: the room's, then each further room's.
+    /// Directions of the walls as they truly stand, measured from world x, modulo 90°: those of the robot's room, then those of each
+    /// further room.
     pub fn true_wall_directions_deg(&self, drawn: &Drawn) -> Vec<f64> {
         self.stated_wall_directions_deg().into_iter().map(|stated_deg| stated_deg + drawn.walls_turn_deg).collect()
     }
 
-    /// How far each piece of furniture, as it truly stands, is turned against the nearest direction of a wall, as stated or as it truly is, modulo
-    /// quarter turns. Zero for what stands across the walls on purpose.
+    /// Angle of each piece of furniture, as it truly stands, to the nearest wall direction, stated or true, modulo quarter turns. It is
+    /// zero for furniture that stands across the walls on purpose.
     pub(crate) fn furniture_askew_deg(&self, drawn: &Drawn) -> Vec<f64> {
         let stated_deg = self.stated_wall_directions_deg();
         let stands_deg = [self.true_wall_directions_deg(drawn), stated_deg.clone()].concat();
@@ -42,7 +44,7 @@ impl Scene {
     }
 }
 
-/// The turn to a direction from the nearest of some, modulo quarter turns: from -45 to 45 degrees. None if there are none.
+/// Signed angle to a direction from the nearest of the others, modulo quarter turns, from −45 to 45 degrees; `None` if there are no others.
 pub(crate) fn turn_from_nearest_deg(direction_deg: f64, others_deg: &[f64]) -> Option<f64> {
     let turns_deg = others_deg.iter().map(|other_deg| (direction_deg - other_deg + 45.0).rem_euclid(90.0) - 45.0);
     turns_deg.min_by(|a, b| a.abs().total_cmp(&b.abs()))

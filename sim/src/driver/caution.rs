@@ -1,25 +1,25 @@
-//! How freely the robot may drive on what it knows of its place.
+//! Limits how freely the robot may drive when its pose is uncertain.
 
 use localizer::PoseBox;
 
 use crate::scene::Scene;
 
-/// Width of the hull up to which the robot drives at full speed: beyond, a waypoint 0.3 m from a wall is a risk.
+/// Width of the estimate's hull up to which the robot drives at full speed. With a wider hull a waypoint 0.3 m from a wall is a risk.
 const SURE_WIDTH_M: f64 = 0.2;
 
-/// Least share of the speed, so that a robot that is unsure for long still gets somewhere.
+/// Least share of the full speed, so that a robot whose pose stays uncertain still gets somewhere.
 const LEAST_SHARE: f64 = 0.25;
 
-/// Distance that a doubting robot keeps from walls.
+/// Distance that a robot keeps from walls while its localizer recovers.
 const WALL_MARGIN_M: f64 = 0.05;
 
-/// How long a doubting robot by a wall looks around before it creeps on.
+/// How long a robot near a wall looks around while its localizer recovers, before it creeps on.
 const PATIENCE_S: f64 = 10.0;
 
-/// Turn rate of looking around, over the robot's greatest.
+/// Turn rate at which a robot that is unsure of its pose looks around, over its greatest turn rate.
 const LOOK_AROUND_SHARE: f64 = 0.3;
 
-/// Decides how freely to drive.
+/// Decides from the estimate how freely the robot may drive.
 #[derive(Clone, Debug)]
 pub(super) struct Caution {
     room_m: [f64; 2],
@@ -28,19 +28,19 @@ pub(super) struct Caution {
     waiting_since_s: Option<f64>,
 }
 
-/// What the robot may do.
+/// What the robot is allowed to do while its pose is uncertain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Freedom {
-    /// Follow the route at a share of its speed.
+    /// The robot may follow the route at a share of its speed.
     Drive { speed_share: f64 },
-    /// Turn in place.
+    /// The robot may turn in place to see more.
     LookAround { turn_rad_per_s: f64 },
-    /// Nothing: the estimate holds no pose.
+    /// The robot may not move, because the estimate holds no pose.
     Halt,
 }
 
 impl Caution {
-    /// Caution in the scene's room.
+    /// Caution for a robot in the scene's room.
     pub(super) fn new(scene: &Scene) -> Self {
         Caution {
             room_m: [scene.room.width_m, scene.room.depth_m],
@@ -50,7 +50,7 @@ impl Caution {
         }
     }
 
-    /// Judges an estimate by its hull.
+    /// Judges an estimate by its hull, and by whether the localizer is recovering.
     pub(super) fn judge(&mut self, hull: &PoseBox, recovering: bool, time_s: f64) -> Freedom {
         if hull.is_empty() {
             return Freedom::Halt;

@@ -1,4 +1,4 @@
-//! Errands: finds ways to goals, follows them by the estimate, waits and looks for another way when one is blocked.
+//! Driver for errands: plans paths to goals and follows them by the estimate. When a path is blocked it waits, then looks for another one.
 
 use localizer::{Estimate, Pose, PoseBox, Status};
 
@@ -21,27 +21,29 @@ mod way;
 
 pub use log::{ErrandLog, ErrandRecord, Leg, Outcome};
 
-/// Wider than this, or with so many headings, a box is no place to set out from: the robot stands and looks around.
+/// Width of the estimate's hull beyond which a robot on errands does not set out: it stands and looks around.
 const LOST_M: f64 = 3.0;
-/// See [`LOST_M`].
+/// Width of the estimate's range of headings beyond which a robot on errands does not set out: it stands and looks around, as for
+/// [`LOST_M`].
 const LOST_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Least share of the speed while the box is wide, so that a robot that is unsure for long still gets somewhere.
+/// Least share of the full speed while the hull is wide, so that a robot whose pose stays uncertain still gets somewhere.
 const LEAST_SHARE: f64 = 0.25;
 
-/// How long a robot that doubts its place stands before it turns about to see something else.
+/// How long a robot whose estimate is not sound, or too wide, stands before it turns about to see something else.
 const DOUBT_S: f64 = 5.0;
 
-/// Turn rate of looking around, over the robot's greatest.
+/// Turn rate at which a robot that is unsure of its pose looks around, over its greatest turn rate.
 const LOOK_AROUND_SHARE: f64 = 0.3;
 
-/// A robot that wants to get on and has stood for so long has run into something; longer than a start from rest takes.
+/// Time without motion after which a robot that wants to drive on is taken to have run into something. It is longer than a start from rest
+/// takes.
 const STUCK_S: f64 = 3.0;
 
-/// How long the robot stands where it is in nobody's way.
+/// How long the robot stands at the place to which it has moved out of somebody's way.
 const YIELDED_S: f64 = 3.0;
 
-/// Drives a scene's errands.
+/// Driver of a scene's errands, from goal to goal.
 #[derive(Clone, Debug)]
 pub struct ErrandDriver {
     follower: Driver,
@@ -52,30 +54,31 @@ pub struct ErrandDriver {
     surroundings: Surroundings,
     task: Task,
     log: ErrandLog,
-    /// Where the robot was, by its estimate, when it last moved, and when it last got on: to tell a bump, and a standstill.
+    /// `moved` holds where and when the robot last moved, by its estimate, which reveals that it has run into something. `got_on` holds
+    /// where and when it last made progress, which reveals a standstill.
     moved: Anchor,
     got_on: Anchor,
     doubts_since_s: Option<f64>,
-    /// When something came into the way that has been there, on and off, since the robot last got on.
+    /// Time at which something first blocked the way. The robot has made no progress since, though the way may have been free for moments.
     blocked_since_s: Option<f64>,
 }
 
-/// What the driver is about.
+/// What the errand driver is doing at present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Task {
     Plan,
     Follow,
-    /// Out of somebody's way.
+    /// The robot is moving out of somebody's way.
     Yield,
-    /// Something is in the way.
+    /// The robot is waiting, because something blocks its path.
     Wait {
         since_s: f64,
     },
-    /// Where it is in nobody's way.
+    /// The robot is standing at a place where it is in nobody's way.
     Yielded {
         until_s: f64,
     },
-    /// At a goal.
+    /// The robot is standing at a goal that it has reached.
     Pause {
         until_s: f64,
     },
@@ -84,20 +87,20 @@ enum Task {
     },
 }
 
-/// A place and the last time at which the robot was elsewhere.
+/// A place, and the last time at which the robot was somewhere else.
 #[derive(Clone, Copy, Debug)]
 struct Anchor {
     place_m: [f64; 2],
     since_s: f64,
 }
 
-/// Whether the middle of a box says nothing of where to drive.
+/// Whether the estimate's hull is so wide that its middle is of no use for planning a path.
 fn is_lost(hull: &PoseBox) -> bool {
     !hull.is_empty() && (hull.width(0).max(hull.width(1)) > LOST_M || hull.width(2) > LOST_RAD)
 }
 
 impl ErrandDriver {
-    /// A driver of the scene's errands and then of goals that a seed has drawn.
+    /// A driver of the errands that the scene states, followed by goals that a seed has drawn at random.
     pub fn new(scene: &Scene, random_goals_m: &[[f64; 2]]) -> ErrandDriver {
         let navigation = scene.navigation();
         let map = OccupancyGrid::of(scene);
@@ -120,7 +123,7 @@ impl ErrandDriver {
         }
     }
 
-    /// The wheel speeds for the next [`PERIOD_S`](super::PERIOD_S), by an estimate and what the proximity sensor has just read.
+    /// The wheel speeds for the next [`PERIOD_S`](super::PERIOD_S), by the localizer's estimate and the proximity sensor's latest reading.
     pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> WheelCommand {
         let hull = estimate.pose.hull();
         if !hull.is_empty() {
@@ -132,7 +135,7 @@ impl ErrandDriver {
         }
         let is_lost = is_lost(&hull);
         if is_lost && self.task == Task::Follow {
-            // The way was planned from elsewhere.
+            // The path was planned from a place that proves wrong, so that a new one is needed.
             self.task = Task::Plan;
         }
         let wish = if hull.is_empty() || is_lost || estimate.status != Status::Sound {
@@ -144,18 +147,19 @@ impl ErrandDriver {
         self.follower.actuate(wish)
     }
 
-    /// Whether all errands have ended and the robot has stood since for a second.
+    /// Whether all errands have ended and the robot has stood still for a second since.
     pub fn is_done(&self, time_s: f64) -> bool {
         matches!(self.task, Task::Done { since_s } if time_s - since_s > 1.0)
     }
 
-    /// What became of the errands until `time_s`.
+    /// The log of what became of each errand until `time_s`.
     pub fn into_log(mut self, time_s: f64) -> ErrandLog {
         self.log.end_leg(time_s);
         self.log
     }
 
-    /// Stands, and after a while turns about: a round robot that turns in place touches nothing.
+    /// Stands while the estimate is not sound, or too wide, and after a while turns about to see more. A round robot that turns in place
+    /// touches nothing.
     fn doubt(&mut self, is_nowhere: bool, time_s: f64) -> Wish {
         let since_s = *self.doubts_since_s.get_or_insert(time_s);
         self.moved = Anchor { place_m: self.place_m(), since_s: time_s };
@@ -215,18 +219,20 @@ impl ErrandDriver {
         }
         if is_bumped || (wants_on && limit_m_per_s < CREEP_M_PER_S) {
             let since_s = *self.blocked_since_s.get_or_insert(time_s);
-            // The way aside leads nowhere: one to the goal is looked for again.
+            // If the path by which the robot moves aside is blocked, it plans a path to its goal again; if the path to the goal is blocked,
+            // it waits.
             self.task =
                 if self.task == Task::Yield { Task::Yielded { until_s: time_s } } else { Task::Wait { since_s } };
             return Wish::default();
         }
-        // Full speed while half of the box fits into the margin that the way has to either side.
+        // The robot drives at full speed as long as half of the hull's width fits into the margin on either side of the planned path.
         let width_m = hull.width(0).max(hull.width(1));
         let share = (2.0 * self.navigation.margin_m / width_m).clamp(LEAST_SHARE, 1.0);
         Wish { speed_m_per_s: (share * wish.speed_m_per_s).min(limit_m_per_s), ..wish }
     }
 
-    /// At the end of a way: the goal is reached if the estimate says so.
+    /// Ends an errand at the end of a path: the goal counts as reached if the estimate's middle is within the tolerance. Otherwise a new
+    /// path is planned.
     fn arrive(&mut self, hull: &PoseBox, time_s: f64) {
         let pose = self.follower.pose;
         let Some(errand) = self.log.current_mut() else { return };

@@ -1,16 +1,17 @@
-//! The polyline through a route's waypoints, segment by segment, without end when the route repeats.
+//! The path of a route: the polyline through its waypoints, segment by segment; endless if the route repeats.
 
 use crate::scene::{Route, Waypoint};
 
 use super::ARRIVED_M;
 
-/// Corners sharper than this are turned in place whatever the route says: a look-ahead point behind the robot steers nowhere.
+/// Corner angle beyond which the robot always turns in place, whatever the route asks for: it cannot steer to a look-ahead point that lies
+/// behind it.
 const SHARPEST_CURVE_RAD: f64 = 2.0;
 
-/// Waypoints closer than this are one place.
+/// Distance below which two waypoints count as one place.
 const SAME_PLACE_M: f64 = 1e-6;
 
-/// Where the robot is to go.
+/// The polyline that a robot on a route is to follow.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
     origin_m: [f64; 2],
@@ -18,17 +19,17 @@ pub(super) struct Path {
     repeat: bool,
 }
 
-/// A straight piece of the path, from a waypoint to the next.
+/// A straight segment of the path, from one waypoint to the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Segment {
     from_m: [f64; 2],
     along: [f64; 2],
-    /// Its length; 0 when its ends are one place.
+    /// Length of the path segment; 0 if both ends are the same place.
     pub(super) length_m: f64,
 }
 
 impl Path {
-    /// The path of a route from where the robot stands. A route that repeats but goes nowhere ends at its first stop.
+    /// The path of a route, from the place where the robot stands. A route that repeats but leads nowhere ends at its first stop.
     pub(super) fn new(origin_m: [f64; 2], route: &Route) -> Self {
         Path {
             origin_m,
@@ -37,7 +38,7 @@ impl Path {
         }
     }
 
-    /// Waypoint at the end of a segment, or `None` behind the last one.
+    /// The waypoint at the end of a segment, or `None` if the path has no such segment.
     pub(super) fn waypoint(&self, segment_idx: usize) -> Option<&Waypoint> {
         let n_waypoints = self.waypoints.len();
         if segment_idx < n_waypoints {
@@ -46,7 +47,7 @@ impl Path {
         if self.repeat && n_waypoints > 0 { self.waypoints.get(segment_idx % n_waypoints) } else { None }
     }
 
-    /// A segment, or `None` behind the last one.
+    /// The segment of the given index, or `None` beyond the path's last segment.
     pub(super) fn segment(&self, segment_idx: usize) -> Option<Segment> {
         let to = self.waypoint(segment_idx)?;
         let from_m = match segment_idx.checked_sub(1) {
@@ -63,14 +64,14 @@ impl Path {
         Some(Segment { from_m, along: [x_m / length_m, y_m / length_m], length_m })
     }
 
-    /// Whether the robot comes to a stand at the end of a segment.
+    /// Whether the robot comes to a stand at the end of a path segment.
     pub(super) fn stops_after(&self, segment_idx: usize) -> bool {
         let Some(waypoint) = self.waypoint(segment_idx) else { return true };
         let stands = waypoint.turn_in_place || waypoint.pause_s > 0.0;
         stands || self.corner_rad(segment_idx).is_none_or(|corner_rad| corner_rad > SHARPEST_CURVE_RAD)
     }
 
-    /// Angle by which the path turns at the end of a segment, `[0, π]`, or `None` where it ends.
+    /// Angle by which the path turns at the end of a segment, in `[0, π]`, or `None` if the path ends there.
     pub(super) fn corner_rad(&self, segment_idx: usize) -> Option<f64> {
         let (before, after) = (self.segment(segment_idx)?, self.segment(segment_idx + 1)?);
         if before.length_m == 0.0 || after.length_m == 0.0 {
@@ -81,7 +82,8 @@ impl Path {
         Some(cross.abs().atan2(dot))
     }
 
-    /// The point of the path a distance ahead of a place on a segment; past a stop it goes straight on.
+    /// The look-ahead point of the path: the point at a distance ahead of a place on a segment. Beyond a stop it is taken on the segment's
+    /// straight extension.
     pub(super) fn ahead_m(&self, mut segment_idx: usize, mut along_m: f64, ahead_m: f64) -> [f64; 2] {
         along_m += ahead_m;
         let Some(mut segment) = self.segment(segment_idx) else { return self.origin_m };
@@ -95,24 +97,24 @@ impl Path {
     }
 }
 
-/// Length of the round through all waypoints and back to the first.
+/// Length of the round trip through all waypoints and back to the first.
 fn round_m(waypoints: &[Waypoint]) -> f64 {
     let next = waypoints.iter().cycle().skip(1);
     waypoints.iter().zip(next).map(|(here, next)| (next.x_m - here.x_m).hypot(next.y_m - here.y_m)).sum()
 }
 
 impl Segment {
-    /// Point at a distance from its start, also beyond its ends.
+    /// The point at a distance from the path segment's start; it may lie beyond the segment's ends.
     pub(super) fn point(&self, along_m: f64) -> [f64; 2] {
         [self.from_m[0] + along_m * self.along[0], self.from_m[1] + along_m * self.along[1]]
     }
 
-    /// Where along the endless line the foot of a place lies.
+    /// Distance from the segment's start to the foot of the perpendicular from a place onto the endless line through the segment.
     pub(super) fn foot_m(&self, place_m: [f64; 2]) -> f64 {
         (place_m[0] - self.from_m[0]) * self.along[0] + (place_m[1] - self.from_m[1]) * self.along[1]
     }
 
-    /// Distance of a place from the segment.
+    /// Distance of a place from the path segment.
     pub(super) fn distance_m(&self, place_m: [f64; 2]) -> f64 {
         let [x_m, y_m] = self.point(self.foot_m(place_m).clamp(0.0, self.length_m));
         (place_m[0] - x_m).hypot(place_m[1] - y_m)

@@ -1,4 +1,4 @@
-//! Whoever drives: along a route or on errands.
+//! The driver of a run: either along the scene's route or on errands.
 
 use localizer::Estimate;
 
@@ -6,17 +6,17 @@ use crate::{devices::proximity::Fan, drawn::Drawn, scene::Scene, world::WheelCom
 
 use super::{Driver, ErrandDriver, ErrandLog};
 
-/// The driver that a scene asks for.
+/// The driver that a scene asks for, on a route or on errands.
 #[derive(Clone, Debug)]
 pub enum Pilot {
-    /// Along the scene's route; without one it stands.
+    /// A driver along the scene's route; without a route the robot stands.
     Route(Box<Driver>),
-    /// From goal to goal by ways of its own.
+    /// A driver on errands, which plans its paths from goal to goal itself.
     Errands(Box<ErrandDriver>),
 }
 
 impl Pilot {
-    /// The driver of a scene with the goals that a seed has drawn.
+    /// The driver of a scene, with the goals that a seed has drawn at random.
     pub fn new(scene: &Scene, drawn: &Drawn) -> Pilot {
         if scene.has_errands() {
             Pilot::Errands(Box::new(ErrandDriver::new(scene, &drawn.goals_m)))
@@ -25,7 +25,7 @@ impl Pilot {
         }
     }
 
-    /// The wheel speeds for the next [`PERIOD_S`](super::PERIOD_S). `fan` is what the proximity sensor has just read, if it has.
+    /// The wheel speeds for the next [`PERIOD_S`](super::PERIOD_S). `fan` is the proximity sensor's reading, if a new one has arrived.
     pub fn command(&mut self, estimate: &Estimate, fan: Option<&Fan>, time_s: f64) -> WheelCommand {
         match self {
             Pilot::Route(driver) => driver.command(estimate, time_s),
@@ -33,12 +33,12 @@ impl Pilot {
         }
     }
 
-    /// Whether there is nothing left to drive, so that the run may end before its time. A route's run never does.
+    /// Whether there is nothing left to drive, so that the run may end early. On a route this is never the case.
     pub fn is_done(&self, time_s: f64) -> bool {
         matches!(self, Pilot::Errands(driver) if driver.is_done(time_s))
     }
 
-    /// What became of the errands until `time_s`; none of a route.
+    /// The log of what became of the errands until `time_s`; `None` on a route.
     pub fn into_log(self, time_s: f64) -> Option<ErrandLog> {
         match self {
             Pilot::Route(_) => None,

@@ -1,6 +1,6 @@
 //! A command that follows its target with limited rate and limited jerk, so that tyres are loaded gently.
 
-/// A smoothed command.
+/// A command smoothed by limits on its rate and jerk.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ramp {
     value: f64,
@@ -10,17 +10,17 @@ pub(super) struct Ramp {
 }
 
 impl Ramp {
-    /// At 0, at rest; the rate itself takes `rise_s` to reach its maximum.
+    /// A smoothed command that starts at 0 and at rest. Its rate takes `rise_s` to reach `max_rate`.
     pub(super) fn new(max_rate: f64, rise_s: f64) -> Self {
         Ramp { value: 0.0, rate: 0.0, max_rate, max_jerk: max_rate / rise_s }
     }
 
-    /// The command now.
+    /// Present value of the smoothed command.
     pub(super) fn value(&self) -> f64 {
         self.value
     }
 
-    /// Moves towards a target for one step.
+    /// Moves the command towards a target for one time step.
     pub(super) fn follow(&mut self, target: f64, step_s: f64) -> f64 {
         let gap = target - self.value;
         let jerk_step = self.max_jerk * step_s;
@@ -28,8 +28,8 @@ impl Ramp {
             (self.value, self.rate) = (target, 0.0);
             return target;
         }
-        // The greatest rate from which the jerk can still end on the target, rate² = 2·jerk·gap, with a fifth in hand for
-        // the steps' coarseness.
+        // The greatest rate from which the limited jerk can still end exactly on the target follows from rate² = 2·jerk·gap. The factor 2
+        // is reduced by a fifth, because the steps are coarse.
         let wanted = gap.signum() * self.max_rate.min((1.6 * self.max_jerk * gap.abs()).sqrt());
         self.rate += (wanted - self.rate).clamp(-jerk_step, jerk_step);
         self.value += self.rate * step_s;

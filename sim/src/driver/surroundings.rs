@@ -1,4 +1,4 @@
-//! What the proximity sensor says about the way ahead, and what it has seen that the map does not show.
+//! What the proximity sensor shows of the area ahead of the robot, and what it has seen that is not on the map.
 
 use std::collections::BTreeMap;
 
@@ -6,44 +6,48 @@ use localizer::Pose;
 
 use crate::{devices::proximity::Fan, navigation::OccupancyGrid};
 
-/// What lies nearer than this to something on the map is taken for it: the estimate's error, the sensor's and a cell.
+/// Distance to something on the map within which a reading is taken to be that thing. It covers the errors of the estimate and of the
+/// sensor, and one grid cell.
 const KNOWN_M: f64 = 0.15;
 
-/// The body's edge stops this far from what the map does not show, which may move, and from what it shows.
+/// Distances at which the robot stops, measured from its body's edge: before things that are not on the map, which may move, and before
+/// things that are.
 const GAP_M: [f64; 2] = [0.2, 0.02];
 
-/// What counts as ahead reaches this far beyond the body to either side, for the same two; less than ways keep away.
+/// Widths beyond the body, on either side, within which a thing counts as ahead: for things not on the map, and for things on it. Both are
+/// less than the distance that planned paths keep from things.
 const BESIDE_M: [f64; 2] = [0.06, 0.02];
 
-/// Time from a reading to the brakes: the sensor's period and the ramp's rise.
+/// Time from a proximity reading until the robot brakes: the sensor's period and the acceleration's rise time.
 const REACTION_S: f64 = 0.3;
 
-/// How long what was seen is believed to be there while nobody looks.
+/// How long something that was seen is assumed to be still there while the sensor does not look at it.
 const MEMORY_S: f64 = 20.0;
 
-/// A beam that goes so much beyond a remembered place shows that it is free again.
+/// Distance by which a beam of the proximity sensor must pass beyond a remembered place to show that the place is free again.
 const BEYOND_M: f64 = 0.15;
 
-/// What is about the robot.
+/// What the driver knows of the robot's surroundings: the map, the proximity sensor's last reading, and things seen that are not on the
+/// map.
 #[derive(Clone, Debug)]
 pub(super) struct Surroundings {
     map: OccupancyGrid,
     body_radius_m: f64,
-    /// How far the sensor reaches.
+    /// Greatest distance that the proximity sensor measures.
     range_m: f64,
-    /// Ends of the last reading's beams in the robot frame, and whether the map shows something there.
+    /// End points of the last reading's beams in the robot frame, each with whether the map shows something there.
     ends_m: Vec<([f64; 2], bool)>,
-    /// Cells with something that the map does not show, and when it was seen last.
+    /// Grid cells with something that is not on the map, and when it was last seen.
     seen: BTreeMap<[usize; 2], f64>,
 }
 
 impl Surroundings {
-    /// Nothing but the map is known.
+    /// Surroundings of which only the map is known.
     pub(super) fn new(map: OccupancyGrid, body_radius_m: f64, range_m: f64) -> Self {
         Surroundings { map, body_radius_m, range_m, ends_m: Vec::new(), seen: BTreeMap::new() }
     }
 
-    /// Takes a reading, made at an estimated pose.
+    /// Takes in a reading of the proximity sensor, made at an estimated pose.
     pub(super) fn look(&mut self, fan: &Fan, pose: Pose) {
         self.forget(fan, pose);
         let beams = fan.beams.iter().filter_map(|beam| Some((beam.bearing_rad, beam.distance_m?)));
@@ -60,7 +64,7 @@ impl Surroundings {
             .collect();
     }
 
-    /// Notes that the robot runs into something ahead.
+    /// Notes that the robot has run into something ahead of it.
     pub(super) fn bump(&mut self, pose: Pose, time_s: f64) {
         for bearing_rad in [-0.5, -0.25, 0.0, 0.25, 0.5_f64] {
             let reach_m = self.body_radius_m + 0.5 * self.map.resolution_m;
@@ -69,14 +73,14 @@ impl Surroundings {
         }
     }
 
-    /// Greatest speed from which half of an acceleration stops the robot before what is straight ahead.
+    /// Greatest speed from which half of the given acceleration stops the robot before anything straight ahead.
     pub(super) fn speed_limit_m_per_s(&self, speed_m_per_s: f64, acceleration_m_per_s2: f64) -> f64 {
         let limit = |(end_m, is_known): &([f64; 2], bool)| {
             let side_m = self.body_radius_m + BESIDE_M[usize::from(*is_known)];
             if end_m[0] <= 0.0 || end_m[1].abs() >= side_m {
                 return f64::INFINITY;
             }
-            // The round body's edge, not its middle, meets the point.
+            // The edge of the round body meets an obstacle before the body's middle does.
             let free_m = end_m[0] - (side_m * side_m - end_m[1] * end_m[1]).sqrt();
             let left_m = free_m - GAP_M[usize::from(*is_known)] - REACTION_S * speed_m_per_s.max(0.0);
             (acceleration_m_per_s2 * left_m.max(0.0)).sqrt()
@@ -84,20 +88,20 @@ impl Surroundings {
         self.ends_m.iter().map(limit).fold(f64::INFINITY, f64::min)
     }
 
-    /// Distance of a place from what has been seen that the map does not show; infinite when there is nothing.
+    /// Distance of a place from the nearest thing seen that is not on the map; infinite if there is none.
     pub(super) fn distance_m(&self, place_m: [f64; 2]) -> f64 {
         let places_m = self.seen.keys().map(|cell| self.map.centre_m(*cell));
         places_m.map(|at_m| (at_m[0] - place_m[0]).hypot(at_m[1] - place_m[1])).fold(f64::INFINITY, f64::min)
     }
 
-    /// The map with what stands there besides, and whether there is anything.
+    /// The map with the things seen that are not on it, and whether there are any.
     pub(super) fn map(&self) -> (OccupancyGrid, bool) {
         let mut map = self.map.clone();
         self.seen.keys().for_each(|cell| map.occupy(map.centre_m(*cell)));
         (map, !self.seen.is_empty())
     }
 
-    /// Drops what was seen long ago, and where a beam now goes on beyond.
+    /// Forgets things that were seen long ago, and those through whose place a beam passes in the new reading.
     fn forget(&mut self, fan: &Fan, pose: Pose) {
         let (sin, cos) = pose.heading_rad.sin_cos();
         let spread_rad = match fan.beams.as_slice() {
@@ -112,7 +116,7 @@ impl Surroundings {
             let far_m = x_m.hypot(y_m) + BEYOND_M;
             let mut near =
                 fan.beams.iter().filter(|beam| (beam.bearing_rad - bearing_rad).abs() <= spread_rad).peekable();
-            // A beam without an end has gone as far as the sensor reaches.
+            // A beam of the proximity sensor that meets nothing has gone as far as the sensor's range.
             let is_through = near.peek().is_some() && near.all(|beam| beam.distance_m.unwrap_or(range_m) > far_m);
             !is_through && fan.measured_s - *seen_s < MEMORY_S
         });

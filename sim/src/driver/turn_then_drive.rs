@@ -1,70 +1,70 @@
-//! Paper 5's control law: turn towards the next corner, then drive there.
+//! Paper 5's control law for errands: turn towards the next corner of the path, then drive to it.
 
 use localizer::Pose;
 
 use super::{CREEP_M_PER_S, FACING_RAD, STILL_RAD_PER_S, TURN_GAIN_PER_S, Wish};
 
-/// A corner of the way is reached when it is this near.
+/// Distance at which a corner of the path counts as reached.
 const CORNER_M: f64 = 0.03;
 
-/// While driving, the heading is held with this turn rate per angle off: the paper turns only when it stands, and between two stops
-/// an angle of a few degrees would lead centimetres astray.
+/// Turn rate per angle of heading error while driving. The paper's law turns only at standstill, but between two stops an error of a few
+/// degrees would lead centimetres astray.
 const HOLD_GAIN_PER_S: f64 = 2.0;
 
-/// With the corner farther off than this it stops to turn again, unless it is there.
+/// Heading error beyond which the robot stops to turn again, unless it has reached the corner.
 const TURN_AGAIN_RAD: f64 = 0.5;
 
-/// Where a place lies for a robot.
+/// Direction and distance of a place as seen from a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
-    /// Heading less the direction to the place, in (−π, π]: positive when the place lies to the right.
+    /// The robot's heading minus the direction to the place, in (−π, π]; positive if the place lies to the right.
     pub off_rad: f64,
-    /// Distance of the place.
+    /// Distance from the robot to the place.
     pub distance_m: f64,
 }
 
-/// θ = α − atan2(y_d − y_r, x_d − x_r), wrapped, and d = √((x_d − x_r)² + (y_d − y_r)²) (paper 5, Eqs. 18 and 19, the first with
-/// atan2 for the printed arctan of a quotient, which cannot tell ahead from behind).
+/// Bearing of a place: θ = α − atan2(y_d − y_r, x_d − x_r), wrapped, and d = √((x_d − x_r)² + (y_d − y_r)²) (paper 5, Eqs. 18 and 19). Eq.
+/// 18 is printed with the arctan of a quotient, which cannot tell ahead from behind; atan2 is used instead.
 pub fn bearing(robot: Pose, place_m: [f64; 2]) -> Bearing {
     let (x_m, y_m) = (place_m[0] - robot.x_m, place_m[1] - robot.y_m);
     let off_rad = robot.heading_rad - y_m.atan2(x_m);
-    // From [0, 2π) to (−π, π].
+    // The angle is wrapped into (−π, π], with π and not −π for a place straight behind.
     let turns = std::f64::consts::TAU;
     let wrapped_rad = std::f64::consts::PI - (std::f64::consts::PI - off_rad).rem_euclid(turns);
     Bearing { off_rad: wrapped_rad, distance_m: x_m.hypot(y_m) }
 }
 
-/// What the law may ask of the robot.
+/// Limits that the control law keeps to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     pub(super) speed_m_per_s: f64,
     pub(super) turn_rad_per_s: f64,
-    /// Along the floor; turns brake with half of it over the track.
+    /// Braking deceleration along the floor; turns brake with this value over the track.
     pub(super) braking_m_per_s2: f64,
     pub(super) track_m: f64,
 }
 
-/// The law on its way along corners.
+/// The control law of paper 5, with its progress along the corners of a path.
 #[derive(Clone, Debug)]
 pub(super) struct TurnThenDrive {
     corners_m: Vec<[f64; 2]>,
-    /// Index of the corner that it makes for.
+    /// Index of the path's corner that the robot is heading for.
     next: usize,
     is_turning: bool,
 }
 
 impl TurnThenDrive {
-    /// From the first corner of a way to its last.
+    /// The control law for a path from its first corner to its last.
     pub(super) fn new(corners_m: Vec<[f64; 2]>) -> Self {
         TurnThenDrive { corners_m, next: 1, is_turning: true }
     }
 
-    /// Whether the last corner has been reached.
+    /// Whether the last corner of the path has been reached.
     pub(super) fn is_finished(&self) -> bool {
         self.next >= self.corners_m.len()
     }
 
-    /// What to do at a pose while turning at some rate.
+    /// Speed and turn rate that the control law asks for, at a pose and a present turn rate.
     pub(super) fn wish(&mut self, pose: Pose, turn_rad_per_s: f64, limits: &Limits) -> Wish {
         let Some(&corner_m) = self.corners_m.get(self.next) else { return Wish::default() };
         let Bearing { off_rad, distance_m } = bearing(pose, corner_m);

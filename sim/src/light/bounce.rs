@@ -1,4 +1,4 @@
-//! Light that arrives by way of floor, walls and ceiling: radiosity of rooms of three surfaces, each with one mean.
+//! Light that arrives by reflection at floor, walls and ceiling: radiosity of rooms of three surfaces, each with one mean.
 
 use std::f64::consts::PI;
 
@@ -7,33 +7,34 @@ use nalgebra::{DMatrix, DVector, Matrix3, Point3, Vector3};
 use super::{Illuminance, source::polygon_irradiance};
 use crate::building::{Enclosure, Opening};
 
-/// What the rest of a room throws back on its floor, its walls and its ceiling, before dimming.
+/// Light that the surfaces of a room reflect onto its floor, its walls and its ceiling, without dimming.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Bounce {
-    /// Onto what faces up, what stands upright, and what faces down.
+    /// Reflected illuminance on surfaces that face up, on upright ones, and on those that face down.
     onto: [Illuminance; 3],
 }
 
-/// What bounces in a room starts from.
+/// Direct light and albedos of a room, from which its reflected light is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct RoomLight {
     /// Mean direct illuminance of floor, walls and ceiling.
     pub direct: [Illuminance; 3],
-    /// Their mean albedo, visible and infrared.
+    /// Mean albedo of floor, walls and ceiling, each in the visible and in the infrared band.
     pub albedo: [[f64; 2]; 3],
 }
 
-/// Surfaces of a room: floor, walls, ceiling.
+/// Number of surfaces of a room in this model: floor, walls, ceiling.
 const SURFACES: usize = 3;
 const WALLS: usize = 1;
-/// What is left of walls that are all holes, so that light has somewhere to end.
+/// Least share of a room's walls that counts as solid even if all of them are openings, so that light is absorbed somewhere.
 const LEAST_WALL: f64 = 0.05;
 
 impl Bounce {
-    /// What bounces in each room.
+    /// The reflected light of each room.
     ///
-    /// Exitances B solve B = ρ·(E + F·B), all bounces included. View factors F are those of empty rectangular rooms, which
-    /// furniture changes little on the average. Of walls a share is open to other rooms: what arrives there leaves into those.
+    /// Exitances B solve B = ρ·(E + F·B), so that all orders of reflection are included. View factors F are those of empty rectangular
+    /// rooms, which furniture changes little on the average. A share of the walls is open to other rooms; the light that arrives there
+    /// passes into those.
     pub fn in_rooms(rooms: &[Enclosure], light: &[RoomLight], openings: &[Opening]) -> Vec<Bounce> {
         let size = SURFACES * rooms.len();
         let mut factors = DMatrix::zeros(size, size);
@@ -66,7 +67,8 @@ impl Bounce {
                 value(&light.direct[side])
             });
             let system = DMatrix::identity(size, size) - (&reflectance + &open) * &factors;
-            // Albedos are at most 1 and some light always leaves by the walls' own view of themselves, or B is infinite.
+            // The system can be solved, because albedos are at most 1 and some light is always absorbed by the walls; otherwise B would be
+            // infinite.
             let exitance = system.lu().solve(&(reflectance * first)).unwrap_or_else(|| DVector::zeros(size));
             &factors * exitance
         };
@@ -77,8 +79,8 @@ impl Bounce {
         (0..rooms.len()).map(|room| Bounce { onto: [0, 1, 2].map(|side| onto(SURFACES * room + side)) }).collect()
     }
 
-    /// What arrives at a place of a room: the mean onto such surfaces there, and through holes, by the share of what is seen that they take,
-    /// that of the rooms behind them. So it passes evenly from room to room.
+    /// Reflected light at a place of a room: the room's mean onto a surface that faces along the normal. For the share of the view that
+    /// openings take up, it is the mean of the room behind instead, so that light changes smoothly from room to room.
     pub fn at(
         bounces: &[Bounce],
         openings: &[Opening],
@@ -100,7 +102,7 @@ impl Bounce {
         sum
     }
 
-    /// What arrives on a surface that faces along `normal`.
+    /// Reflected light on a surface of the room that faces along `normal`.
     pub fn onto(&self, normal: Vector3<f64>) -> Illuminance {
         let upright = 1.0 - normal.z * normal.z;
         let flat = if normal.z > 0.0 { self.onto[0] } else { self.onto[2] };
@@ -108,7 +110,8 @@ impl Bounce {
     }
 }
 
-/// Row i: shares of what leaves floor, walls, ceiling that arrive at i as mean illuminance, that is F from i to the others.
+/// View factors between floor, walls and ceiling of an empty room. Row i holds the factors from surface i to each surface, so that the row
+/// times the exitances gives the mean illuminance at i.
 fn view_factors(room: &Enclosure) -> Matrix3<f64> {
     let opposite = opposite_rectangles_view_factor(room.width_m / room.height_m, room.depth_m / room.height_m);
     let floor_m2 = room.width_m * room.depth_m;
@@ -121,7 +124,7 @@ fn walls_m2(room: &Enclosure) -> f64 {
     2.0 * (room.width_m + room.depth_m) * room.height_m
 }
 
-/// View factor between two equal rectangles straight above each other, by their sides over their distance.
+/// View factor between two equal rectangles straight above each other; `x` and `y` are their sides over their distance.
 ///
 /// Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11.
 pub fn opposite_rectangles_view_factor(x: f64, y: f64) -> f64 {

@@ -1,24 +1,25 @@
-//! Light over the floor of the robot's room.
+//! Distribution of light over the floor of the robot's room.
 
 use nalgebra::Vector2;
 
 use super::{Illuminance, LightMap, Patch};
 use crate::building::{Building, Part};
 
-/// Equivalent visible lux over a rectangular floor, for each lux of its mean.
+/// Equivalent visible lux over a rectangular floor, per lux of the floor's mean illuminance.
 #[derive(Clone, Debug)]
 pub struct FloorField {
-    /// Where the first row begins, and the directions along it and across, world.
+    /// World position of the first node of the floor's grid, and the directions along a row of nodes and across the rows.
     corner_m: Vector2<f64>,
     axes: [Vector2<f64>; 2],
     count: [usize; 2],
     distance_m: [f64; 2],
-    /// Row by row along x.
+    /// Values at the nodes of the floor's grid, row by row along x.
     share: Vec<f64>,
 }
 
 impl FloorField {
-    /// The first room's floor of a light map, with these nodes: its own, or those with the shadows of people.
+    /// The distribution of light over the floor of a light map's first room. `nodes` are the map's own values, or those with the shadows of
+    /// people; `None` if there is no floor.
     pub fn new(building: &Building, map: &LightMap, nodes: &[[f32; 2]]) -> Option<FloorField> {
         let index = building.panels.iter().position(|panel| panel.part == Part::Floor)?;
         let panel = &building.panels[index];
@@ -35,7 +36,7 @@ impl FloorField {
         })
     }
 
-    /// The field at a place, world, linear between nodes.
+    /// The relative illuminance at a place in the world, bilinear between nodes.
     pub fn at(&self, place_m: Vector2<f64>) -> f64 {
         let split = |axis: usize| {
             let last = (self.count[axis] - 1) as f64;

@@ -1,4 +1,4 @@
-//! Light maps: illuminance over every panel of a building, worked out once.
+//! Light maps: illuminance over every panel of a building, computed once.
 
 use nalgebra::Point3;
 
@@ -8,42 +8,42 @@ use crate::{
     scene::Scene,
 };
 
-/// Distance of nodes wanted on floors, and on everything else.
+/// Wanted distance between nodes of the light map on floors, and on all other panels.
 const NODE_DISTANCE_M: [f64; 2] = [0.05, 0.08];
-/// Nodes at most: more take seconds. In a large hall they stand farther apart.
+/// Greatest number of nodes of a light map; more would take seconds to compute. In a large hall the nodes are farther apart.
 const MAX_NODES: f64 = 90_000.0;
-/// Width of the map; a row of nodes is never longer.
+/// Width of the light map in nodes; no panel has more nodes in a row.
 const WIDTH: usize = 1024;
-/// Shadows are averaged over so many places along each side of a node's cell, each seeing another place of the lamp. No
-/// multiple of 3, or places of the lamp would be left out.
+/// Number of places along each side of a node's cell over which shadows are averaged. Each place is paired with another place of the lamp,
+/// and the number must not be a multiple of 3, or places of the lamp would be left out.
 const SUB_PLACES: usize = 7;
-/// Furniture dims what bounces into its corners from this distance on.
+/// Distance within which furniture reduces the reflected light in the corners that it forms with other surfaces.
 const CORNER_REACH_M: f64 = 1.0;
 
-/// Undimmed illuminance in both bands over all panels.
+/// Illuminance in both bands over all panels of a building, without dimming.
 #[derive(Clone, Debug)]
 pub struct LightMap {
-    /// Width and height in nodes.
+    /// Width and height of the light map, in nodes.
     pub size: [usize; 2],
-    /// Equivalent lux, visible and infrared, row by row.
+    /// Equivalent lux at each node of the light map, in the visible and in the infrared band, row by row.
     pub nodes: Vec<[f32; 2]>,
-    /// Where in the map each panel's nodes are, in the order of the panels.
+    /// The rectangle of the light map that holds each panel's nodes, in the order of the panels.
     pub patches: Vec<Patch>,
-    /// Mean over the floor of the first room, in lux and by band.
+    /// Mean illuminance over the floor of the first room, in lux and by band.
     pub mean_at_floor: Illuminance,
 }
 
-/// A panel's nodes: the first at its first corner, the last at the opposite one.
+/// The rectangle of a light map that holds a panel's nodes. The first node is at the panel's first corner, the last at the opposite corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// The first node's column and row.
+    /// Column and row of the panel's first node in the light map.
     pub first: [usize; 2],
-    /// Nodes along both sides, at least two.
+    /// Numbers of nodes along both sides of the panel, at least two each.
     pub count: [usize; 2],
 }
 
 impl LightMap {
-    /// Illuminance of a band at a place of a panel, `s` and `t` from 0 to 1, between nodes linear in both.
+    /// Illuminance of a band at the shares `s` and `t` of a panel's sides, each from 0 to 1; bilinear between nodes.
     pub fn at(&self, panel: usize, s: f64, t: f64, band: usize) -> f64 {
         let patch = self.patches[panel];
         let split = |share: f64, count: usize| {
@@ -59,7 +59,7 @@ impl LightMap {
     }
 }
 
-/// Works out all light in a building: what bounces, how far lamps are dimmed, and the map.
+/// Computes all light in a building: the reflected light, the factor by which lamps are dimmed, and the light map.
 pub fn bake(scene: &Scene, building: &Building) -> (Lighting, LightMap) {
     let mut lighting = Lighting::direct(scene, building);
     let (size, patches) = layout(building);
@@ -105,7 +105,7 @@ fn dimming(scene: &Scene, building: &Building, lighting: &Lighting, mean_at_floo
     if stated { 1.0 } else { ratio(scene.light.illuminance_at_floor_lux, mean_at_floor_lux) }
 }
 
-/// Nodes of every panel, packed in rows from the tallest panel to the lowest.
+/// Places the nodes of every panel in the light map, packed in rows from the tallest panel to the lowest.
 fn layout(building: &Building) -> ([usize; 2], Vec<Patch>) {
     let wanted_m = |panel: &Panel| NODE_DISTANCE_M[usize::from(panel.part != Part::Floor)];
     let wanted: f64 = building.panels.iter().map(|panel| panel.area_m2() / wanted_m(panel).powi(2)).sum();
@@ -135,7 +135,7 @@ fn layout(building: &Building) -> ([usize; 2], Vec<Patch>) {
     ([WIDTH, (row + row_height).max(1)], patches)
 }
 
-/// Direct light at every node of a panel.
+/// Direct light at every node of a panel, shadows included.
 fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illuminance> {
     let shadowing: Vec<_> =
         lighting.sources.iter().map(|source| (source, in_the_way(lighting, source, panel))).collect();
@@ -155,16 +155,16 @@ fn direct_nodes(lighting: &Lighting, panel: &Panel, patch: Patch) -> Vec<Illumin
         .collect()
 }
 
-/// What may stand between a lamp and a panel.
+/// The furniture and walls that may stand between a lamp and a panel.
 fn in_the_way(lighting: &Lighting, source: &Source, panel: &Panel) -> super::Occluders {
     let ends = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[s, t]| source.shape.place(s, t));
     let places: Vec<Point3<f64>> = ends.into_iter().chain(panel.corners()).collect();
     lighting.occluders.among(&places)
 }
 
-/// Share of a lamp that a node's cell sees, weighted by what each place of the lamp contributes.
+/// Share of a lamp that is visible from a node's cell, weighted by what each place of the lamp contributes.
 ///
-/// Places in the cell and on the lamp are paired so that each row, column and diagonal of either sees all of the other.
+/// Places in the cell are paired with places on the lamp so that each row, column and diagonal of one sees all of the other.
 fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patch: Patch, [s, t]: [f64; 2]) -> f64 {
     const N: usize = SUB_PLACES;
     let normal = panel.normal();
@@ -174,7 +174,7 @@ fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patc
     for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
         let [s, t] = inside(panel, [s + step[0] * within(i), t + step[1] * within(j)]);
         let at = panel.place(s, t) + normal * 0.001;
-        // What stands in the cell hides it, and neither lights nor darkens what is beside.
+        // A place inside a piece of furniture is skipped: the furniture hides it, and it must neither brighten nor darken the floor beside.
         if occluders.contain(at) {
             continue;
         }
@@ -189,7 +189,7 @@ fn cell_share(source: &Source, occluders: &super::Occluders, panel: &Panel, patc
     if total > 0.0 { seen / total } else { 0.0 }
 }
 
-/// Adds what bounces, dimmed in the corners of furniture.
+/// Adds the reflected light to the direct light of a panel's nodes; near furniture it is reduced.
 fn with_bounces(lighting: &Lighting, panel: &Panel, patch: Patch, direct: &[Illuminance]) -> Vec<Illuminance> {
     let normal = panel.normal();
     nodes_of(patch)
@@ -202,7 +202,8 @@ fn with_bounces(lighting: &Lighting, panel: &Panel, patch: Patch, direct: &[Illu
         .collect()
 }
 
-/// Shares of a panel's sides that lie within it by a hair: its edge lies in its neighbours' planes, which neither hide nor show a place in them.
+/// Moves a place on a panel away from the panel's edge by a hair. The edge lies in the planes of the neighbouring panels, where it is
+/// undefined whether they hide it.
 fn inside(panel: &Panel, shares: [f64; 2]) -> [f64; 2] {
     const HAIR_M: f64 = 0.002;
     let size_m = panel.size_m();
@@ -229,7 +230,7 @@ fn bounces(building: &Building, work: &[(&Panel, Patch)], direct: &[Vec<Illumina
     Bounce::in_rooms(&building.rooms, &light, &building.openings)
 }
 
-/// Mean illuminance over the area of some panels, by the trapezoidal rule.
+/// Mean illuminance over the area of the wanted panels, by the trapezoidal rule.
 fn mean_over(work: &[(&Panel, Patch)], nodes: &[Vec<Illuminance>], wanted: impl Fn(&Panel) -> bool) -> Illuminance {
     let (mut sum, mut area_m2) = (Illuminance::default(), 0.0);
     for ((panel, patch), nodes) in work.iter().zip(nodes).filter(|((panel, _), _)| wanted(panel)) {
@@ -244,14 +245,14 @@ fn mean_over(work: &[(&Panel, Patch)], nodes: &[Vec<Illuminance>], wanted: impl 
     if area_m2 > 0.0 { sum.times(1.0 / area_m2) } else { sum }
 }
 
-/// Shares of the sides at which the nodes of a patch are, row by row.
+/// Places of a panel's light-map nodes, as shares of the panel's sides, row by row.
 pub(super) fn nodes_of(patch: Patch) -> impl Iterator<Item = [f64; 2]> {
     let share = |index: usize, count: usize| index as f64 / (count - 1) as f64;
     (0..patch.count[1])
         .flat_map(move |j| (0..patch.count[0]).map(move |i| [share(i, patch.count[0]), share(j, patch.count[1])]))
 }
 
-/// `work` on every item, in order, by as many threads as there are cores.
+/// Results of `work` for every item, in the order of the items, computed by as many threads as there are cores.
 fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(items.len().max(1));
     let next = std::sync::atomic::AtomicUsize::new(0);

@@ -1,11 +1,11 @@
-//! What is in the way of light: upright boxes and walls.
+//! What blocks light in a building: upright boxes and walls.
 
 use nalgebra::{Point3, Vector3};
 
 use super::source::{Shape, Source};
 use crate::building::{Building, Enclosure, Panel, UprightBox};
 
-/// Everything that casts shadows and stands still.
+/// Everything in a building that casts shadows and does not move.
 #[derive(Clone, Debug)]
 pub struct Occluders {
     boxes: Vec<UprightBox>,
@@ -14,13 +14,13 @@ pub struct Occluders {
 }
 
 impl Occluders {
-    /// Boxes of a building; its walls too where light could pass from one room to another.
+    /// The boxes of a building. Its walls are included if it has several rooms, so that no light passes through them from one to another.
     pub fn new(building: &Building) -> Occluders {
         let walls = if building.rooms.len() > 1 { building.walls().cloned().collect() } else { Vec::new() };
         Occluders { boxes: building.boxes.clone(), walls, rooms: building.rooms.clone() }
     }
 
-    /// Those that may stand between any two of these places.
+    /// The boxes and walls that may stand between any two of the given places.
     pub fn among(&self, places: &[Point3<f64>]) -> Occluders {
         let low = places.iter().fold(Point3::from([f64::INFINITY; 3]), |low, at| low.inf(at));
         let high = places.iter().fold(Point3::from([f64::NEG_INFINITY; 3]), |high, at| high.sup(at));
@@ -30,7 +30,7 @@ impl Occluders {
                     && corners.iter().any(|corner| corner[axis] <= high[axis])
             })
         };
-        // A room is convex: its own walls hide nothing of it.
+        // A room is convex, so that no wall stands between two places within it.
         let in_one_room = self.rooms.iter().any(|room| places.iter().all(|at| room.contains(*at)));
         let walls = self.walls.iter().filter(|wall| !in_one_room && reaches(&wall.corners()));
         Occluders {
@@ -40,22 +40,22 @@ impl Occluders {
         }
     }
 
-    /// Whether nothing is there.
+    /// Whether there is nothing that casts shadows.
     pub fn is_empty(&self) -> bool {
         self.boxes.is_empty() && self.walls.is_empty()
     }
 
-    /// Whether something stands on the straight way between two places.
+    /// Whether a box or a wall stands on the straight line between two places.
     pub fn block(&self, from: Point3<f64>, to: Point3<f64>) -> bool {
         self.boxes.iter().any(|one| one.meets(from, to)) || self.walls.iter().any(|wall| wall.meets(from, to))
     }
 
-    /// Whether a place is within a box.
+    /// Whether a place is inside a box.
     pub fn contain(&self, at: Point3<f64>) -> bool {
         self.boxes.iter().any(|one| one.contains(at))
     }
 
-    /// Share of the open hemisphere over a surface, weighted by the cosine, from which boxes within `reach_m` leave it open.
+    /// Share of the hemisphere over a surface, weighted by the cosine, that no box within `reach_m` covers.
     pub fn open_share(&self, at: Point3<f64>, normal: Vector3<f64>, reach_m: f64) -> f64 {
         if self.boxes.is_empty() {
             return 1.0;
@@ -65,7 +65,7 @@ impl Occluders {
         let aside = if normal.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() }.cross(&normal).normalize();
         let other = normal.cross(&aside);
         let open = (0..N).filter(|&index| {
-            // Directions spread over the cosine by the golden angle: sin²θ uniform.
+            // The directions are spread evenly over the cosine-weighted hemisphere by the golden angle, with sin²θ uniform.
             let sine = ((index as f64 + 0.5) / N as f64).sqrt();
             let (sin, cos) = (index as f64 * 2.399_963).sin_cos();
             let direction = aside * (sine * cos) + other * (sine * sin) + normal * (1.0 - sine * sine).sqrt();
@@ -96,7 +96,7 @@ impl Occluders {
     }
 }
 
-/// What a place on a lamp contributes to a surface, up to a factor: cos θ·cos θ'/d².
+/// Relative contribution of a place on a lamp to the illuminance of a surface: cos θ·cos θ'/d².
 pub(super) fn weight(source: &Source, at: Point3<f64>, place: Point3<f64>, normal: Vector3<f64>) -> f64 {
     let way = place - at;
     let square = way.norm_squared();

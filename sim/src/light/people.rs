@@ -1,22 +1,22 @@
-//! Shadows of people, who move and are therefore not in the light map: upright cylinders before lamps taken to be discs.
+//! Shadows of people. People move, so that the light map does not contain them; they are modelled as upright cylinders, and lamps as discs.
 
 use nalgebra::{Point2, Point3, Vector3};
 
 use super::{LightMap, Lighting, Source, lightmap::nodes_of};
 use crate::building::{Panel, UprightBody};
 
-/// People are narrower than their shoulders but for these.
+/// Width of the cylinder that stands for a person, over the width of the person's shoulders: except at the shoulders people are narrower.
 const WIDTH_OF_SHOULDERS: f64 = 0.75;
-/// Half of a shadow's penumbra at least: an outline is not a cylinder's.
+/// Least half-width of a shadow's penumbra: a person's outline is less sharp than a cylinder's.
 const LEAST_SOFT_M: f64 = 0.02;
-/// Share of the room's other light that is hidden at feet, and how far from them it comes back to 1/e of that.
+/// Share of the room's other light that a person hides at the feet, and the distance within which this share falls to 1/e.
 const AT_FEET: (f64, f64) = (0.35, 0.15);
-/// As many times that far nothing is left of it (5e-5).
+/// Distance from a person's feet, in multiples of the decay length of the shade around them, beyond which that shade is neglected (5e-5).
 const FEET_REACH: f64 = 9.0;
-/// Share of the light that always comes by way of the room.
+/// Least share of a lamp's light that remains in a shadow, because some light always comes by reflection in the room.
 const LEAST_LEFT: f64 = 0.05;
 
-/// Nodes of a light map as people leave them, in the order of [`LightMap::nodes`].
+/// Nodes of a light map with the shadows of people, in the order of [`LightMap::nodes`].
 pub fn nodes_with_people(
     lighting: &Lighting,
     map: &LightMap,
@@ -74,7 +74,7 @@ fn feet_reach(person: &UprightBody, corners: &[Point3<f64>; 4]) -> bool {
         })
 }
 
-/// Equivalent lux of both bands that people keep from a place.
+/// Equivalent lux in both bands that people keep away from a place by standing before lamps.
 fn hidden(shadows: &[(&Source, &UprightBody)], at: Point3<f64>, normal: Vector3<f64>) -> [f64; 2] {
     let mut sum = [0.0; 2];
     for of_one_lamp in shadows.chunk_by(|one, other| std::ptr::eq(one.0, other.0)) {
@@ -99,7 +99,7 @@ fn hidden(shadows: &[(&Source, &UprightBody)], at: Point3<f64>, normal: Vector3<
     sum
 }
 
-/// Share of a lamp of this radius that a person hides from a place.
+/// Share of a lamp of the given radius that a person hides from a place.
 fn hidden_behind(person: &UprightBody, at: Point3<f64>, way: Vector3<f64>, lamp_radius_m: f64) -> f64 {
     let to_axis = Point2::from(person.middle_m) - at.xy();
     let level_m = way.xy().norm().max(1e-4);
@@ -110,20 +110,20 @@ fn hidden_behind(person: &UprightBody, at: Point3<f64>, way: Vector3<f64>, lamp_
     }
     let aside_m = direction.perp(&to_axis).abs();
     let share = along_m / level_m;
-    // Half of the penumbra at the place.
+    // Half-width of the penumbra where the person stands.
     let soft_m = (lamp_radius_m * share).max(LEAST_SOFT_M);
     let beside_m = WIDTH_OF_SHOULDERS * person.radius_m - aside_m;
     let below_top_m = person.height_m - (at.z + way.z * share);
     smooth_step(beside_m / soft_m) * smooth_step(below_top_m / soft_m)
 }
 
-/// Close to feet the room's other light is hidden too.
+/// Share of the room's other light that a person hides from places close to the feet.
 fn hidden_by_feet(person: &UprightBody, at: Point3<f64>) -> f64 {
     let from_axis_m = (Point2::from(person.middle_m) - at.xy()).norm();
     if at.z > person.height_m { 0.0 } else { AT_FEET.0 * (-(from_axis_m - person.radius_m).max(0.0) / AT_FEET.1).exp() }
 }
 
-/// From 0 at −1 to 1 at 1, with zero slope at both.
+/// A smooth step from 0 at −1 to 1 at 1, with zero slope at both ends.
 fn smooth_step(x: f64) -> f64 {
     let t = (0.5 + 0.5 * x).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

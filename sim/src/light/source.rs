@@ -1,4 +1,4 @@
-//! One lamp: its shape, its light, and what of it arrives at a surface when nothing is in the way.
+//! A single lamp: its shape, its light, and the illuminance that it gives on a surface when nothing is in between.
 
 use std::f64::consts::PI;
 
@@ -10,40 +10,40 @@ use crate::{
     scene::{Lamp, LampKind, Scene, Spectrum},
 };
 
-/// A lamp that does not move.
+/// A lamp of a scene, which does not move.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Where its light comes from.
+    /// Shape of the lamp's luminous surface.
     pub shape: Shape,
-    /// Flux.
+    /// Luminous flux of the lamp.
     pub lumens: f64,
-    /// Photons of its lumens.
+    /// Photons in each band for every lumen of the lamp.
     pub photons: Photons,
 }
 
-/// Shapes of lamps.
+/// The luminous shape of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// Matt rectangle that shines along `half_u × half_v`.
+    /// A matt rectangle that shines to the side to which `half_u × half_v` points.
     Rectangle {
-        /// Middle, world.
+        /// Middle of the rectangular lamp, world frame.
         centre: Point3<f64>,
-        /// From the middle to the end of the first side.
+        /// Vector from the middle of the rectangular lamp to the end of its first axis.
         half_u: Vector3<f64>,
-        /// From the middle to the end of the second side, at a right angle to the first.
+        /// Vector from the middle of the rectangular lamp to the end of its second axis, at a right angle to the first.
         half_v: Vector3<f64>,
     },
-    /// A point that shines alike in all directions.
+    /// A point that shines equally in all directions.
     Point {
-        /// Where, world.
+        /// Place of the point lamp, world frame.
         at: Point3<f64>,
-        /// How large it looks.
+        /// Radius of the disc as which the point lamp appears in an image.
         radius_m: f64,
     },
 }
 
 impl Shape {
-    /// Area of a rectangle that shines; of a point, of the disc that it looks like.
+    /// Luminous area of the lamp: of a rectangle its area, of a point the area of the disc as which it appears.
     pub fn area_m2(&self) -> f64 {
         match self {
             Shape::Rectangle { half_u, half_v, .. } => 4.0 * half_u.norm() * half_v.norm(),
@@ -51,7 +51,7 @@ impl Shape {
         }
     }
 
-    /// A place on it, `s` and `t` from −1 to 1.
+    /// A place on the lamp, at the coordinates `s` and `t` along its axes, each from −1 to 1.
     pub fn place(&self, s: f64, t: f64) -> Point3<f64> {
         match self {
             Shape::Rectangle { centre, half_u, half_v } => centre + half_u * s + half_v * t,
@@ -59,7 +59,7 @@ impl Shape {
         }
     }
 
-    /// Direction in which a rectangle shines.
+    /// Direction in which a rectangular lamp shines; `None` for a point.
     pub fn normal(&self) -> Option<Vector3<f64>> {
         match self {
             Shape::Rectangle { half_u, half_v, .. } => Some(half_u.cross(half_v).normalize()),
@@ -69,15 +69,15 @@ impl Shape {
 }
 
 impl Source {
-    /// Luminance of what is seen when one looks into it: Φ/(π·A) of a matt rectangle, I/A of a bulb with I = Φ/4π.
+    /// Luminance of the lamp as an observer sees it: Φ/(π·A) for a matt rectangle, I/A for a bulb with I = Φ/4π.
     pub fn luminance(&self) -> f64 {
         let solid_angle = if let Shape::Rectangle { .. } = self.shape { PI } else { 4.0 * PI };
         self.lumens / (solid_angle * self.shape.area_m2())
     }
 
-    /// Illuminance in lux at a point of a surface, without shadows.
+    /// Illuminance in lux that the lamp gives at a point of a surface, without shadows.
     ///
-    /// Of a rectangle by Lambert's formula over its luminance, of a point I·cos θ/d².
+    /// For a rectangle it follows from the luminance by Lambert's formula, for a point it is I·cos θ/d².
     pub fn illuminance(&self, at: Point3<f64>, normal: Vector3<f64>) -> f64 {
         match self.shape {
             Shape::Rectangle { centre, half_u, half_v } => {
@@ -98,11 +98,11 @@ impl Source {
     }
 }
 
-/// Irradiance from a convex polygon of unit radiance, its corners seen from the point of the surface: the area of its
-/// projection on the unit sphere and on to the surface, ½·|Σ θᵢ·Γᵢ·n| (Lambert 1760), where side i subtends θᵢ and Γᵢ
-/// is the unit normal of the plane through it and the point.
+/// Irradiance at a point of a surface from a convex polygon of unit radiance, its corners given as seen from that point: ½·|Σ θᵢ·Γᵢ·n|
+/// (Lambert 1760). This is the area of the polygon's projection onto the unit sphere and from there onto the surface. Side i subtends the
+/// angle θᵢ, and Γᵢ is the unit normal of the plane through the side and the point.
 ///
-/// What lies below the surface is cut off.
+/// The part of the polygon below the surface is cut off.
 pub fn polygon_irradiance(corners: &[Vector3<f64>], normal: Vector3<f64>) -> f64 {
     let above = above_horizon(corners, normal);
     let sides = above.iter().zip(above.iter().cycle().skip(1));
@@ -110,7 +110,7 @@ pub fn polygon_irradiance(corners: &[Vector3<f64>], normal: Vector3<f64>) -> f64
         .map(|(from, to)| {
             let cross = from.cross(to);
             let length = cross.norm();
-            // A side that points at the surface's point subtends no angle.
+            // A side in line with the surface's point subtends no angle.
             if length == 0.0 { 0.0 } else { length.atan2(from.dot(to)) * cross.dot(&normal) / length }
         })
         .sum();
@@ -132,7 +132,7 @@ fn above_horizon(corners: &[Vector3<f64>], normal: Vector3<f64>) -> Vec<Vector3<
     above
 }
 
-/// The lamps of a scene, or a grid of matt panels where it has none.
+/// The lamps of a scene; if it states none, a grid of matt ceiling panels.
 pub(super) fn sources(scene: &Scene, building: &Building) -> Vec<Source> {
     if scene.lamps.is_empty() {
         return default_panels(scene);
@@ -140,10 +140,10 @@ pub(super) fn sources(scene: &Scene, building: &Building) -> Vec<Source> {
     scene.lamps.iter().map(|lamp| source(lamp, scene.building.ceiling_height_m, building)).collect()
 }
 
-/// Panels of 0.6 m some 2.5 m apart, of the wavelength on which the scene's `[light]` is counted.
+/// A grid of ceiling panels of 0.6 m, about 2.5 m apart, of the wavelength for which the illuminance in the scene's `[light]` is counted.
 fn default_panels(scene: &Scene) -> Vec<Source> {
     let (width_m, depth_m) = (scene.room.width_m, scene.room.depth_m);
-    // More than a dozen along a side would take long and look no different.
+    // More than a dozen panels along a side would take long to compute and look no different.
     let count = [width_m, depth_m].map(|side_m| (side_m / 2.5).round().clamp(1.0, 12.0) as usize);
     let height_m = scene.building.ceiling_height_m - 0.03;
     let place = |index: usize, count: usize, side_m: f64| (index as f64 + 0.5) / count as f64 * side_m;
@@ -187,7 +187,7 @@ fn shape(lamp: &Lamp, ceiling_m: f64, building: &Building) -> Shape {
     let flat = |size_m: [f64; 2]| Shape::Rectangle {
         centre: at(under_ceiling_m),
         half_u: ahead * (size_m[0] / 2.0),
-        // Its cross product with the first side points down.
+        // The sign is chosen so that the cross product with the first axis points down.
         half_v: -left * (size_m[1] / 2.0),
     };
     match lamp.kind {
@@ -201,7 +201,7 @@ fn shape(lamp: &Lamp, ceiling_m: f64, building: &Building) -> Shape {
             let [width_m, height_m] = lamp.size_m.unwrap_or([1.4, 1.2]);
             let on_wall = building.on_wall(at(lamp.height_m.unwrap_or(1.5)), ahead);
             Shape::Rectangle {
-                // Before the wall by less than anybody sees.
+                // A window's luminous surface stands before the wall by a distance too small to be seen.
                 centre: on_wall + ahead * 0.004,
                 half_u: left * (width_m / 2.0),
                 half_v: vector![0.0, 0.0, height_m / 2.0],
@@ -210,7 +210,7 @@ fn shape(lamp: &Lamp, ceiling_m: f64, building: &Building) -> Shape {
     }
 }
 
-/// Where a lamp's illuminance at the floor is stated.
+/// The point on the floor at which a lamp's illuminance is stated: straight below the lamp, or 1 m before a window.
 fn measured_at(lamp: &Lamp, shape: &Shape) -> Point3<f64> {
     let foot = shape.place(0.0, 0.0);
     let before = match (lamp.kind, shape.normal()) {

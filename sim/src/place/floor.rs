@@ -1,4 +1,4 @@
-//! The floor under a point: its properties by region, as events change them.
+//! The floor under a point: its properties by region, which events may change.
 
 use crate::scene::{Event, Region, Scene};
 
@@ -7,23 +7,23 @@ use crate::scene::{Event, Region, Scene};
 pub(crate) struct Ground {
     /// Friction coefficient between tyre and floor.
     pub(crate) friction: f64,
-    /// Stiffness of the pile in series with the tyre's; none on a hard floor.
+    /// Stiffness of the carpet pile, which acts in series with the tyre's; `None` on a hard floor.
     pub(crate) pile_stiffness: Option<f64>,
-    /// What the nap carries a wheel per metre rolled, world frame.
+    /// Displacement of a wheel by the carpet's nap for every metre rolled, world frame.
     pub(crate) nap: [f64; 2],
-    /// Drag on what passes, as a share of the load.
+    /// Drag of the floor on wheels and casters, as a share of their load.
     pub(crate) drag: f64,
-    /// Height of what wheels roll on.
+    /// Height of the surface that wheels roll on.
     pub(crate) height_m: f64,
-    /// Rise of that height per metre along world x and y.
+    /// Slope of the surface that wheels roll on: its rise per metre along world x and y.
     pub(crate) slope: [f64; 2],
-    /// How far the tips of the pile stand above it.
+    /// Height of the tips of the carpet's pile above the surface that wheels roll on.
     pub(crate) pile_height_m: f64,
-    /// Share of a flow sensor's periods in which it finds nothing to follow.
+    /// Share of a flow sensor's periods in which it finds nothing on the floor to follow.
     pub(crate) flow_dropout: f64,
 }
 
-/// The floor's regions and the changes that are still to come.
+/// The floor's regions and the changes by events that are still to come.
 #[derive(Clone, Debug)]
 pub(crate) struct Floor {
     elsewhere: Ground,
@@ -37,7 +37,7 @@ struct Patchwork {
     x_m: [f64; 2],
     y_m: [f64; 2],
     ramp_m: f64,
-    /// Properties well inside of it.
+    /// Properties of the floor well inside the region, beyond its ramps.
     ground: Ground,
 }
 
@@ -68,7 +68,7 @@ impl Floor {
         Floor { elsewhere, regions, changes, next_change: 0 }
     }
 
-    /// Makes every change that is due at `time_s`.
+    /// Makes every change to the floor that is due at `time_s`.
     pub(crate) fn advance_to(&mut self, time_s: f64) {
         while let Some(change) = self.changes.get(self.next_change).filter(|change| change.at_s <= time_s) {
             match change.region_idx {
@@ -79,7 +79,7 @@ impl Floor {
         }
     }
 
-    /// Properties at a point of the world; of overlapping regions the last one listed.
+    /// Properties of the floor at a point of the world. Where regions overlap, the last one listed holds.
     pub(crate) fn at(&self, x_m: f64, y_m: f64) -> Ground {
         let covers = |region: &&Patchwork| {
             region.x_m[0] <= x_m && x_m <= region.x_m[1] && region.y_m[0] <= y_m && y_m <= region.y_m[1]
@@ -104,7 +104,7 @@ impl Patchwork {
         Patchwork { x_m: region.x_m, y_m: region.y_m, ramp_m: region.ramp_m, ground }
     }
 
-    /// Properties at a point inside: the height grows evenly from the nearest edge over the ramp's width.
+    /// Properties of the floor at a point inside the region. From the nearest edge the height rises evenly over the width of the ramp.
     fn at(&self, [x_m, y_m]: [f64; 2]) -> Ground {
         let inwards = [
             (x_m - self.x_m[0], [1.0, 0.0]),

@@ -13,17 +13,17 @@ use crate::scene::{Plan, Scene};
 
 use super::Bystander;
 
-/// A landmark is fixed to a surface: what is this near to it hides nothing of it.
+/// Distance from a landmark within which nothing hides it, because a landmark is fixed to a surface.
 const ON_SURFACE_M: f64 = 0.005;
 
-/// Everything in a scene that hides what is behind it and stays where it is.
+/// Everything in a scene that does not move and hides what is behind it.
 pub(crate) struct Obstacles {
     plan: Plan,
     boxes: Vec<(Pose, SharedShape)>,
 }
 
 impl Obstacles {
-    /// Walls and furniture of a scene.
+    /// The walls and the furniture of a scene.
     pub(crate) fn new(scene: &Scene) -> Self {
         let boxes = scene
             .furniture
@@ -38,14 +38,14 @@ impl Obstacles {
         Obstacles { plan: scene.plan(), boxes }
     }
 
-    /// Whether the way from an eye to a landmark is free.
+    /// Whether nothing stands on the line from a sensor to a landmark.
     pub(crate) fn leave_free(&self, eye: Point3<f64>, landmark: Point3<f64>, people: &[Bystander]) -> bool {
-        // A landmark that is stated on a wall is on it, however the wall stands.
+        // A landmark that is stated on a wall counts as inside the room, even if the wall is turned away from where it is stated.
         let stated = Plan { turn_rad: 0.0, ..self.plan };
         let inside = |point: &Point3<f64>| {
             [self.plan, stated].iter().any(|plan| plan.wall_distance_m([point.x, point.y]) >= -ON_SURFACE_M)
         };
-        // A room is convex: between two points inside of it there is no wall.
+        // A room is convex, so that no wall stands between two points inside it.
         if !inside(&eye) || !inside(&landmark) {
             return false;
         }
@@ -57,7 +57,7 @@ impl Obstacles {
         !self.boxes.iter().any(piece) && !people.iter().any(person)
     }
 
-    /// Distance of the nearest surface from an eye along a level direction, up to `range_m`.
+    /// Distance from a sensor to the nearest surface along a horizontal direction; `None` if it is beyond `range_m`.
     pub(crate) fn nearest_m(
         &self,
         eye: Point3<f64>,
@@ -67,7 +67,7 @@ impl Obstacles {
     ) -> Option<f64> {
         let (sin, cos) = direction_rad.sin_cos();
         let ray = Ray::new(vector(eye), Vector::new(cos, sin, 0.0));
-        // From where walls are along the axes.
+        // The ray is intersected with the walls in the frame in which they stand along the axes.
         let stated_m = self.plan.stated([eye.x, eye.y]);
         let wall_m = |axis: usize, along: f64| {
             let face_m = if along > 0.0 { self.plan.size_m[axis] } else { 0.0 };
@@ -83,7 +83,7 @@ impl Obstacles {
 
 fn person_at(person: &Bystander, ray: &Ray, reach: f64) -> Option<f64> {
     let half_m = 0.5 * person.height_m;
-    // parry's cylinders stand along y.
+    // parry's cylinders stand along y, so that the person's cylinder is turned to stand along z.
     let pose = Pose::new(
         Vector::new(person.place_m[0], person.place_m[1], half_m),
         Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0),

@@ -1,4 +1,4 @@
-//! Errors that every reading has anew: a stamp's, a delivery's, a column's.
+//! Errors that are drawn anew for every reading: of a stamp, a delivery, an image column.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -6,25 +6,26 @@ use rand_chacha::ChaCha8Rng;
 use super::draw_within;
 use crate::scene::Distribution;
 
-/// Draws of one stream, reading by reading. In a drift they are no draws but what adds up worst, from a side that the seed chooses.
+/// Draws from one random stream, a new one for each reading. With the distribution `Drift` they are not random but the errors that add up
+/// worst, to a side that the seed chooses.
 #[derive(Clone, Debug)]
 pub struct Repeated {
     errors: Distribution,
     rng: ChaCha8Rng,
-    /// 1 or −1; without a meaning unless in a drift.
+    /// Side of the tolerance for errors of the distribution `Drift`: 1 or −1. Other distributions do not use it.
     side: f64,
     n_alternations: u64,
 }
 
 impl Repeated {
-    /// Errors of a stream that nothing else draws from.
+    /// Repeated errors from a stream that nothing else draws from.
     pub fn new(errors: Distribution, mut rng: ChaCha8Rng) -> Self {
-        // Drawn in a drift alone, so that the draws of other runs are what they were before there were drifts.
+        // The side is drawn only for the distribution `Drift`, so that it changes the sequence of draws for no other distribution.
         let side = if errors == Distribution::Drift { draw_within(1.0, errors, &mut rng) } else { 1.0 };
         Repeated { errors, rng, side, n_alternations: 0 }
     }
 
-    /// Within ±tolerance; in a drift always at the same end of it.
+    /// Draws an error within ±tolerance; with `Drift` it is always the same end of the tolerance.
     pub fn one_way(&mut self, tolerance: f64) -> f64 {
         match self.errors {
             Distribution::Drift => self.side * tolerance,
@@ -32,7 +33,8 @@ impl Repeated {
         }
     }
 
-    /// Within ±tolerance; in a drift at one end and at the other in turn, so that what follows each other is as far apart as it can be.
+    /// Draws an error within ±tolerance; with `Drift` it alternates between both ends, so that successive errors differ by as much as they
+    /// can.
     pub fn in_turn(&mut self, tolerance: f64) -> f64 {
         match self.errors {
             Distribution::Drift => {
@@ -44,8 +46,8 @@ impl Repeated {
     }
 }
 
-/// A share from 0 to 1, the end left out, as even as the uniform draw unless errors are said to be distributed otherwise: where in a tick a
-/// wheel stands at the start.
+/// Draws a phase from 0 to 1, 1 excluded: where within an encoder tick a wheel stands at the start. It is uniform, unless the scene chooses
+/// another distribution of errors.
 pub(crate) fn draw_phase(errors: Distribution, rng: &mut ChaCha8Rng) -> f64 {
     /// The greatest number below 1.
     const LAST: f64 = 1.0 - f64::EPSILON / 2.0;

@@ -1,4 +1,4 @@
-//! The graphics adapter: which one, and how errors and hung waits come back as `RenderError`.
+//! The graphics adapter: how it is chosen, and how its errors and hung waits become a `RenderError`.
 
 use std::{
     sync::{Arc, Mutex, PoisonError, mpsc::RecvTimeoutError},
@@ -10,25 +10,25 @@ use wgpu::{Adapter, Backends, DeviceType};
 
 use super::{RenderError, target::Mapping};
 
-/// Environment variable that picks an adapter by a part of its name, driver or backend.
+/// Environment variable that chooses an adapter by a part of its name, driver or backend.
 const ADAPTER_VARIABLE: &str = "WHEREIN_ADAPTER";
 
-/// A tick of pictures takes milliseconds; a driver that is silent this long does not come back.
+/// Time after which a silent driver counts as hung; the pictures of a tick take milliseconds.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// An open device and the first error its driver reported. Clones share the device.
+/// An open graphics device, and the first error that its driver reported. Clones share the device.
 #[derive(Clone, Debug)]
 pub(super) struct Graphics {
     pub(super) device: wgpu::Device,
     pub(super) queue: wgpu::Queue,
     info: wgpu::AdapterInfo,
-    /// How long the driver may be silent.
+    /// Time that the graphics driver may be silent before it counts as hung.
     patience: Duration,
     reported: Arc<Mutex<Option<String>>>,
 }
 
 impl Graphics {
-    /// Opens the adapter that [`choose`] picks, with all that it offers.
+    /// Opens the adapter that [`choose`] picks, with the highest limits that it offers.
     pub(super) fn open(wanted: Option<&str>) -> Result<Graphics, RenderError> {
         let wanted = wanted.map(str::to_owned).or_else(|| std::env::var(ADAPTER_VARIABLE).ok());
         let adapter = choose(wanted)?;
@@ -48,42 +48,43 @@ impl Graphics {
             keep_first(&on_error, error.to_string());
         }));
         let on_loss = Arc::clone(&reported);
-        // At the renderer's own end as well, when nobody asks any more.
+        // The callback for a lost device is also called when the renderer itself closes the device; its message is then never read.
         device.set_device_lost_callback(move |_, message| keep_first(&on_loss, format!("device lost: {message}")));
         Ok(Graphics { device, queue, info, patience: PATIENCE, reported })
     }
 
-    /// What another thread draws with, if any may: this device, or of a software adapter a device of its own, as one instance of such a
-    /// driver draws for one thread after the other.
+    /// Graphics for another thread, if the driver allows any: the same device, or for a software adapter a device of its own. One instance
+    /// of a software driver draws for one thread after the other.
     pub(super) fn for_another_thread(&self) -> Result<Option<Graphics>, RenderError> {
         match (self.info.backend, self.info.device_type) {
-            // Contexts of OpenGL abort when several threads use them.
+            // OpenGL contexts abort when several threads use them.
             (wgpu::Backend::Gl, _) => Ok(None),
             (_, DeviceType::Cpu) => Graphics::open(Some(&self.adapter_name())).map(Some),
             _ => Ok(Some(self.clone())),
         }
     }
 
-    /// Name, driver and backend.
+    /// Name, driver and backend of the adapter.
     pub(super) fn adapter_name(&self) -> String {
         describe(&self.info)
     }
 
-    /// Whether the device is still there and its driver has reported no error, as far as can be told without work for it.
+    /// Checks that the device is not lost and that its driver has reported no error, as far as that is known without giving it work.
     pub(super) fn check_alive(&self) -> Result<(), RenderError> {
-        // The news of a lost device comes when the device is polled; what else polling may fail of is reported too.
+        // The loss of a device is reported only when the device is polled; whatever else polling may fail of is reported through the
+        // callback, too.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.check()
     }
 
-    /// The first error that the driver reported, if any.
+    /// The first error that the driver reported, as an error; success if there is none.
     pub(super) fn check(&self) -> Result<(), RenderError> {
         let reported = self.reported.lock().unwrap_or_else(PoisonError::into_inner);
         reported.as_ref().map_or(Ok(()), |message| Err(RenderError::Device(message.clone())))
     }
 
-    /// What a staging buffer's mapping came to. Where threads share the device, the answer may be on its way in another thread's poll,
-    /// so that it is waited for as well.
+    /// Outcome of the mapping of a staging buffer. If threads share the device, the answer may arrive by another thread's poll, so that it
+    /// is waited for.
     pub(super) fn answer(&self, mapping: &Mapping) -> Result<(), RenderError> {
         match mapping.recv_timeout(self.patience) {
             Ok(outcome) => outcome.map_err(|error| RenderError::Device(error.to_string())),
@@ -92,7 +93,7 @@ impl Graphics {
         }
     }
 
-    /// A buffer that holds `content`, or a few bytes where there is none.
+    /// A buffer that holds `content`; it has at least 256 bytes, even if `content` is empty.
     pub(super) fn buffer<T: Pod>(&self, label: &str, usage: wgpu::BufferUsages, content: &[T]) -> wgpu::Buffer {
         let bytes: &[u8] = bytemuck::cast_slice(content);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -122,12 +123,12 @@ impl Graphics {
     }
 }
 
-/// What the renderer does with radiances, which are floating-point textures.
+/// Features that the renderer needs to blend and filter radiances, which are floating-point textures.
 const NEEDED: wgpu::Features = wgpu::Features::FLOAT32_BLENDABLE.union(wgpu::Features::FLOAT32_FILTERABLE);
 
-/// The adapter to use: a real one before a software one, and the system's own interface before OpenGL.
+/// Chooses the adapter to use: a real one before a software one, and the system's own interface before OpenGL.
 ///
-/// OpenGL is asked last and apart, because its contexts abort when several threads share an instance.
+/// OpenGL is tried last and on its own, because its contexts abort when several threads share an instance.
 fn choose(wanted: Option<String>) -> Result<Adapter, RenderError> {
     let mut found = Vec::new();
     for backends in [Backends::PRIMARY, Backends::GL] {
@@ -181,7 +182,8 @@ mod tests {
     use super::*;
     use crate::{drawn::Drawn, render::Renderer, scene::Scene, sensors::still::views_at};
 
-    /// A long loop. Software drivers end a loop after 65 535 rounds, so that many workgroups make it last: 0.7 s on two cores.
+    /// A shader with a long loop. Software drivers end a loop after 65 535 rounds; many workgroups make it last all the same: 0.7 s on two
+    /// cores.
     const SLOW: &str = "
         @group(0) @binding(0) var<storage, read_write> words: array<u32>;
         @compute @workgroup_size(64)

@@ -1,36 +1,37 @@
-//! The camera's path while it exposes and reads out: where it is at the ends of sub-frames, and how many there are.
+//! The camera's path during exposure and readout: its poses at the ends of sub-frames, and the number of sub-frames.
 
 use nalgebra::{Isometry3, Vector2};
 
 use super::View;
 use crate::optics::Intrinsics;
 
-/// Sub-frames at most, as in view.wgsl; a longer blur widens the filter of each.
+/// Greatest number of sub-frames, as in view.wgsl; a longer blur widens the filter of each sub-frame.
 pub(super) const MAX_SUB_FRAMES: usize = 32;
 
-/// Blur that one sub-frame takes up. Its filter is exact for an edge that moves straight and steadily, so that a
-/// sub-frame only has to hold the path's bend: at 1 rad/s and 10 ms that is 0.01 px over the whole exposure.
+/// Length of blur that one sub-frame takes up. The filter of a sub-frame is exact for an edge that moves straight and steadily, so that a
+/// sub-frame only has to follow the bend of the path: at 1 rad/s and 10 ms that is 0.01 px over the whole exposure.
 const BLUR_PER_SUB_FRAME_PX: f64 = 4.0;
 
-/// Blur between two samples of a pattern, which are filtered by as much: finer than the pattern's grain.
+/// Length of blur between two samples of a floor pattern, each of which is filtered over this length; finer than the pattern's grain.
 const BLUR_PER_PATTERN_SAMPLE_PX: f64 = 2.0;
-/// Samples of a pattern at most; a longer blur leaves nothing of it.
+/// Greatest number of samples of a floor pattern; a longer blur leaves nothing of the pattern.
 const MAX_PATTERN_SAMPLES: u32 = 32;
 
-/// The way of a camera from the start of the first row's exposure to the end of the last row's.
+/// The path of a camera from the start of the first row's exposure to the end of the last row's.
 pub(super) struct Path {
-    /// Poses at equal steps of time: one more than a row's exposure takes sub-frames. Of a global shutter they are the sub-frames' ends.
+    /// Camera poses at equal steps of time, one more than the exposure has sub-frames. With a global shutter they are the ends of the
+    /// sub-frames.
     pub(super) sub_frame_ends: Vec<Isometry3<f64>>,
-    /// How often a pattern is sampled along the way.
+    /// Number of times that a floor pattern is sampled along the camera's path.
     pub(super) pattern_samples: u32,
-    /// The pose in the middle of the middle row's exposure.
+    /// Camera pose in the middle of the middle row's exposure.
     pub(super) middle: Isometry3<f64>,
-    /// Share of the time that each row is exposed for: all of it by a global shutter.
+    /// Share of the whole time for which each row is exposed; 1 with a global shutter.
     pub(super) exposed_share: f64,
 }
 
 impl Path {
-    /// The path of a view whose plate has this projection; `None` if it has no pose.
+    /// The camera path of a view, for the given projection; `None` if the view has no pose.
     pub(super) fn new(plate: &Intrinsics, view: &View) -> Option<Path> {
         let (world_from_camera, readout_s) = (&view.world_from_camera, view.lens.readout_s());
         let exposed_share = if readout_s > 0.0 { view.exposure_s / (view.exposure_s + readout_s) } else { 1.0 };
@@ -49,7 +50,7 @@ impl Path {
     }
 }
 
-/// Longest path on the image of the floor points seen at the image's corners and centre.
+/// Greatest length of the path that a floor point, seen at the image's corners or centre, describes on the image.
 fn blur_length_px(intrinsics: &Intrinsics, world_from_camera: &[Isometry3<f64>]) -> f64 {
     let [width, height] = intrinsics.size_px.map(|size| f64::from(size - 1));
     let pixels = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height], [width / 2.0, height / 2.0]];
@@ -64,7 +65,7 @@ fn blur_length_px(intrinsics: &Intrinsics, world_from_camera: &[Isometry3<f64>])
     pixels.into_iter().map(path_px).fold(0.0, f64::max)
 }
 
-/// The pose at a share of the time between the first and the last.
+/// The pose at a share of the time between the first and the last pose.
 pub(super) fn interpolate(poses: &[Isometry3<f64>], share: f64) -> Option<Isometry3<f64>> {
     let position = share * (poses.len().checked_sub(1)?) as f64;
     let index = (position as usize).min(poses.len().saturating_sub(2));

@@ -1,4 +1,4 @@
-//! The floor pass: faces of tiles, then joints, strays and walls over them, as luminance averaged over the exposure.
+//! The floor pass: draws faces of tiles, then joints, stray wires and tapes, and walls over them, as luminance averaged over the exposure.
 
 use super::{RenderError, View, device::Graphics, lens::LensSlot};
 
@@ -12,7 +12,7 @@ pub(super) use cut::{Floor, LAMPLIGHT_PX};
 use cut::{Cut, ViewOnDevice};
 use geometry::{BandInstance, TileInstance};
 
-/// Pipelines of the floor; faces have one for each pattern, so that a plain tile does not pay for marble.
+/// Pipelines that draw the floor. Faces have one pipeline per pattern, so that a plain tile does not cost what marble does.
 pub(super) struct FloorPass {
     of_global_shutter: Pipelines,
     of_rolling_shutter: Pipelines,
@@ -24,7 +24,7 @@ struct Pipelines {
     bands: wgpu::RenderPipeline,
 }
 
-/// A view's buffers on the device.
+/// Buffers on the device for a view of the floor.
 pub(super) struct FloorSlot {
     uniform: wgpu::Buffer,
     bindings: wgpu::BindGroup,
@@ -60,7 +60,7 @@ impl FloorPass {
         FloorPass { of_global_shutter: made(false), of_rolling_shutter: made(true), view_layout }
     }
 
-    /// Buffers for one view.
+    /// Makes the buffers for one view of the floor.
     pub(super) fn slot(&self, device: &wgpu::Device) -> FloorSlot {
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("floor view"),
@@ -81,7 +81,7 @@ impl FloorPass {
         }
     }
 
-    /// Draws one view's floor onto its lens's plate.
+    /// Draws the floor of one view onto the plate of its lens, the pinhole image that the sensor then reads through the lens.
     pub(super) fn draw(
         &self,
         graphics: &Graphics,
@@ -127,7 +127,7 @@ fn instances(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
     })
 }
 
-/// Writes instances into a buffer, which grows to hold them.
+/// Writes instances into a graphics buffer, which grows to hold them.
 fn fill(graphics: &Graphics, buffer: &mut wgpu::Buffer, bytes: &[u8]) {
     if bytes.len() as u64 > buffer.size() {
         *buffer = instances(&graphics.device, (bytes.len() as u64).next_power_of_two());

@@ -1,7 +1,7 @@
-//! A lens on the device: the plate before it, its map, and what the sensor reads through it.
+//! A lens on the graphics device: the plate before it, its map, and the bindings with which the sensor reads through it.
 //!
-//! The plate is the image that a pinhole of the same focal lengths makes, with a margin. The passes draw luminance on it; lens.wgsl looks up
-//! where on it each pixel of the sensor takes its light from.
+//! The plate is the image that a pinhole camera of the same focal lengths makes, with a margin. The drawing passes write luminance to it;
+//! lens.wgsl then looks up the place on the plate from which each pixel of the sensor takes its light.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -17,32 +17,33 @@ mod map;
 
 use map::LensMap;
 
-/// What lens.wgsl reads besides the sensor's values.
+/// Layout of what lens.wgsl reads in addition to the sensor's values.
 pub(super) struct LensLayout {
     pub(super) bindings: wgpu::BindGroupLayout,
     linear: wgpu::Sampler,
 }
 
-/// A lens with its plate, kept from tick to tick.
+/// A lens with its plate on the device, kept from tick to tick.
 pub(super) struct LensSlot {
     pub(super) lens: Lens,
-    /// Width and height of the plate.
+    /// Width and height of the plate, the pinhole image that the sensor reads through the lens.
     pub(super) plate_size_px: [u32; 2],
-    /// Principal point on the plate, (0, 0) the centre of its first pixel.
+    /// Principal point on the plate, the pinhole image that the sensor reads through the lens; (0, 0) is the centre of its first pixel.
     pub(super) plate_centre_px: [f64; 2],
-    /// Luminance in cd/m², averaged over the exposure.
+    /// The plate, a pinhole image that the sensor reads through the lens: luminance in cd/m², averaged over the exposure.
     pub(super) plate: wgpu::TextureView,
-    /// Where its pixels take their light from: instances for lens.wgsl.
+    /// Map of the lens: the place on the plate (the pinhole image) from which each sensor pixel takes its light, as instances for
+    /// lens.wgsl.
     pub(super) map: wgpu::Buffer,
     pub(super) n_map_cells: u32,
-    /// What reads the plate.
+    /// Bindings with which lens.wgsl reads the plate, the pinhole image before the lens.
     pub(super) bindings: wgpu::BindGroup,
     sheet: wgpu::Buffer,
-    /// What the scene's lamps give over a floor that is seen.
+    /// Factor by which the scene's lamps light the visible part of a floor.
     lamplight: wgpu::TextureView,
 }
 
-/// `Sheet` of lens.wgsl.
+/// Device layout of `Sheet` of lens.wgsl: the values of a lens and of the plate, the pinhole image before it.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct SheetOnDevice {
@@ -75,7 +76,7 @@ impl LensLayout {
 }
 
 impl LensSlot {
-    /// Works out the lens's map, which takes a moment for one that bends.
+    /// Computes the map of a lens and makes its plate; for a lens with distortion this takes a moment.
     pub(super) fn new(graphics: &Graphics, layout: &LensLayout, lens: &Lens) -> Result<LensSlot, RenderError> {
         let device = &graphics.device;
         let map = LensMap::new(lens)?;
@@ -113,7 +114,7 @@ impl LensSlot {
         })
     }
 
-    /// Reads another plate of the same size.
+    /// Bindings with which lens.wgsl reads another plate (pinhole image) of the same size.
     pub(super) fn reading(
         &self,
         device: &wgpu::Device,
@@ -123,13 +124,14 @@ impl LensSlot {
         bind(device, layout, &self.sheet, plate, &self.lamplight)
     }
 
-    /// The plate's own projection, by its focal length along u.
+    /// Projection of the plate, the pinhole image before the lens, by its focal length along u.
     pub(super) fn pinhole(&self) -> Intrinsics {
         let principal_point_px = self.plate_centre_px;
         Intrinsics { size_px: self.plate_size_px, focal_px: self.lens.focal_px[0], principal_point_px }
     }
 
-    /// Lays a factor over the plate: [`LAMPLIGHT_PX`] rows of as many places, evenly from its first pixel to its last.
+    /// Writes the factor for lamplight that is laid over the plate (the pinhole image): [`LAMPLIGHT_PX`] rows of as many places, evenly
+    /// spaced from its first pixel to its last.
     pub(super) fn write_lamplight(&self, graphics: &Graphics, lamplight: &[f32]) {
         let texture = self.lamplight.texture();
         let rows = wgpu::TexelCopyBufferLayout {

@@ -1,26 +1,26 @@
-//! Illuminance over the room's floor: uneven, with a declared mean and a declared ratio.
+//! Illuminance over the room's floor: uneven, with a declared mean and a declared ratio of brightest to darkest place.
 
 use nalgebra::{Vector2, vector};
 
 use crate::scene::{Light, Room};
 
-/// `E(p) = mean · factor_at_origin · exp(gradient · p)` over the floor, `p` in the world frame.
+/// Illuminance over the floor, `E(p) = mean · factor_at_origin · exp(gradient · p)`, with `p` in the world frame.
 ///
-/// The exponential makes the ratio between two places depend on their distance alone, so that
-/// brightest over darkest is the declared ratio and no place is dark.
+/// With the exponential, the ratio between two places depends on their difference in position alone. The ratio of the brightest to the
+/// darkest place is then the declared one, and no place is dark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FloorLight {
     /// Gradient of ln E, per metre, world frame.
     pub gradient_per_m: Vector2<f64>,
-    /// E at the world origin over the mean over the floor.
+    /// Illuminance at the world origin over the mean over the floor.
     pub factor_at_origin: f64,
 }
 
 impl FloorLight {
-    /// Light whose mean over the room's floor is 1 and whose brightest over darkest place is the scene's ratio.
+    /// Light whose mean over the room's floor is 1, and whose ratio of brightest to darkest place is the scene's.
     pub fn new(light: &Light, room: &Room) -> FloorLight {
         let (sin, cos) = light.unevenness_direction_deg.to_radians().sin_cos();
-        // Projected on the direction of the gradient, the room is this long.
+        // Length of the room when it is projected on the direction of the gradient.
         let length_m = room.width_m * cos.abs() + room.depth_m * sin.abs();
         let gradient_per_m = vector![cos, sin] * (light.unevenness_ratio.ln() / length_m);
         let mean =
@@ -28,13 +28,13 @@ impl FloorLight {
         FloorLight { gradient_per_m, factor_at_origin: 1.0 / mean }
     }
 
-    /// E over its mean at a place in the world frame.
+    /// Illuminance over its mean, at a place in the world frame.
     pub fn factor_at(&self, place_m: Vector2<f64>) -> f64 {
         self.factor_at_origin * self.gradient_per_m.dot(&place_m).exp()
     }
 }
 
-/// ∫₀¹ exp(a·s) ds = (eᵃ − 1)/a.
+/// The mean of an exponential, ∫₀¹ exp(a·s) ds = (eᵃ − 1)/a.
 fn mean_of_exponential(a: f64) -> f64 {
     if a == 0.0 { 1.0 } else { a.exp_m1() / a }
 }

@@ -1,4 +1,4 @@
-//! The sensor pass: luminance through a lens to grey levels with the photons' noise.
+//! The sensor pass: turns luminance, seen through a lens, into grey levels with photon noise.
 
 use std::collections::BTreeMap;
 
@@ -17,14 +17,14 @@ use super::{
 };
 use crate::scene::BitDepth;
 
-/// Of what pixels differ by: two bytes each.
+/// Texture format of the fixed pattern by which pixels differ: two bytes for each pixel.
 const PATTERN_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 
 const PATTERN_SHADER: &str = concat!(include_str!("readout.wgsl"), include_str!("pattern.wgsl"));
 const LENS_SHADER: &str =
     concat!(include_str!("readout.wgsl"), include_str!("photons.wgsl"), include_str!("lens.wgsl"));
 
-/// Pipelines of the sensor model, made when first needed.
+/// Pipelines of the sensor model, each made when it is first needed.
 pub(super) struct PhotonPass {
     made: BTreeMap<Kind, wgpu::RenderPipeline>,
     lay_pattern: wgpu::RenderPipeline,
@@ -33,23 +33,23 @@ pub(super) struct PhotonPass {
     pub(super) lens_layout: LensLayout,
 }
 
-/// A sensor's bindings.
+/// Buffers, textures and bindings of one sensor.
 pub(super) struct PhotonSlot {
     uniform: wgpu::Buffer,
     readout: wgpu::BindGroup,
     pattern: wgpu::TextureView,
     pattern_bindings: wgpu::BindGroup,
-    /// The seed whose pattern is laid.
+    /// Seed of the fixed pattern that the texture holds; `None` if it holds none.
     laid: Option<u64>,
 }
 
-/// What a pipeline is made for.
+/// Properties of a view for which a sensor pipeline is made.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Kind {
-    /// Whether pixels differ, and whether levels take two bytes.
+    /// `uneven`: whether pixels differ by a fixed pattern. `deep`: whether grey levels take two bytes.
     uneven: bool,
     deep: bool,
-    /// Whether what lamps give is laid over the plate.
+    /// Whether a factor for the unevenness of lamplight is laid over the floor's image.
     lamplit: bool,
     bent: bool,
     defocused: bool,
@@ -71,7 +71,7 @@ impl Kind {
     }
 }
 
-/// `Readout` of photons.wgsl.
+/// Device layout of `Readout` of photons.wgsl: the values of a sensor.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct ReadoutOnDevice {
@@ -119,7 +119,7 @@ impl PhotonPass {
         }
     }
 
-    /// Bindings for a sensor of so many pixels.
+    /// Makes the bindings for a sensor of the given size in pixels.
     pub(super) fn slot(&self, device: &wgpu::Device, size_px: [u32; 2]) -> PhotonSlot {
         let pattern = device
             .create_texture(&wgpu::TextureDescriptor {
@@ -151,7 +151,7 @@ impl PhotonPass {
         PhotonSlot { uniform, readout, pattern, pattern_bindings, laid: None }
     }
 
-    /// Turns one view's plate into grey levels.
+    /// Turns the plate of one view, luminance in a pinhole image, into grey levels.
     pub(super) fn draw(
         &mut self,
         graphics: &Graphics,
@@ -188,7 +188,7 @@ impl PhotonPass {
     }
 }
 
-/// Runs a pipeline on every pixel of a picture, all at once or in the cells of a lens's map.
+/// Runs a pipeline on every pixel of a picture, either in one go or in the cells of a lens's map.
 fn whole_picture(
     encoder: &mut wgpu::CommandEncoder,
     picture: &wgpu::TextureView,
@@ -219,7 +219,7 @@ fn whole_picture(
     }
 }
 
-/// What the shader knows of a view's sensor.
+/// The values of a view's sensor for the shader.
 fn readout(view: &View) -> ReadoutOnDevice {
     let sensor = &view.sensor;
     ReadoutOnDevice {
@@ -266,8 +266,8 @@ fn pipeline(device: &wgpu::Device, layouts: &[&wgpu::BindGroupLayout], kind: Kin
     on_whole_picture(device, layouts, &module, (entry_points, Some(cells)), &constants, levels_format(kind.deep))
 }
 
-/// A pipeline for [`whole_picture`]; entry points of the vertex and of the fragment shader, with the cells that the former reads, `constants` of the
-/// latter.
+/// A pipeline that runs on every pixel of a picture, for [`whole_picture`]. `entry_points` are those of the vertex and of the fragment
+/// shader; the vertex shader reads the cells, the fragment shader has the `constants`.
 fn on_whole_picture(
     device: &wgpu::Device,
     layouts: &[&wgpu::BindGroupLayout],

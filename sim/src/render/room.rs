@@ -1,4 +1,4 @@
-//! The room pass: everything that a camera with a lens sees, as luminance averaged over the exposure.
+//! The room pass: draws everything that a camera with a lens sees, as luminance averaged over the exposure.
 //!
 //! ```text
 //! for each sub-frame: faces, lamps, bodies ─> edges made smooth, strips, discs ─> its plate, a pinhole's image
@@ -37,13 +37,14 @@ use pipelines::{Pipelines, Use};
 use plate::ViewOnDevice;
 use strips::{long_side, strips};
 
-/// Where no face is seen the plate is darker than any: edge.wgsl closes cracks between faces by that, and no sensor notices.
+/// Luminance that an image holds where no face is visible: slightly less than any true luminance. edge.wgsl recognises cracks between faces
+/// by it and closes them; no sensor notices the difference.
 const NOTHING: wgpu::Color = wgpu::Color { r: -1e-12, g: 0.0, b: 0.0, a: 1.0 };
 
-/// Numbers of lamps there can be, none included; as in surface.wgsl.
+/// Number of possible values for the end of a range of lamps, 0 included; as in surface.wgsl.
 const LAMP_ENDS: u32 = MAX_LAMPS as u32 + 1;
 
-/// Pipelines and layouts of the room.
+/// Pipelines and layouts of the room pass.
 pub(super) struct RoomPass {
     pipelines: Pipelines,
 }
@@ -53,7 +54,7 @@ impl RoomPass {
         RoomPass { pipelines: Pipelines::new(device) }
     }
 
-    /// A scene's building on the device.
+    /// Puts a scene's building on the graphics device.
     pub(super) fn upload(
         &self,
         graphics: &Graphics,
@@ -63,7 +64,7 @@ impl RoomPass {
         RoomWorld::new(graphics, &self.pipelines, scene, drawn)
     }
 
-    /// Draws one view into a luminance target.
+    /// Draws one view of a room onto the plate of its lens, the pinhole image that the sensor then reads through the lens.
     pub(super) fn draw(
         &mut self,
         graphics: &Graphics,
@@ -119,7 +120,8 @@ impl RoomPass {
         Ok(())
     }
 
-    /// Over the stepped plate, which nobody needs any more.
+    /// Draws the mean of the images of all sub-frames of an exposure. It overwrites the image whose edges are drawn in steps, which is no
+    /// longer needed.
     fn draw_mean(&self, encoder: &mut wgpu::CommandEncoder, slot: &RoomSlot, plate: &wgpu::TextureView) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("mean"),
@@ -161,7 +163,7 @@ impl RoomPass {
         });
         pass.set_bind_group(0, &slot.view_bindings, &[plate::view_offset(index); 2]);
         pass.set_bind_group(1, lit, &[]);
-        // People first: what they hide need not be shaded.
+        // People are drawn first, so that the surfaces behind them need not be shaded.
         if !people.is_empty() {
             pass.set_pipeline(self.pipelines.bodies(how));
             pass.set_vertex_buffer(0, world.people.corners[how.band()].slice(..));
@@ -175,7 +177,7 @@ impl RoomPass {
         pass.set_index_buffer(slot.chosen.slice(..), wgpu::IndexFormat::Uint32);
         for run in runs {
             pass.set_pipeline(self.pipelines.surface(how, run.kind));
-            // The instance's number tells which lamps may show.
+            // The instance number tells the shader which lamps may be reflected in the surface.
             let lamps = run.lamps.start + run.lamps.end * LAMP_ENDS;
             pass.draw_indexed(run.indices.clone(), 0, lamps..lamps + 1);
         }
@@ -232,7 +234,7 @@ impl RoomPass {
     }
 }
 
-/// The pose and twist of the camera in a sub-frame, put into the terms of view.wgsl.
+/// Pose and twist of the camera in a sub-frame, in the form that view.wgsl reads.
 fn twist_rows(frame: &SubFrame) -> ([[f32; 4]; 3], [f32; 4], [f32; 4]) {
     let camera_from_world = frame.world_from_camera.inverse().to_homogeneous();
     let rows = std::array::from_fn(|row| std::array::from_fn(|column| camera_from_world[(row, column)] as f32));

@@ -1,4 +1,4 @@
-//! Device memory of one view: luminance as drawn, grey levels as read out.
+//! Device memory of one view: luminance as drawn, and grey levels as read out.
 
 use std::sync::mpsc::{Receiver, channel};
 
@@ -12,10 +12,10 @@ use super::{
 };
 use crate::{optics::Lens, scene::BitDepth};
 
-/// Luminance in cd/m², averaged over the exposure.
+/// Texture format of luminance in cd/m², averaged over the exposure.
 pub(super) const LUMINANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
-/// Fills the places between texels.
+/// A sampler that interpolates linearly between texels.
 pub(super) fn linear(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("linear"),
@@ -25,34 +25,34 @@ pub(super) fn linear(device: &wgpu::Device) -> wgpu::Sampler {
     })
 }
 
-/// Of grey levels: one byte each, or two.
+/// Texture format of grey levels: one byte each, or two.
 pub(super) fn levels_format(deep: bool) -> wgpu::TextureFormat {
     if deep { wgpu::TextureFormat::R16Uint } else { wgpu::TextureFormat::R8Uint }
 }
 
-/// Buffers and bindings of one view, kept from tick to tick.
+/// Buffers and bindings on the graphics device for one view, kept from tick to tick.
 pub(super) struct Target {
-    /// One byte a level, or two.
+    /// Whether a grey level takes two bytes instead of one.
     pub(super) deep: bool,
     pub(super) lens: LensSlot,
     pub(super) floor: FloorSlot,
-    /// Made when first a room is drawn.
+    /// Memory for views of a room, made when a room is first drawn.
     pub(super) room: Option<RoomSlot>,
     pub(super) photons: PhotonSlot,
-    /// Grey levels.
+    /// Texture of grey levels.
     pub(super) levels: wgpu::TextureView,
     staging: wgpu::Buffer,
 }
 
 /// Grey levels of one picture.
 pub(super) enum Levels {
-    /// Of a sensor of eight bits.
+    /// Levels of a sensor with eight bits.
     Eight(Vec<u8>),
-    /// Of one with more.
+    /// Levels of a sensor with more than eight bits.
     Deep(Vec<u16>),
 }
 
-/// Whether a staging buffer could be mapped, answered by the device's poll.
+/// Receives whether a staging buffer could be mapped; the answer comes when the device is polled.
 pub(super) type Mapping = Receiver<Result<(), wgpu::BufferAsyncError>>;
 
 impl Target {
@@ -89,12 +89,12 @@ impl Target {
         Ok(Target { deep, lens, floor, room: None, photons, levels, staging })
     }
 
-    /// Whether a view can be drawn here.
+    /// Whether this target (device memory) has the lens and the bit depth of the view, so that the view can be drawn with it.
     pub(super) fn suits(&self, view: &View) -> bool {
         self.lens.lens == view.lens && self.deep == (view.sensor.bits != BitDepth::Eight)
     }
 
-    /// Copies the grey levels to where the processor can read them.
+    /// Copies the grey levels into a buffer that the processor can read.
     pub(super) fn stage(&self, encoder: &mut wgpu::CommandEncoder) {
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
@@ -105,17 +105,17 @@ impl Target {
         encoder.copy_texture_to_buffer(self.levels.texture().as_image_copy(), staging, self.levels.texture().size());
     }
 
-    /// Asks for the staged grey levels.
+    /// Requests access to the staged grey levels.
     pub(super) fn map(&self) -> Mapping {
         let (sender, mapping) = channel();
         self.staging.slice(..).map_async(wgpu::MapMode::Read, move |outcome| {
-            // The receiver is gone only when drawing has already failed.
+            // Sending the outcome of the mapping fails only if the receiver is gone, and then drawing has already failed.
             let _ = sender.send(outcome);
         });
         mapping
     }
 
-    /// Grey levels in the order of rows, once the mapping has been answered.
+    /// Grey levels of the picture row by row, once the mapping has been answered.
     pub(super) fn read(&self) -> Result<Levels, RenderError> {
         let failed = |reason: String| RenderError::Device(reason);
         let levels = {
@@ -136,7 +136,7 @@ impl Target {
     }
 }
 
-/// Bytes from one row of staged levels to the next, as copies want them.
+/// Bytes from one row of staged levels to the next, with the alignment that copies need.
 fn staged_row(size_px: [u32; 2], deep: bool) -> u32 {
     let bytes = if deep { 2 * size_px[0] } else { size_px[0] };
     bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)

@@ -1,6 +1,6 @@
-//! The robot's body in rapier: one rigid body, the room's walls, nothing of the wheels.
+//! The robot's body in rapier: one rigid body, with walls, furniture and people as colliders. The wheels are not part of it.
 //!
-//! rapier's vector types stay inside `world`. Frame `robot` is the frame of the rigid body.
+//! rapier's vector types are used in `world` only. Frame `robot` is the frame of the rigid body.
 
 use rapier3d_f64::prelude::*;
 
@@ -8,33 +8,33 @@ use crate::{drawn::Drawn, scene::Scene, truth::STEP_S};
 
 use super::GRAVITY_M_PER_S2;
 
-/// Height of the centre of mass over the body's radius: batteries low, a deck above.
+/// Height of the centre of mass over the body's radius, for a robot with batteries low and a deck above.
 const CENTRE_OF_MASS_OVER_RADIUS: f64 = 0.5;
 
-/// How much wider the collider is than the body, so that the softness of rapier's contacts never lets the body itself
-/// into a wall: at 0.5 m/s and with both motors pushing it sinks in by less than a fifth of this.
+/// Width by which the collider exceeds the body, so that the softness of rapier's contacts never lets the body itself into a wall: at 0.5
+/// m/s and with both motors pushing it sinks in by less than a fifth of this.
 const SKIN_M: f64 = 0.001;
 
-/// Thickness of the walls; a body that were driven deeper than half of it would come out behind.
+/// Thickness of the walls; a body that was driven deeper than half of it would come out behind.
 const WALL_THICKNESS_M: f64 = 1.0;
 
-/// Distance at which rapier prepares contacts. Its own 20 mm would cost a contact's time all along a wall.
+/// Distance at which rapier prepares contacts. With its default of 20 mm every step along a wall would cost the time of a contact.
 const PREDICTION_M: f64 = 0.005;
 
-/// Friction between body and wall: smooth plastic on plaster.
+/// Friction between the robot's body and a wall, for smooth plastic on plaster.
 const WALL_FRICTION: f64 = 0.2;
 
-/// The body and all that it can run into.
+/// The robot's body and everything that it can run into.
 pub(super) struct Chassis {
     physics: PhysicsWorld,
     body: RigidBodyHandle,
     people: Vec<RigidBodyHandle>,
-    /// Velocity of the robot origin and angular velocity before the last step, world frame.
+    /// Velocity of the robot's origin and angular velocity before the last step, world frame.
     before: [Vector; 2],
 }
 
 impl Clone for Chassis {
-    /// Everything that a step depends on; pipelines are working memory.
+    /// Copies everything that a step depends on; rapier's pipelines are working memory and are made anew.
     fn clone(&self) -> Self {
         let from = &self.physics;
         let physics = PhysicsWorld {
@@ -54,27 +54,27 @@ impl Clone for Chassis {
     }
 }
 
-/// Where the body is and how it moves.
+/// Place and motion of the robot's body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BodyState {
-    /// `world_from_robot`.
+    /// Pose of the body in the world, `world_from_robot`.
     pub(super) world_from_robot: Pose,
-    /// Velocity of the robot origin, world frame.
+    /// Velocity of the robot's origin, world frame.
     pub(super) velocity_m_per_s: Vector,
-    /// Angular velocity, world frame.
+    /// Angular velocity of the body, world frame.
     pub(super) turn_rad_per_s: Vector,
     /// Unit vector in the floor plane along robot x, world frame.
     pub(super) forward: Vector,
     /// Unit vector in the floor plane to the left of `forward`, world frame.
     pub(super) left: Vector,
-    /// The step that comes, if forces stay as they are.
+    /// Motion of the body in the coming step, if forces stay as they are.
     pub(super) coming: Coming,
 }
 
 /// Motion of the body halfway through the coming step.
 ///
-/// rapier moves a body by the velocity after a step, so that the velocity at hand belongs to the middle of the last
-/// step. Rolling that is compared with it would slip by `a·Δt` and sideways by `v·ω·Δt/2`, as much as tyres do.
+/// rapier moves a body by the velocity after a step, so that the present velocity belongs to the middle of the last step. If the wheels'
+/// rolling were compared with it, they would seem to slip by `a·Δt`, and sideways by `v·ω·Δt/2`, which is as much as tyres really do.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coming {
     velocity_m_per_s: Vector,
@@ -83,20 +83,21 @@ pub(super) struct Coming {
 }
 
 impl Chassis {
-    /// The body at its drawn start, at rest, in the room.
+    /// The body at its true start, at rest, in the room.
     pub(super) fn new(scene: &Scene, drawn: &Drawn) -> Self {
         let mut physics = PhysicsWorld::new();
         physics.gravity = Vector::new(0.0, 0.0, -GRAVITY_M_PER_S2);
         let parameters = &mut physics.integration_parameters;
         parameters.dt = STEP_S;
         parameters.normalized_prediction_distance = PREDICTION_M;
-        // Recycled contacts may be stale by more than the tolerances of this world.
+        // rapier may reuse contacts of earlier steps, which can be off by more than the tolerances of this world.
         parameters.contact_recycling = false;
-        // rapier's own 60 Hz at ten times critical damping lets a body that is pushed at 2 m/s 3 mm into the wall.
+        // With rapier's default contact softness (60 Hz at ten times critical damping) a body that is pushed at 2 m/s would enter the wall
+        // by 3 mm.
         parameters.static_contact_softness = SpringCoefficients::new(300.0, 2.0);
-        // One substep: the forces of tyres and springs are constant during a step anyway.
+        // One solver iteration is enough, because the forces of tyres and springs are constant during a step.
         parameters.num_solver_iterations = 1;
-        // Nothing here is fast against its size.
+        // Continuous collision detection is off, because nothing here moves fast against its size.
         parameters.max_ccd_substeps = 0;
         build_walls(&mut physics, scene);
         build_furniture(&mut physics, scene);
@@ -110,7 +111,7 @@ impl Chassis {
             .build();
         let body = physics.bodies.insert(body);
         let radius_m = scene.robot.body_radius_m;
-        // rapier's cylinders stand along y.
+        // rapier's cylinders stand along y, so that the body is turned to stand along z.
         let collider = ColliderBuilder::cylinder(0.4 * radius_m, radius_m + SKIN_M)
             .rotation(Vector::new(std::f64::consts::FRAC_PI_2, 0.0, 0.0))
             .translation(Vector::new(0.0, 0.0, CENTRE_OF_MASS_OVER_RADIUS * radius_m))
@@ -121,7 +122,7 @@ impl Chassis {
         Chassis { physics, body, people, before: [Vector::ZERO; 2] }
     }
 
-    /// State after the last step.
+    /// State of the body after the last step.
     pub(super) fn state(&self) -> BodyState {
         let body = &self.physics.bodies[self.body];
         let world_from_robot = *body.position();
@@ -137,36 +138,36 @@ impl Chassis {
         BodyState { world_from_robot, velocity_m_per_s, turn_rad_per_s, forward, left, coming }
     }
 
-    /// The centre of mass, world frame.
+    /// The body's centre of mass, world frame.
     pub(super) fn centre_of_mass(&self) -> Vector {
         self.physics.bodies[self.body].center_of_mass()
     }
 
-    /// Takes away the forces of the last step, which rapier would keep.
+    /// Removes the forces of the last step, which rapier would keep otherwise.
     pub(super) fn release(&mut self) {
         let body = &mut self.physics.bodies[self.body];
         body.reset_forces(false);
         body.reset_torques(false);
     }
 
-    /// Adds a force at a point during the next step, both in the world frame.
+    /// Adds a force at a point of the body for the next step, both in the world frame.
     pub(super) fn push(&mut self, force_n: Vector, point_m: Vector) {
         self.physics.bodies[self.body].add_force_at_point(force_n, point_m, false);
     }
 
-    /// Adds a torque during the next step, world frame.
+    /// Adds a torque on the body for the next step, world frame.
     pub(super) fn twist(&mut self, torque_n_m: Vector) {
         self.physics.bodies[self.body].add_torque(torque_n_m, false);
     }
 
-    /// Where a person is at the end of the next step.
+    /// Sets the place where a person is at the end of the next step.
     pub(super) fn place_person(&mut self, index: usize, place_m: [f64; 2]) {
         let Some(body) = self.people.get(index).and_then(|handle| self.physics.bodies.get_mut(*handle)) else { return };
         let height_m = body.translation().z;
         body.set_next_kinematic_translation(Vector::new(place_m[0], place_m[1], height_m));
     }
 
-    /// Advances by one step.
+    /// Advances the body by one step.
     pub(super) fn advance(&mut self, now: &BodyState) {
         self.before = [now.velocity_m_per_s, now.turn_rad_per_s];
         self.physics.step();
@@ -174,7 +175,7 @@ impl Chassis {
 }
 
 impl BodyState {
-    /// A point of the robot frame in the world.
+    /// The world position of a point given in the robot frame.
     pub(super) fn world_point(&self, point_in_robot: Vector) -> Vector {
         self.world_from_robot.translation + self.world_from_robot.rotation * point_in_robot
     }
@@ -186,7 +187,7 @@ impl BodyState {
 }
 
 impl Coming {
-    /// Velocity of a point over the floor: forward, left.
+    /// Velocity of a point of the body over the floor: forward and left.
     pub(super) fn over_floor(&self, body: &BodyState, point_in_world: Vector) -> [f64; 2] {
         let lever = point_in_world - body.world_from_robot.translation;
         let velocity = self.velocity_m_per_s + self.turn_rad_per_s.cross(lever);
@@ -195,7 +196,7 @@ impl Coming {
     }
 }
 
-/// An upright homogeneous cylinder whose centre is over the middle of the axle.
+/// Mass properties of the body: an upright homogeneous cylinder whose centre is above the middle of the axle.
 fn mass_properties(scene: &Scene) -> MassProperties {
     let (mass_kg, radius_m) = (scene.robot.mass_kg, scene.robot.body_radius_m);
     let centre_m = CENTRE_OF_MASS_OVER_RADIUS * radius_m;
@@ -238,7 +239,7 @@ fn build_walls(physics: &mut PhysicsWorld, scene: &Scene) {
     let [half_x_m, half_y_m] = plan.size_m.map(|extent_m| 0.5 * extent_m);
     let half_thick_m = 0.5 * WALL_THICKNESS_M;
     let height_m = 2.0;
-    // Centre as stated and half extents of each wall; those along x cover the corners.
+    // Centre, as the plan states it, and half extents of each wall of the room; the walls along x cover the corners.
     let along_x = [-half_thick_m, 2.0 * half_y_m + half_thick_m]
         .map(|y_m| ([half_x_m, y_m], [half_x_m + WALL_THICKNESS_M, half_thick_m]));
     let along_y = [-half_thick_m, 2.0 * half_x_m + half_thick_m].map(|x_m| ([x_m, half_y_m], [half_thick_m, half_y_m]));

@@ -1,55 +1,55 @@
-//! A driven wheel: motor, spin and tyre, in quarter-millisecond substeps.
+//! A driven wheel with motor, spin and tyre, simulated in substeps of a quarter of a millisecond.
 
 use crate::scene::Stuck;
 
 use super::tyre::{Contact, Patch, Tyre};
 
-/// Substeps of a wheel in one step of the world: on its tyre a wheel oscillates at 36 Hz, and its motor is as stiff.
+/// Number of substeps of a wheel in one step of the world. A wheel oscillates on its tyre at 36 Hz, and its motor's control is as stiff.
 const SUBSTEPS: u32 = 4;
 
-/// Inertia of a wheel with its geared rotor, as a share of robot mass at the tread: 0.0086 kg·m² for the P3-DX.
+/// Inertia of a wheel with its geared rotor, as a share of the robot's mass at the tread: 0.0086 kg·m² for the P3-DX.
 const INERTIA_SHARE: f64 = 0.1;
 
-/// Bandwidth of the speed controller against half the robot's mass: fast enough to be unseen at 10 ms, slow enough not to
+/// Bandwidth of the wheel's speed controller against half the robot's mass: fast enough to be unnoticeable at 10 ms, slow enough not to
 /// ring with the tyre.
 const SPEED_BANDWIDTH_PER_S: f64 = 60.0;
 
-/// Proportional over integral gain: what a steady load pushes back is recovered in this time.
+/// Ratio of proportional to integral gain: the time in which the controller makes up for a steady load.
 const INTEGRAL_TIME_S: f64 = 0.1;
 
-/// Greatest force of one motor at the tread over the robot's weight. Both wheels together hold against any friction
-/// below 1.2, so that a pushed robot slides rather than turns its motors.
+/// Greatest force of one motor at the tread over the robot's weight. Both wheels together hold against any friction below 1.2, so that a
+/// pushed robot slides instead of turning its motors.
 const FORCE_LIMIT_OVER_WEIGHT: f64 = 0.5;
 
-/// Time constant with which the set-point follows the command, so that commands 10 ms apart make a smooth acceleration.
+/// Time constant with which the set-point follows the command, so that commands 10 ms apart give a smooth acceleration.
 const SETPOINT_LAG_S: f64 = 0.02;
 
-/// One driven wheel.
+/// A driven wheel.
 #[derive(Clone, Debug)]
 pub(super) struct Wheel {
-    /// True rolling radius.
+    /// True rolling radius of the wheel.
     pub(super) radius_m: f64,
-    /// Spin angle since the start, positive when rolling forward.
+    /// Spin angle of the wheel since the start, positive when rolling forward.
     pub(super) angle_rad: f64,
-    /// Spin.
+    /// Spin rate of the wheel.
     pub(super) spin_rad_per_s: f64,
-    /// Tyre on the floor.
+    /// Contact patch of the wheel's tyre on the floor.
     pub(super) patch: Patch,
     inertia_kg_m2: f64,
     motor: Motor,
 }
 
-/// What a wheel gives to the body over a step.
+/// Forces of a wheel on the robot's body over a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Traction {
-    /// Mean force of the floor at the patch: forward, left.
+    /// Mean force of the floor at the contact patch: forward and left.
     pub(super) force_n: [f64; 2],
-    /// Mean torque that the wheel's own spinning up takes from the body, about the axle.
+    /// Mean torque about the axle by which the wheel's own change of spin reacts on the body.
     pub(super) reaction_n_m: f64,
 }
 
 impl Wheel {
-    /// A wheel at rest under a robot of this mass.
+    /// A wheel at rest under a robot of the given mass.
     pub(super) fn new(radius_m: f64, robot_mass_kg: f64, gravity_m_per_s2: f64) -> Self {
         let inertia_kg_m2 = INERTIA_SHARE * robot_mass_kg * radius_m * radius_m;
         let driven_kg_m2 = inertia_kg_m2 + 0.5 * robot_mass_kg * radius_m * radius_m;
@@ -64,7 +64,7 @@ impl Wheel {
         }
     }
 
-    /// Turns the wheel for one step of the world, on a tyre as the ground makes it.
+    /// Turns the wheel for one step of the world; the tyre is as the ground under it makes it.
     pub(super) fn advance(
         &mut self,
         commanded_rad_per_s: f64,
@@ -73,7 +73,7 @@ impl Wheel {
         stuck: Option<Stuck>,
         step_s: f64,
     ) -> Traction {
-        // Without hold on the floor, what bears the body is not the tyre.
+        // A wheel that spins without hold on the floor bears no load on its tyre.
         let contact =
             &Contact { load_n: if stuck == Some(Stuck::Spinning) { 0.0 } else { contact.load_n }, ..*contact };
         let substep_s = step_s / f64::from(SUBSTEPS);
@@ -81,11 +81,11 @@ impl Wheel {
         for _ in 0..SUBSTEPS {
             let torque_n_m = self.motor.torque(commanded_rad_per_s, self.spin_rad_per_s, substep_s);
             let force_n = self.patch.force_n(tyre, contact);
-            // I·Ω̇ = T − R·F_x, then the angle and the bristles by the new spin: both must see the same rolling, or every
-            // acceleration would slip by half a substep's worth.
+            // Semi-implicit step: I·Ω̇ = T − R·F_x first, then the angle and the tyre's bristles with the new spin. Both must use the same
+            // rolling, or every acceleration would slip by half a substep's worth.
             let mut surplus_n_m = torque_n_m - self.radius_m * force_n[0];
             if stuck == Some(Stuck::Blocked) {
-                // What holds the wheel takes up whatever is left, and the wheel's momentum at once.
+                // Whatever blocks the wheel takes up all remaining torque and, at once, the wheel's momentum.
                 surplus_n_m = -self.spin_rad_per_s * self.inertia_kg_m2 / substep_s;
             }
             self.spin_rad_per_s += surplus_n_m / self.inertia_kg_m2 * substep_s;
@@ -99,7 +99,7 @@ impl Wheel {
     }
 }
 
-/// A motor under proportional-integral control of its speed, limited in torque.
+/// A wheel motor under proportional-integral speed control, limited in torque.
 #[derive(Clone, Debug)]
 struct Motor {
     gain_n_m_s: f64,
@@ -119,7 +119,7 @@ impl Motor {
         let proportional_n_m = self.gain_n_m_s * error_rad_per_s;
         let wanted_n_m = proportional_n_m + self.integral_n_m;
         let torque_n_m = wanted_n_m.clamp(-self.limit_n_m, self.limit_n_m);
-        // A saturated motor stops integrating; else a wheel held at a wall would race once it is freed.
+        // A saturated motor stops integrating. Otherwise a wheel held at a wall would race as soon as it is freed.
         if torque_n_m == wanted_n_m {
             self.integral_n_m += proportional_n_m * step_s / INTEGRAL_TIME_S;
         }

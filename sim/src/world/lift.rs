@@ -8,16 +8,16 @@ use crate::scene::{Event, Scene};
 
 use super::{GRAVITY_M_PER_S2, chassis::BodyState};
 
-/// Share of the time in which the robot is raised, and again in which it is put down. It is carried in between.
+/// Share of a lift's duration in which the robot is raised, and again in which it is put down. It is carried in between.
 const RAISE_SHARE: f64 = 0.2;
 
-/// How high it is raised: beyond what springs and the highest carpet reach.
+/// Height to which a lift raises the robot: higher than its springs and the highest carpet reach.
 const HEIGHT_M: f64 = 0.06;
 
-/// How tightly hands hold it, critically damped; as in a push.
+/// Bandwidth of the critically damped control by which hands hold the lifted robot; the same as for a push.
 const GRIP_PER_S: f64 = 200.0;
 
-/// One lift.
+/// A lift of the robot by hands.
 #[derive(Clone, Debug)]
 pub(super) struct Lift {
     at_s: f64,
@@ -26,12 +26,12 @@ pub(super) struct Lift {
     turn_rad: f64,
     mass_kg: f64,
     inertia_kg_m2: f64,
-    /// Where it was taken up: origin, heading, and the way in the world.
+    /// Where the robot was taken up: its origin, its heading, and the displacement of the whole lift in the world frame.
     taken: Option<(Vector, f64, Vector)>,
 }
 
 impl Lift {
-    /// The lifts of a scene.
+    /// All lifts that the scene's events state.
     pub(super) fn all(scene: &Scene) -> Vec<Lift> {
         let (mass_kg, radius_m) = (scene.robot.mass_kg, scene.robot.body_radius_m);
         let lift = |event: &Event| match *event {
@@ -49,7 +49,8 @@ impl Lift {
         scene.events.iter().filter_map(lift).collect()
     }
 
-    /// Force at the centre of mass and torque, or `None` when hands are off. `borne_n` is what the floor bears already.
+    /// Force at the centre of mass and torque on the body, or `None` while no hands are on the robot. `borne_n` is the part of the weight
+    /// that the floor bears.
     pub(super) fn act(
         &mut self,
         time_s: f64,
@@ -73,7 +74,7 @@ impl Lift {
         let (off_place, off_velocity) = (target - origin, target_velocity - body.velocity_m_per_s);
         let weight = Vector::Z * (self.mass_kg * GRAVITY_M_PER_S2 - borne_n);
         let force_n = (off_place * GRIP_PER_S + off_velocity * 2.0) * (GRIP_PER_S * self.mass_kg) + weight;
-        // Upright again, and at the heading that is due.
+        // The torque turns the lifted body upright and to the heading that the lift has reached.
         let off_heading_rad = heading_then_rad + self.turn_rad * carried - heading_rad;
         let off_attitude = (body.world_from_robot.rotation * Vector::Z).cross(Vector::Z) + Vector::Z * off_heading_rad;
         let off_turn = Vector::Z * (self.turn_rad * carried_rate / self.lasts_s) - body.turn_rad_per_s;
@@ -82,14 +83,14 @@ impl Lift {
     }
 }
 
-/// Share of the height at a share of the time, and its derivative.
+/// Raised height as a share of the greatest height, at a share of the lift's time, and its derivative.
 fn raised(phase: f64) -> (f64, f64) {
     let (up, up_rate) = eased(phase / RAISE_SHARE);
     let (down, down_rate) = eased((1.0 - phase) / RAISE_SHARE);
     if phase < 0.5 { (up, up_rate / RAISE_SHARE) } else { (down, -down_rate / RAISE_SHARE) }
 }
 
-/// From 0 to 1 without a jump of speed, and its derivative.
+/// A transition from 0 to 1 without a jump of speed, and its derivative.
 fn eased(phase: f64) -> (f64, f64) {
     let phase = phase.clamp(0.0, 1.0);
     (0.5 - 0.5 * (PI * phase).cos(), 0.5 * PI * (PI * phase).sin())

@@ -10,7 +10,7 @@ use crate::{
 
 use super::{chassis::BodyState, drive::Wheel};
 
-/// The truth so far.
+/// Integrates the true state of the robot from step to step.
 #[derive(Clone, Debug)]
 pub(super) struct Odometer {
     truth: Truth,
@@ -30,13 +30,13 @@ impl Odometer {
         self.truth
     }
 
-    /// Takes in one step of the body.
+    /// Updates the truth by one step of the body.
     pub(super) fn advance(&mut self, time_s: f64, body: &BodyState, wheels: &[Wheel; 2]) -> Truth {
         let truth = &mut self.truth;
         let origin = body.world_from_robot.translation;
         let turn_rad = self.forward.cross(body.forward).z.atan2(self.forward.dot(body.forward));
-        // A body that turns evenly through the step moves along the mean direction; its path is longer than the chord by
-        // (Δθ/2)/sin(Δθ/2), 4·10⁻⁸ at 1 rad/s.
+        // A body that turns evenly during the step moves along the mean direction; its path is longer than the chord by the factor
+        // (Δθ/2)/sin(Δθ/2), which exceeds 1 by 4·10⁻⁸ at 1 rad/s.
         let mean_forward = (self.forward + body.forward).normalize();
         let mean_left = Vector::new(-mean_forward.y, mean_forward.x, 0.0);
         let chord = Vector::new(origin.x - truth.pose.x_m, origin.y - truth.pose.y_m, 0.0);
@@ -58,7 +58,7 @@ impl Odometer {
     }
 }
 
-/// Roll and pitch: with `R = Rz(yaw)·Ry(pitch)·Rx(roll)`, robot y rises by `cos(pitch)·sin(roll)`, robot x by `−sin(pitch)`.
+/// Roll and pitch of the body: with `R = Rz(yaw)·Ry(pitch)·Rx(roll)`, robot y rises by `cos(pitch)·sin(roll)`, robot x by `−sin(pitch)`.
 fn tilt_rad(body: &BodyState) -> [f64; 2] {
     let rotation = body.world_from_robot.rotation;
     let roll_rad = (rotation * Vector::Y).z.atan2((rotation * Vector::Z).z);

@@ -6,7 +6,7 @@ use crate::{
     scene::{Person, Scene},
 };
 
-/// A person stands while the robot's edge is nearer than this to where the next second of walking leads.
+/// Gap to the robot's edge, along the path of the next second of walking, below which a person stands still.
 const KEEPS_AWAY_M: f64 = 0.4;
 
 impl From<Bystander> for UprightBody {
@@ -22,13 +22,13 @@ impl From<Bystander> for UprightBody {
     }
 }
 
-/// One walker.
+/// A person who walks to and fro.
 #[derive(Clone, Debug)]
 pub(super) struct Walker {
     waypoints_m: Vec<[f64; 2]>,
     speed_m_per_s: f64,
     robot_radius_m: f64,
-    /// Index of the waypoint walked to, and whether towards the end of the list.
+    /// Index of the waypoint that the person walks to, and whether the person walks towards the end of the list.
     towards: (usize, bool),
     body: Bystander,
 }
@@ -58,12 +58,12 @@ impl Walker {
         })
     }
 
-    /// The body now.
+    /// The person's body at the present time.
     pub(super) fn body(&self) -> Bystander {
         self.body
     }
 
-    /// Walks for one step, unless the robot is in the way.
+    /// Moves the person by one step, unless the robot is in the way.
     pub(super) fn advance(&mut self, robot_m: [f64; 2], step_s: f64) {
         self.body.velocity_m_per_s = [0.0; 2];
         let Some(&goal_m) = self.waypoints_m.get(self.towards.0) else { return };

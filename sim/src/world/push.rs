@@ -1,4 +1,4 @@
-//! A hand that shoves the body by a stated distance while the wheels go on turning.
+//! A hand that pushes the robot's body by a stated distance while the wheels go on turning.
 
 use localizer::Pose;
 use rapier3d_f64::prelude::Vector;
@@ -7,19 +7,19 @@ use crate::scene::{Event, Scene};
 
 use super::{GRAVITY_M_PER_S2, chassis::BodyState};
 
-/// Share of a push in which the hand gathers speed, and again in which it slows down. Its peak speed is
-/// `1/(1 − share)` = 1.11 times the mean.
+/// Share of a push in which the hand accelerates, and again in which it slows down. Its peak speed is `1/(1 − share)` = 1.11 times the
+/// mean.
 const RAMP_SHARE: f64 = 0.1;
 
-/// How tightly the hand holds the body to its path, critically damped: the tyres at full slide pull it off by 0.2 mm.
-/// Above 400 per second the 1 ms steps make it ring.
+/// Bandwidth of the critically damped control by which the hand holds the body to its path. Tyres that slide fully pull the body off the
+/// path by 0.2 mm; above 400 per second the control rings with the 1 ms steps.
 const GRIP_PER_S: f64 = 200.0;
 
-/// Greatest force of the hand over the robot's weight: more than the tyres' grip at the greatest friction, 1.7, and
-/// little enough for the walls to withstand.
+/// Greatest force of the hand over the robot's weight: more than the tyres' grip at the greatest friction, 1.7, and little enough for the
+/// walls to withstand.
 const FORCE_LIMIT_OVER_WEIGHT: f64 = 3.0;
 
-/// One push.
+/// A push of the robot by a hand.
 #[derive(Clone, Debug)]
 pub(super) struct Push {
     at_s: f64,
@@ -30,26 +30,26 @@ pub(super) struct Push {
     progress: Option<Progress>,
 }
 
-/// A push that has begun.
+/// State of a push that has begun.
 #[derive(Clone, Copy, Debug)]
 struct Progress {
-    /// Where the wheels alone would have brought the robot.
+    /// Pose to which the wheels alone would have brought the robot.
     wheels_alone: Pose,
-    /// Displacement of the whole push, world frame.
+    /// Displacement of the robot by the whole push, world frame.
     displacement: Vector,
 }
 
-/// How far the wheels rolled in one step.
+/// Distance and turn that the wheels rolled in one step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rolled {
-    /// Mean of both wheels.
+    /// Mean rolled distance of both wheels.
     pub(super) forward_m: f64,
-    /// Right minus left over the track.
+    /// Turn by rolling: the right wheel's distance minus the left wheel's, over the track.
     pub(super) turn_rad: f64,
 }
 
 impl Push {
-    /// The pushes of a scene.
+    /// All pushes that the scene's events state.
     pub(super) fn all(scene: &Scene) -> Vec<Push> {
         let (mass_kg, radius_m) = (scene.robot.mass_kg, scene.robot.body_radius_m);
         let push = |event: &Event| match *event {
@@ -68,8 +68,9 @@ impl Push {
 
     /// Force on the body and torque about its vertical, or `None` when the hand is off.
     ///
-    /// `deflection` is how far the tyres' bristles hold the body back, world frame. Rubber springs back when the hand lets
-    /// go, so that the hand carries the body farther by as much in the end, and the robot stays where it was meant to.
+    /// `deflection` is the distance by which the tyres' bristles hold the body back, world frame. The rubber springs back when the hand
+    /// lets go. The hand therefore carries the body farther by this distance in the end, so that the robot comes to rest where the push was
+    /// meant to take it.
     pub(super) fn act(
         &mut self,
         time_s: f64,
@@ -112,7 +113,7 @@ impl Push {
     }
 }
 
-/// Share of the way done at a share of the time, and its derivative: a trapezoid of speed.
+/// Share of the displacement done at a share of the push's time, and its derivative: the speed has a trapezoidal profile.
 fn ramped(phase: f64) -> (f64, f64) {
     let peak = 1.0 / (1.0 - RAMP_SHARE);
     if phase < RAMP_SHARE {

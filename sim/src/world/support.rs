@@ -1,4 +1,4 @@
-//! What the body stands on: damped springs under the wheels and under two frictionless casters.
+//! Supports of the robot's body: damped springs under the wheels and under two frictionless casters.
 
 use rapier3d_f64::prelude::Vector;
 
@@ -12,16 +12,16 @@ const STIFFNESS_PER_KG: f64 = 30_000.0 / 9.0;
 /// Damping of a support per robot mass: 500 N·s/m under 9 kg, about critical for heave.
 const DAMPING_PER_KG: f64 = 500.0 / 9.0;
 
-/// Share of the weight on the drive wheels; the casters bear the rest. Less means less traction and more slip.
+/// Share of the weight on the drive wheels; the casters bear the rest. A smaller share means less traction and more slip.
 const WHEEL_SHARE: f64 = 0.85;
 
 /// Distance of the casters from the axle over the body's radius. Closer ones let the body pitch more.
 const CASTER_OVER_RADIUS: f64 = 0.8;
 
-/// One spring between body and floor.
+/// A damped spring between the robot's body and the floor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Support {
-    /// Where it touches the floor with the body at rest, robot frame.
+    /// Point where the support touches the floor when the body is at rest, robot frame.
     pub(super) foot_in_robot: Vector,
     rest_load_n: f64,
     stiffness_n_per_m: f64,
@@ -29,7 +29,7 @@ pub(super) struct Support {
 }
 
 impl Support {
-    /// Left wheel, right wheel, front caster, rear caster; together they bear the weight with the body level.
+    /// The four supports: left wheel, right wheel, front caster, rear caster. Together they bear the weight with the body level.
     pub(super) fn all(scene: &Scene, drawn: &Drawn) -> [Support; 4] {
         let robot = &scene.robot;
         let half_track_m = 0.5 * drawn.base.track_m;
@@ -49,7 +49,7 @@ impl Support {
         ]
     }
 
-    /// Where it touches the floor.
+    /// Point in the world where the support touches the floor.
     pub(super) fn foot(&self, body: &BodyState) -> Vector {
         body.world_point(self.foot_in_robot)
     }

@@ -1,55 +1,55 @@
-//! The tyre: an isotropic brush whose bristles deflect, relax as the wheel rolls, and slide at the friction limit.
+//! The tyre model: an isotropic brush whose bristles deflect, relax as the wheel rolls, and slide at the friction limit.
 //!
-//! Vectors are in the patch frame: forward and left of the robot, in the floor plane.
+//! Vectors are in the frame of the contact patch: forward and left of the robot, in the floor plane.
 
-/// Bristles of a brush tyre, per unit of load, so that one tyre serves robots of any mass.
+/// Parameters of a brush tyre, per unit of load, so that one tyre serves robots of any mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tyre {
-    /// Force per load and unit of slip at small slip, `C/F_z`.
+    /// Force of the tyre per load and unit of slip at small slip, `C/F_z`.
     pub slip_stiffness: f64,
-    /// Distance rolled in which a deflection falls to 1/e.
+    /// Rolled distance in which a deflection of the bristles falls to 1/e.
     pub relaxation_length_m: f64,
-    /// Viscous over elastic force of the rubber: the force is that of `u + damping_s·u̇`.
+    /// Ratio of viscous to elastic force of the rubber: the force is that of the deflection `u + damping_s·u̇`.
     pub damping_s: f64,
 }
 
 impl Default for Tyre {
-    /// Solid rubber on a wheel of some 0.2 m.
+    /// A tyre of solid rubber on a wheel of about 0.2 m diameter.
     fn default() -> Self {
         Tyre {
-            // Road tyres have 10 to 30; 25 makes the P3-DX slip by 0.24 % at 0.5 m/s². Half of it doubles every slip.
+            // Road tyres have 10 to 30. With 25 the P3-DX slips by 0.24 % at 0.5 m/s²; half the stiffness doubles every slip.
             slip_stiffness: 25.0,
-            // About half the length of a patch, √(2·0.0975·0.0012) m, and the carcass. A shorter one stiffens the body's
+            // About half the length of a contact patch, √(2·0.0975·0.0012) m, plus the carcass. A shorter length stiffens the body's
             // oscillation on its tyres beyond what 1 ms steps resolve.
             relaxation_length_m: 0.02,
-            // Damps a standing robot's oscillation of 16 Hz with a quarter of critical damping; no part in steady forces.
+            // Damps the oscillation of a standing robot, at 16 Hz, with a quarter of critical damping; it has no part in steady forces.
             damping_s: 0.005,
         }
     }
 }
 
 impl Tyre {
-    /// The tyre on a pile: their bristles bend one after the other, `1/C = 1/C_tyre + 1/C_pile`.
+    /// The tyre on a carpet's pile: the bristles of tyre and pile bend in series, `1/C = 1/C_tyre + 1/C_pile`.
     pub fn on_pile(self, pile_stiffness: f64) -> Tyre {
         Tyre { slip_stiffness: 1.0 / (1.0 / self.slip_stiffness + 1.0 / pile_stiffness), ..self }
     }
 
-    /// Deflection from which the whole patch slides, `u_sl = ℓ·σ_sl` with `σ_sl = 3μ/(C/F_z)`.
+    /// Deflection from which the whole contact patch slides, `u_sl = ℓ·σ_sl` with `σ_sl = 3μ/(C/F_z)`.
     ///
     /// Pacejka, *Tire and Vehicle Dynamics*, section 3.2.3: `σ_sl = 1/θ`.
     pub fn sliding_deflection_m(&self, friction: f64) -> f64 {
         3.0 * friction * self.relaxation_length_m / self.slip_stiffness
     }
 
-    /// Force of the patch on the robot for a deflection, along that deflection.
+    /// Force of the contact patch on the robot for a deflection, along that deflection.
     ///
-    /// `F = μF_z·(3s − 3s² + s³)` with `s = |u|/u_sl ≤ 1`, and `μF_z` beyond: the combined-slip brush of Pacejka, *Tire and
-    /// Vehicle Dynamics*, section 3.2.3, with `s = θσ`, for a deflection `u = ℓσ`.
+    /// `F = μF_z·(3s − 3s² + s³)` with `s = |u|/u_sl ≤ 1`, and `μF_z` beyond: the combined-slip brush of Pacejka, *Tire and Vehicle
+    /// Dynamics*, section 3.2.3, with `s = θσ`, for a deflection `u = ℓσ`.
     pub fn force_n(&self, deflection_m: [f64; 2], friction: f64, load_n: f64) -> [f64; 2] {
         let sliding_m = self.sliding_deflection_m(friction);
         let length_m = norm(deflection_m);
         let s = length_m / sliding_m;
-        // Force per metre of deflection, so that a deflection of zero needs no case of its own.
+        // The force is computed per metre of deflection, so that a deflection of zero needs no case of its own.
         let stiffness_n_per_m = if s < 1.0 {
             friction * load_n * (3.0 - 3.0 * s + s * s) / sliding_m
         } else {
@@ -59,52 +59,52 @@ impl Tyre {
     }
 }
 
-/// Bristles of one wheel: how far the floor holds them back.
+/// Deflection of a wheel's tyre bristles: the distance by which the floor holds them back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Patch {
     deflection_m: [f64; 2],
     rate_m_per_s: [f64; 2],
 }
 
-/// What a patch meets during a step.
+/// Conditions that a tyre's contact patch meets during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
-    /// Velocity of the robot at the patch, over the floor.
+    /// Velocity of the robot over the floor at the contact patch.
     pub velocity_m_per_s: [f64; 2],
-    /// Vertical force of the floor.
+    /// Vertical force of the floor on the wheel.
     pub load_n: f64,
-    /// Friction coefficient of the floor under the patch.
+    /// Friction coefficient of the floor under the contact patch.
     pub friction: f64,
-    /// How far the nap moves under the patch per metre rolled.
+    /// Displacement of a carpet's nap under the contact patch for every metre rolled.
     pub nap: [f64; 2],
 }
 
 impl Patch {
-    /// How far the bristles still hold the rim back: its displacement against the floor, negated.
+    /// Present deflection of the bristles: the displacement of the rim against the floor, negated.
     pub fn deflection_m(&self) -> [f64; 2] {
         self.deflection_m
     }
 
-    /// Force of the floor on the wheel now.
+    /// Present force of the floor on the wheel.
     pub fn force_n(&self, tyre: &Tyre, contact: &Contact) -> [f64; 2] {
         let strained_m = [0, 1].map(|axis| self.deflection_m[axis] + tyre.damping_s * self.rate_m_per_s[axis]);
         tyre.force_n(strained_m, contact.friction, contact.load_n)
     }
 
-    /// Advances the bristles by one step.
+    /// Advances the tyre's bristles by one step.
     ///
-    /// `u̇ = −V_s − |V_r|/ℓ·u` with the sliding velocity `V_s = V − (V_r, 0)` and the rolling speed `V_r = RΩ`: Pacejka, *Tire
-    /// and Vehicle Dynamics*, chapter 7 (single contact point). Its steady state is the slip `σ = u/ℓ = −V_s/|V_r|`. On a nap that lies down
-    /// by d per metre rolled what slides is `V − (V_r, 0) − d·|V_r|`, so that a tyre without force drifts by d.
+    /// `u̇ = −V_s − |V_r|/ℓ·u` with the sliding velocity `V_s = V − (V_r, 0)` and the rolling speed `V_r = RΩ`: Pacejka, *Tire and Vehicle
+    /// Dynamics*, chapter 7 (single contact point). The steady state is the slip `σ = u/ℓ = −V_s/|V_r|`. On a nap that lies down by d per
+    /// metre rolled, the sliding velocity is `V − (V_r, 0) − d·|V_r|`, so that a tyre without force drifts by d.
     pub fn advance(&mut self, tyre: &Tyre, contact: &Contact, rolling_m_per_s: f64, step_s: f64) {
         let over_nap_m_per_s =
             [0, 1].map(|axis| contact.velocity_m_per_s[axis] - contact.nap[axis] * rolling_m_per_s.abs());
         let sliding_m_per_s = [over_nap_m_per_s[0] - rolling_m_per_s, over_nap_m_per_s[1]];
-        // Implicit in the relaxation: any step keeps the steady state exact and the decay monotone.
+        // The relaxation is integrated implicitly, so that any step keeps the steady state exact and the decay monotone.
         let relaxation = 1.0 + rolling_m_per_s.abs() / tyre.relaxation_length_m * step_s;
         let before_m = self.deflection_m;
         let mut after_m = [0, 1].map(|axis| (before_m[axis] - sliding_m_per_s[axis] * step_s) / relaxation);
-        // A patch that slides bends no further; without the cap it would have to slide all the way back first.
+        // The bristles of a sliding patch bend no further. Without this cap the patch would have to slide all the way back first.
         let excess = norm(after_m) / tyre.sliding_deflection_m(contact.friction);
         if excess > 1.0 {
             after_m = after_m.map(|component_m| component_m / excess);

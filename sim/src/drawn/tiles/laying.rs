@@ -1,4 +1,4 @@
-//! What a seed draws of tiles: where joints run, how they are worn, how bright tiles are.
+//! Random draws for a tiled floor: where joints run, how they are worn, how bright tiles are.
 
 use rand::RngExt;
 
@@ -7,13 +7,14 @@ use crate::{
     scene::{Distribution, Tiles},
 };
 
-/// Contrast to which a worn joint fades, by the scene's definition of `worn_share`.
+/// Contrast of a worn joint, by the scene's definition of `worn_share`.
 const WORN_CONTRAST: f32 = 1.0 / 3.0;
 
-/// Straight joints, both ends of each drawn within the laying tolerance: displacement where the other coordinate is 0, and slope.
+/// Draws straight joints, both ends of each within the laying tolerance. Each line has its displacement where the other coordinate is 0,
+/// and its slope.
 ///
-/// The ends are at the room's extent in the grid frame, which is never less than its shorter side, so that a joint's
-/// angle keeps within 2·tolerance / shorter side and every point of it in the room within the tolerance.
+/// The ends are at the room's extent in the grid frame, which is never less than the room's shorter side. A joint's angle therefore stays
+/// within 2·tolerance / shorter side, and every point of the joint in the room within the tolerance.
 pub(super) fn draw_lines(
     tiles: &Tiles,
     distribution: Distribution,
@@ -22,7 +23,7 @@ pub(super) fn draw_lines(
     room: [[f64; 2]; 2],
 ) -> [Vec<[f64; 2]>; 2] {
     let mut rng = randomness::stream(seed, "tiles.laying");
-    // In a drift all joints of a family are off alike, shifted or turned: no number of them tells.
+    // With the distribution `Drift` all joints of a family are shifted or turned alike, so that no number of joints reveals the error.
     let alike_m = (distribution == Distribution::Drift)
         .then(|| [0; 2].map(|_| [0; 2].map(|_| draw_within(tiles.laying_tolerance_m, distribution, &mut rng))));
     [0, 1].map(|axis| {
@@ -38,7 +39,7 @@ pub(super) fn draw_lines(
     })
 }
 
-/// Displacements of the corners of straight joints: the exact crossings x = a(y) and y = b(x) of two linear functions.
+/// Displacements of the tile corners if all joints are straight: the exact crossings x = a(y) and y = b(x) of two linear functions.
 pub(super) fn laid_straight(tiles: &Tiles, first: [i32; 2], lines: &[Vec<[f64; 2]>; 2]) -> Vec<[f64; 2]> {
     let edge_m = [tiles.edge_x_m, tiles.edge_y_m];
     let phase_m = [tiles.phase_x_m, tiles.phase_y_m];
@@ -47,7 +48,7 @@ pub(super) fn laid_straight(tiles: &Tiles, first: [i32; 2], lines: &[Vec<[f64; 2
         for (j, &[shift_y, slope_y]) in (first[1]..).zip(&lines[1]) {
             let x = f64::from(i) * edge_m[0] + phase_m[0];
             let y = f64::from(j) * edge_m[1] + phase_m[1];
-            // With d the displacements: d_x = shift_x + slope_x·(y + d_y), d_y = shift_y + slope_y·(x + d_x).
+            // With d the displacement of a corner: d_x = shift_x + slope_x·(y + d_y), d_y = shift_y + slope_y·(x + d_x).
             let along_x = shift_x + slope_x * y;
             let along_y = shift_y + slope_y * x;
             let d_x = (along_x + slope_x * along_y) / (1.0 - slope_x * slope_y);
@@ -57,7 +58,7 @@ pub(super) fn laid_straight(tiles: &Tiles, first: [i32; 2], lines: &[Vec<[f64; 2
     offsets
 }
 
-/// Contrast of every joint segment.
+/// Draws the contrast of every joint segment.
 pub(super) fn contrasts(tiles: &Tiles, seed: u64, count: usize) -> [Vec<f32>; 2] {
     let mut worn = randomness::stream(seed, "tiles.worn");
     let mut missing = randomness::stream(seed, "tiles.missing");
@@ -76,7 +77,7 @@ pub(super) fn contrasts(tiles: &Tiles, seed: u64, count: usize) -> [Vec<f32>; 2]
     })
 }
 
-/// Albedo of every tile.
+/// Draws the albedo of every tile.
 pub(super) fn albedos(tiles: &Tiles, seed: u64, count: usize) -> Vec<f32> {
     let mut rng = randomness::stream(seed, "tiles.albedo");
     (0..count)

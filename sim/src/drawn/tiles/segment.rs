@@ -1,21 +1,21 @@
-//! A joint from corner to corner, and the parts of it that lie in a room or in a disc.
+//! A segment of a joint between two tile corners, and the parts of it that lie in a room or in a disc.
 
 use nalgebra::{Rotation2, Vector2};
 
 use crate::scene::Room;
 
-/// A joint between two neighbouring corners, grid frame.
+/// A segment of a joint between two neighbouring tile corners, grid frame.
 pub(super) struct Segment {
     pub(super) axis: usize,
-    /// Index of the joint along its axis.
+    /// Index of the floor joint within its family of parallel joints.
     pub(super) index: i32,
     pub(super) from: Vector2<f64>,
     pub(super) to: Vector2<f64>,
-    /// Displacement across the joint at both ends.
+    /// Displacement of the joint at both ends of the segment, across the joint.
     pub(super) offset_m: [f64; 2],
-    /// Distance across from the straight line that the joint was laid along, at both ends.
+    /// Distance of the joint from the straight line that it was laid along, at both ends of the segment.
     pub(super) bend_m: [f64; 2],
-    /// Of that line.
+    /// Slope of the straight line that the joint was laid along.
     pub(super) slope: f64,
     pub(super) contrast: f32,
 }
@@ -27,7 +27,7 @@ impl Segment {
         (place - self.from - reach * share).norm()
     }
 
-    /// The part of the segment that lies in the room, as a range of shares of its length (Liang and Barsky's clipping).
+    /// The part of a joint segment that lies in the room, as a range of shares of its length (Liang and Barsky's clipping).
     pub(super) fn within(&self, grid_from_world: &Rotation2<f64>, room: &Room) -> Option<[f64; 2]> {
         let from = grid_from_world.inverse() * self.from;
         let reach = grid_from_world.inverse() * (self.to - self.from);
@@ -46,9 +46,9 @@ impl Segment {
         (low <= high).then_some([low, high])
     }
 
-    /// The part of `range`, in shares of the length, that lies in a disc, if any does.
+    /// The part of a joint segment within `range` that lies in a disc, as shares of its length; `None` if there is none.
     pub(super) fn in_disc(&self, centre: Vector2<f64>, radius_m: f64, range: [f64; 2]) -> Option<[f64; 2]> {
-        // |from + s·reach − centre|² = radius², a quadratic in s.
+        // The segment meets the circle where |from + s·reach − centre|² = radius², a quadratic in s.
         let reach = self.to - self.from;
         let start = self.from - centre;
         let (a, half_b) = (reach.norm_squared(), start.dot(&reach));

@@ -1,75 +1,75 @@
-//! What became of the errands, as their driver saw it.
+//! What became of the errands, as the robot's driver saw it.
 
 use crate::scene::Scene;
 
-/// What became of the errands of a run.
+/// Log of what became of all errands of a run.
 #[derive(Clone, Debug, Default)]
 pub struct ErrandLog {
-    /// In the order in which they are done.
+    /// Records of the errands, in the order in which they are done.
     pub errands: Vec<ErrandRecord>,
-    /// Ways that were followed.
+    /// Planned paths that the robot has followed, or parts of such paths.
     pub legs: Vec<Leg>,
     current: usize,
 }
 
-/// One errand.
+/// Record of a single errand.
 #[derive(Clone, Debug)]
 pub struct ErrandRecord {
-    /// What the scene calls it.
+    /// Name of the errand in the scene; empty for a goal drawn at random.
     pub name: String,
-    /// Where to, world.
+    /// Goal of the errand, world frame.
     pub goal_m: [f64; 2],
-    /// How near the middle of the estimate has to be.
+    /// Distance from the errand's goal within which the middle of the estimate must be for the goal to count as reached.
     pub tolerance_m: f64,
-    /// How long to stand there.
+    /// How long the robot stands at the goal.
     pub pause_s: f64,
-    /// When it began; none when it has not.
+    /// Time at which the errand began; `None` if it has not begun.
     pub began_s: Option<f64>,
-    /// When it ended, before the pause; none when the run ended before it.
+    /// Time at which the errand ended, before its pause; `None` if the run ended first.
     pub ended_s: Option<f64>,
-    /// How it ended.
+    /// How the errand ended.
     pub outcome: Outcome,
-    /// Distance of the estimate's middle from the goal when the robot last stood at the end of a way.
+    /// Distance of the estimate's middle from the goal when the robot last stood at the end of a planned path.
     pub estimated_distance_m: Option<f64>,
-    /// Half the diagonal of the hull then.
+    /// Half the diagonal of the estimate's hull when the robot last stood at the end of a planned path.
     pub box_reach_m: Option<f64>,
-    /// How often a way was looked for.
+    /// Number of times that a path to the errand's goal was searched.
     pub plans: usize,
-    /// How often one was found.
+    /// Number of times that a path to the errand's goal was found and taken.
     pub ways: usize,
-    /// How many of those times something that the map does not show was known.
+    /// Number of searches for a path to the goal during which things that are not on the map were known.
     pub detours: usize,
-    /// How long something in the way was waited for.
+    /// Total time of the errand that was spent waiting for something that blocked the path.
     pub waited_s: f64,
 }
 
 /// How an errand ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outcome {
-    /// The run ended before it.
+    /// The run ended before the errand did.
     #[default]
     Unfinished,
-    /// The estimate was within the tolerance.
+    /// The goal was reached: the estimate's middle was within the tolerance.
     Reached,
-    /// What stood in the way did not go.
+    /// The errand was given up, because what blocked the path did not go away.
     Blocked,
-    /// No way leads there.
+    /// No path leads to the goal.
     NoWay,
 }
 
-/// A way that was followed, or a part of it.
+/// A planned path that the robot followed, or a part of one.
 #[derive(Clone, Debug)]
 pub struct Leg {
-    /// From when.
+    /// Time at which the robot set out on the planned path.
     pub from_s: f64,
-    /// Until when; infinite while it is followed.
+    /// Time at which the robot left the planned path; infinite while it still follows it.
     pub until_s: f64,
-    /// Its corners, world.
+    /// Corners of the planned path, world frame.
     pub corners_m: Vec<[f64; 2]>,
 }
 
 impl Outcome {
-    /// Its name in every file.
+    /// Name of the outcome in all output files.
     pub fn name(self) -> &'static str {
         match self {
             Outcome::Unfinished => "unfinished",
@@ -81,7 +81,7 @@ impl Outcome {
 }
 
 impl ErrandLog {
-    /// The scene's errands, then goals that a seed has drawn.
+    /// A log of the errands that the scene states, followed by goals that a seed has drawn at random.
     pub(super) fn new(scene: &Scene, random_goals_m: &[[f64; 2]]) -> Self {
         let navigation = scene.navigation();
         let record = |name: &str, goal_m: [f64; 2], tolerance_m: Option<f64>, pause_s: f64| ErrandRecord {
@@ -148,7 +148,7 @@ impl ErrandLog {
         }
     }
 
-    /// Whether a way is being followed.
+    /// Whether the robot is following a planned path at present.
     pub(super) fn has_leg(&self) -> bool {
         self.legs.last().is_some_and(|leg| leg.until_s == f64::INFINITY)
     }

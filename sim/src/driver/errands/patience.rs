@@ -1,4 +1,4 @@
-//! What a robot does that does not get on: waits, looks for another way, makes way for others.
+//! What a robot on errands does when it makes no progress: it waits, looks for another path, or moves out of the way of people.
 
 use crate::{
     driver::{CREEP_M_PER_S, PERIOD_S, Progress},
@@ -7,20 +7,20 @@ use crate::{
 
 use super::{Anchor, ErrandDriver, Outcome, Task};
 
-/// A robot moves when it has moved by this much.
+/// Distance by which the robot must have moved to count as not stuck.
 const MOVED_M: f64 = 0.02;
 
-/// A robot gets on when it has moved by this much.
+/// Distance by which the robot must have moved to count as making progress.
 const NOWHERE_M: f64 = 0.2;
 
-/// After so long without getting on the robot makes way: whoever stands before it may be waiting too.
+/// Time without progress after which the robot moves aside: a person who stands before it may be waiting too.
 const YIELD_S: f64 = 8.0;
 
-/// How far away it goes then: more than people keep from its way.
+/// Least and greatest distance to which the robot moves aside; more than the distance that people keep from it.
 const YIELD_M: [f64; 2] = [1.2, 2.5];
 
 impl ErrandDriver {
-    /// Waits until the way is free again or patience ends.
+    /// Waits until the planned path is free again, or until the robot's patience ends.
     pub(super) fn wait(&mut self, since_s: f64, time_s: f64) {
         self.log.wait(PERIOD_S);
         self.hold_progress(time_s);
@@ -41,7 +41,7 @@ impl ErrandDriver {
         }
     }
 
-    /// Sets out for the place near by that is farthest from what has been seen besides the map, if there is any.
+    /// Sets out for the place nearby that is farthest from all things seen that are not on the map; false if no such place can be reached.
     fn make_way(&mut self, time_s: f64) -> bool {
         let (map, _) = self.surroundings.map();
         let (here_m, planner) = (self.place_m(), Planner::new(map, self.keep_away_m));
@@ -74,13 +74,13 @@ impl ErrandDriver {
         if self.got_on.since_s == time_s {
             self.blocked_since_s = None;
         }
-        // Turning in place is getting on, as far as bumps are concerned.
+        // A robot that stands or turns in place counts as moved, so that it is not taken to have run into something.
         if self.follower.speed.value() < CREEP_M_PER_S {
             self.moved.since_s = time_s;
         }
     }
 
-    /// A robot that stands because it was told to is not stuck.
+    /// Restarts the clock for missing progress: a robot that stands on purpose is not stuck.
     pub(super) fn hold_progress(&mut self, time_s: f64) {
         self.follower.progress = Progress { left_m: f64::INFINITY, at_s: time_s };
     }

@@ -1,4 +1,4 @@
-//! Ways to goals: finding them, setting out, steering along them.
+//! Planned paths on errands: finding a path to a goal, setting out on it, and steering along it.
 
 use crate::{
     driver::{
@@ -11,14 +11,15 @@ use crate::{
 
 use super::{Anchor, ErrandDriver, Outcome, Task};
 
-/// Corners sharper than this are turned in place: pure pursuit would cut them by more than the margin.
+/// Corner angle beyond which the robot turns in place on a planned path: pure pursuit would cut such a corner by more than the margin.
 const SHARP_CORNER_RAD: f64 = 0.5;
 
-/// After so many ways, blocked or ended beside the goal as the estimate jumped, an errand is given up.
+/// Number of planned paths after which an errand is given up, whether they were blocked or ended beside the goal because the estimate
+/// jumped.
 const MOST_WAYS: usize = 20;
 
 impl ErrandDriver {
-    /// Finds a way to the goal: past what has been seen besides the map, if it has to be.
+    /// Plans a path to the goal, around things seen that are not on the map.
     pub(super) fn plan(&mut self, time_s: f64) {
         self.blocked_since_s = None;
         let Some((goal_m, ways)) = self.log.current().map(|errand| (errand.goal_m, errand.ways)) else {
@@ -35,7 +36,7 @@ impl ErrandDriver {
         if is_changed {
             way = Planner::new(map, self.keep_away_m).plan(place_m, goal_m);
         }
-        // Who stands in the only way may go on: towards there, until the proximity sensor stops the robot.
+        // Whatever blocks the only path may move on. The robot sets out nevertheless, until the proximity sensor stops it.
         if !is_changed || (way.is_none() && !self.log.has_leg()) {
             way = self.planner.plan(place_m, goal_m);
         }
@@ -48,7 +49,7 @@ impl ErrandDriver {
                 self.moved = Anchor { place_m, since_s: time_s };
                 self.task = Task::Follow;
             }
-            // The way that was followed may become free again.
+            // The robot waits, because the path that it followed until then may become free again.
             None if is_changed => self.task = Task::Wait { since_s: time_s },
             None => self.end_errand(Outcome::NoWay, time_s),
         }
@@ -76,14 +77,15 @@ impl ErrandDriver {
         self.follower.stage = Stage::Turn;
     }
 
-    /// The speed up to which the robot can rise and from which it can fall again within a length, from standstill to standstill: the root of
-    /// v²/a + 2·v·t = length, with t for an acceleration to rise. Faster, it would run over the end.
+    /// Greatest speed to which the robot can accelerate, and from which it can brake again, within a length that begins and ends at
+    /// standstill: the root of v²/a + 2·v·t = length, with t for the rise time of an acceleration. At a higher speed it would overrun the
+    /// end.
     fn reachable_m_per_s(&self, length_m: f64) -> f64 {
         let acceleration = self.follower.scene.robot.max_acceleration_m_per_s2;
         acceleration * ((JERK_RISE_S * JERK_RISE_S + length_m / acceleration).sqrt() - JERK_RISE_S)
     }
 
-    /// What the follower would like.
+    /// Speed and turn rate for following the planned path, by the control law that the scene chooses.
     pub(super) fn steer(&mut self, time_s: f64) -> Wish {
         let Some(law) = &mut self.law else { return self.follower.wish(time_s) };
         let robot = &self.follower.scene.robot;
@@ -105,7 +107,7 @@ impl ErrandDriver {
     }
 }
 
-/// Angle by which a way turns at the second of its first three corners, [0, π].
+/// Angle by which a planned path turns at the second of the given corners, in [0, π].
 fn corner_rad(corners_m: &[[f64; 2]]) -> Option<f64> {
     let [first, second, third, ..] = corners_m else { return None };
     let before = [second[0] - first[0], second[1] - first[1]];

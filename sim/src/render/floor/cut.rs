@@ -1,4 +1,4 @@
-//! What a view sees of a floor: its uniform, its faces and its bands.
+//! The part of a floor that a view sees: its uniform values, its tile faces and its bands.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Isometry3, Matrix3, Vector2};
@@ -19,36 +19,36 @@ use crate::{
     scene::{Pattern, Plan, Region, Scene, Stray, Tiles},
 };
 
-/// By the scene's definition of the stripes' pattern: a fifth of the tile apart.
+/// Number of stripes on a tile, by the scene's definition of the striped pattern: they are a fifth of the tile apart.
 const STRIPES_IN_TILE: f64 = 5.0;
 
-/// Places along each side of a plate at which lamplight is told: 1 cm apart where a floor camera sees half a metre.
+/// Number of places along each side of a view's image at which lamplight is computed; 1 cm apart where a floor camera sees half a metre.
 pub(in crate::render) const LAMPLIGHT_PX: u32 = 65;
 
-/// A world's floor, ready to be cut to views.
+/// The floor of a world, from which the part that a view sees is cut.
 #[derive(Debug)]
 pub(in crate::render) struct Floor {
     tiled: Option<(Tiles, LaidTiles)>,
     strays: Vec<Stray>,
     plan: Plan,
     light: FloorLight,
-    /// Light of the scene's lamps, if it has any.
+    /// Distribution over the floor of the light from the scene's lamps, if it has any.
     pub(in crate::render) lamplight: Option<FloorField>,
     coverings: Vec<Region>,
 }
 
-/// One view's part of a floor.
+/// The part of a floor that one view sees.
 pub(super) struct Cut {
     pub(super) uniform: ViewOnDevice,
     pub(super) faces: Vec<TileInstance>,
-    /// In the order in which they lie on each other.
+    /// Bands over the floor (joints, coverings, strays, walls), in the order in which they lie on each other.
     pub(super) bands: Vec<BandInstance>,
 }
 
-/// `Homography` of view.wgsl.
+/// Rows of a 3 × 3 matrix, as `Homography` of view.wgsl.
 type Rows = [[f32; 4]; 3];
 
-/// `View` of view.wgsl.
+/// Device layout of `View` of view.wgsl: the values of one view of the floor.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct ViewOnDevice {
@@ -74,7 +74,7 @@ pub(super) struct ViewOnDevice {
 }
 
 impl Floor {
-    /// The floor of a scene as it was laid.
+    /// The floor of a scene as it was truly laid.
     pub(in crate::render) fn new(scene: &Scene, drawn: &Drawn, lamplight: Option<FloorField>) -> Floor {
         Floor {
             tiled: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
@@ -86,12 +86,12 @@ impl Floor {
         }
     }
 
-    /// What is on its tiles.
+    /// Pattern of the floor's tiles; plain if there are none.
     pub(super) fn pattern(&self) -> Pattern {
         self.tiled.as_ref().map_or(Pattern::Plain, |(tiles, _)| tiles.pattern)
     }
 
-    /// What a view sees.
+    /// Cuts out the part of the floor that a view sees.
     pub(super) fn cut(&self, view: &View, seen_by: &LensSlot) -> Result<Cut, RenderError> {
         if view.lens.focal_px[0] != view.lens.focal_px[1] {
             return Err(RenderError::BadView("the floor from near is drawn for lenses of one focal length"));
@@ -110,8 +110,9 @@ impl Floor {
         Ok(Cut { uniform: self.uniform((view, &plate), &path, &frame)?, faces, bands })
     }
 
-    /// What the scene's lamps give where places of a view's plate look in the middle of their row's exposure, for each lux of their mean: rows of
-    /// [`LAMPLIGHT_PX`] places evenly from the first pixel to the last, the same in both directions; `None` without lamps.
+    /// Light of the scene's lamps at the floor points that a view shows in the middle of their row's exposure, per lux of the mean. It is
+    /// given in [`LAMPLIGHT_PX`] rows of as many places, evenly spaced from the image's first pixel to its last in both directions; `None`
+    /// without lamps.
     pub(in crate::render) fn lamplight_over(&self, view: &View, seen_by: &LensSlot) -> Option<Vec<f32>> {
         let field = self.lamplight.as_ref()?;
         let (plate, lens) = (seen_by.pinhole(), &view.lens);
@@ -143,17 +144,18 @@ impl Floor {
             *rows = rows_of(&local_from_pixel(pose));
         }
         let origin_in_world = frame.grid_from_world.inverse() * frame.origin_in_grid;
-        // What lamps give is laid over the picture later.
+        // The unevenness of lamplight is laid over the picture later, so that the light is even here.
         let (factor, gradient_per_m) = match &self.lamplight {
             None => (self.light.factor_at(origin_in_world), self.light.gradient_per_m),
             Some(_) => (1.0, Vector2::zeros()),
         };
         let gradient = frame.grid_from_world * gradient_per_m;
-        // A matt surface of albedo 1 under E has the luminance E/π.
+        // A matt surface of albedo 1 under the illuminance E has the luminance E/π.
         let light_at_origin = view.illuminance_at_floor_lux * factor / std::f64::consts::PI;
         let [cu, cv] = plate.principal_point_px;
         let [k1, k2, p1, p2, k3] = view.lens.distortion.map(|coefficient| coefficient as f32);
-        // Rows are exposed one after the other for what of the time is not any single one's exposure.
+        // Share of the whole time by which each row's exposure begins after the row before: what of the time is not one row's exposure,
+        // spread over all rows.
         let share_per_row = (1.0 - path.exposed_share) / f64::from(view.lens.size_px[1] - 1);
         let tiles = self.tiled.as_ref().map(|(tiles, _)| tiles);
         Ok(ViewOnDevice {
@@ -179,7 +181,7 @@ impl Floor {
         })
     }
 
-    /// The part of the floor that the view sees during its exposure; a view above the horizon sees the whole room.
+    /// The part of the floor that the view sees during its exposure. A view that reaches above the horizon is taken to see the whole room.
     fn footprint(&self, plate: &Intrinsics, path: &Path, frame: &LocalFrame) -> Footprint {
         let [width, height] = plate.size_px.map(|size| f64::from(size) - 0.5);
         let pixels = [[-0.5, -0.5], [width, -0.5], [-0.5, height], [width, height]];
@@ -195,7 +197,7 @@ impl Floor {
             let (Some(place), Some(next)) = (at(&path.middle, pixel), at(&path.middle, beside)) else {
                 return self.whole_room(frame);
             };
-            // The diagonal, and half as much for the margin in which coverage fades.
+            // The diagonal of a pixel, and half as much again for the margin in which coverage fades.
             seen.pixel_m = seen.pixel_m.max(1.5 * (next - place).norm());
             for pose in &path.sub_frame_ends {
                 let Some(moved) = at(pose, pixel) else {

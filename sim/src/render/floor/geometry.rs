@@ -1,4 +1,4 @@
-//! What of the floor a view sees, as instances of faces and bands in the view's local frame.
+//! The part of the floor that a view sees, as instances of faces and bands in the view's local frame.
 
 use std::ops::Range;
 
@@ -14,16 +14,17 @@ use crate::{
 
 /// Albedo of a floor without tiles: grey screed.
 const PLAIN_ALBEDO: f32 = 0.4;
-/// Albedo of what lies beyond the walls' feet: a dark skirting, lit like the floor.
+/// Albedo of what lies beyond the walls' feet: a dark skirting board, lit like the floor.
 const WALL_ALBEDO: f32 = 0.1;
-/// A stray up to this wide is a wire that stands up from the floor and shades it; a wider one is a flat tape.
+/// Greatest width of a stray line on the floor that counts as a wire, which stands up from the floor and shades it; a wider one is a flat
+/// tape.
 const WIDEST_WIRE_M: f64 = 0.012;
-/// Share of the light that a wire takes away just beside it: it hides about this much of a room's ceiling.
+/// Share of the light that a wire takes away just beside it; a wire hides about this much of a room's ceiling.
 const WIRE_SHADE: f32 = 0.15;
-/// The shade's bell has fallen below a thousandth of its height this many widths from the wire's middle.
+/// Distance from a wire's middle, in widths of the wire, at which the bell-shaped shade has fallen below a thousandth of its height.
 const SHADE_REACH_WIDTHS: f64 = 2.7;
 
-/// `Tile` of tile.wgsl.
+/// Device layout of `Tile` of tile.wgsl: the face of one tile.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct TileInstance {
@@ -31,11 +32,11 @@ pub(super) struct TileInstance {
     anchor: [f32; 2],
     albedo: f32,
     seed: u32,
-    /// 0 for a face whose corners are nowhere to be seen.
+    /// 1 for a tile whose corners are visible; 0 for a face so large that its corners are never in view.
     ends: u32,
 }
 
-/// `Band` of band.wgsl.
+/// Device layout of `Band` of band.wgsl, a flat band over the floor: a joint, a stray wire or tape, a covering or a wall.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(super) struct BandInstance {
@@ -51,31 +52,31 @@ pub(super) struct BandInstance {
     capped: f32,
 }
 
-/// Part of the floor that a view sees: a rectangle in the local frame.
+/// Rectangle in the local frame that bounds the part of the floor that a view sees.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Footprint {
     pub(super) low: Vector2<f64>,
     pub(super) high: Vector2<f64>,
-    /// How far a pixel reaches over the floor.
+    /// Extent of an image pixel on the floor.
     pub(super) pixel_m: f64,
-    /// How far a pixel moves over the floor from the middle of the exposure to either end, along x and y.
+    /// Greatest motion of an image pixel over the floor from the middle of the exposure to either end, along x and y.
     pub(super) motion_m: Vector2<f64>,
 }
 
 impl Footprint {
-    /// How far a pixel reaches and moves across a band of this direction.
+    /// Extent and motion of an image pixel on the floor, across a band of the given direction.
     fn margin_m(&self, direction: Vector2<f64>) -> f64 {
         self.pixel_m + self.motion_m.x * direction.y.abs() + self.motion_m.y * direction.x.abs()
     }
 
-    /// How far a pixel reaches and moves in any direction.
+    /// Extent and motion of an image pixel on the floor, in any direction.
     fn widest_margin_m(&self) -> f64 {
         self.pixel_m + self.motion_m.norm()
     }
 }
 
 impl BandInstance {
-    /// A band of full contrast between two places, capped at both ends.
+    /// A flat band over the floor, of full contrast between two places and capped at both ends.
     fn between(from: Vector2<f64>, to: Vector2<f64>, width_m: f64, margin_m: [f64; 2]) -> Self {
         let reach = to - from;
         let direction = reach.try_normalize(0.0).unwrap_or(Vector2::x());
@@ -94,7 +95,7 @@ impl BandInstance {
     }
 }
 
-/// One face over all that the view sees at any time of its exposure.
+/// A single face that covers all of the floor that the view sees at any time of its exposure.
 pub(super) fn plain_face(seen: &Footprint) -> TileInstance {
     let (low, high) = (seen.low - seen.motion_m, seen.high + seen.motion_m);
     TileInstance {
@@ -106,11 +107,11 @@ pub(super) fn plain_face(seen: &Footprint) -> TileInstance {
     }
 }
 
-/// Laid tiles in a view's local frame.
+/// The laid tiles, with their corners counted from a view's local origin.
 struct TileWindow<'a> {
     tiles: &'a Tiles,
     laid: &'a LaidTiles,
-    /// Which of the laid corners has the local origin as its nominal place.
+    /// Indices of the laid corner whose nominal place is the local origin.
     origin: [i32; 2],
 }
 
@@ -131,7 +132,7 @@ pub(super) fn tiles_in_view(
 }
 
 impl TileWindow<'_> {
-    /// Tiles in view along each axis, with one more on each side for corners that are displaced.
+    /// Range of tiles in view along each axis, with one more on each side because corners may be displaced.
     fn in_view(&self, seen: &Footprint) -> [Range<usize>; 2] {
         let edge_m = [self.tiles.edge_x_m, self.tiles.edge_y_m];
         [0, 1].map(|axis| {
@@ -155,7 +156,7 @@ impl TileWindow<'_> {
         self.nominal_corner(place) + Vector2::from(self.laid.corner_offset_m[self.index(place)])
     }
 
-    /// The face whose least corner is `(i, j)`.
+    /// The face of the tile whose corner of least indices is `(i, j)`.
     fn face(&self, [i, j]: [usize; 2]) -> TileInstance {
         TileInstance {
             corners: [[i, j], [i + 1, j], [i, j + 1], [i + 1, j + 1]].map(|place| single(self.corner(place))),
@@ -166,7 +167,7 @@ impl TileWindow<'_> {
         }
     }
 
-    /// The joint from corner `(i, j)` to the next one, of the family at constant grid x (axis 0) or y (axis 1).
+    /// The joint segment from corner `(i, j)` to the next one, of the family at constant grid x (axis 0) or grid y (axis 1).
     fn joint(&self, axis: usize, place: [usize; 2], seen: &Footprint) -> BandInstance {
         let contrast_at = |place| self.laid.contrast[axis][self.index(place)];
         let contrast = contrast_at(place);
@@ -176,7 +177,7 @@ impl TileWindow<'_> {
 
         let albedo = self.laid.tile_albedo[self.index(place)];
         let across = stepped(place, axis, -1).map_or(albedo, |other| self.laid.tile_albedo[self.index(other)]);
-        // Going along grid y, the face at (i, j) is on the right; going along grid x, on the left.
+        // Along a joint in the direction of grid y, the tile at (i, j) is on the right; along grid x it is on the left.
         let step = if axis == 0 { across - albedo } else { albedo - across };
         let direction = (to - from).try_normalize(0.0).unwrap_or(Vector2::x());
         BandInstance {
@@ -189,7 +190,7 @@ impl TileWindow<'_> {
     }
 }
 
-/// Carpets and other coverings in view, as flat bands.
+/// Carpets and other coverings in view, as flat bands over the floor.
 pub(super) fn coverings_in_view<'a>(
     regions: &'a [Region],
     frame: &'a LocalFrame,
@@ -208,7 +209,7 @@ pub(super) fn coverings_in_view<'a>(
     })
 }
 
-/// Wires and tape in view.
+/// Stray wires and tapes in view, as flat bands over the floor.
 pub(super) fn strays_in_view<'a>(
     strays: &'a [Stray],
     frame: &'a LocalFrame,
@@ -230,7 +231,7 @@ pub(super) fn strays_in_view<'a>(
     })
 }
 
-/// What lies beyond the room's walls, as far as it is in view.
+/// The area beyond the room's walls, as far as it is in view, as flat bands over the floor.
 pub(super) fn walls_in_view<'a>(
     plan: &Plan,
     frame: &'a LocalFrame,
@@ -238,13 +239,13 @@ pub(super) fn walls_in_view<'a>(
 ) -> impl Iterator<Item = BandInstance> + 'a {
     let [width, depth] = plan.size_m;
     let corners = [[0.0, 0.0], [width, 0.0], [width, depth], [0.0, depth]].map(|corner| plan.stands(corner));
-    // Far enough to fill the view beyond a wall from any place within the room.
+    // Depth of the band that stands for the area behind a wall: enough to fill the view beyond the wall from any place in the room.
     let depth_m = (seen.high - seen.low).norm() + 1.0;
     (0..4).filter_map(move |side| {
         let [from, to] = [corners[side], corners[(side + 1) % 4]].map(|corner| frame.place(corner.into()));
         let along = (to - from).normalize();
         let outward = vector![along.y, -along.x];
-        // Of the view's four corners, the one farthest out.
+        // Distance of the view's outermost corner on the floor beyond the wall.
         let farthest_m = (0..4)
             .map(|k| {
                 let x = if k & 1 == 0 { seen.low.x } else { seen.high.x };
@@ -252,7 +253,7 @@ pub(super) fn walls_in_view<'a>(
                 (vector![x, y] - from).dot(&outward)
             })
             .fold(f64::MIN, f64::max);
-        // The middle of the band is beside the camera, so that its coordinates are small.
+        // The middle of the band that stands for the area behind a wall is put beside the camera, so that its coordinates are small.
         let beside = from + along * (-from).dot(&along) + outward * (depth_m / 2.0);
         let margin_m = seen.widest_margin_m();
         (farthest_m + margin_m > 0.0).then(|| BandInstance {
@@ -262,14 +263,14 @@ pub(super) fn walls_in_view<'a>(
     })
 }
 
-/// The place one step along an axis, unless that is below the first.
+/// The indices of a tile corner one step along an axis; `None` below the first index.
 fn stepped(place: [usize; 2], axis: usize, step: isize) -> Option<[usize; 2]> {
     let mut next = place;
     next[axis] = next[axis].checked_add_signed(step)?;
     Some(next)
 }
 
-/// Contrast at a corner between two segments: their mean, unless one of them is missing.
+/// Contrast of a joint at the corner between two segments: their mean, unless one of them is missing.
 fn faded(own: f32, neighbour: Option<f32>) -> f32 {
     match neighbour {
         Some(other) if own > 0.0 && other > 0.0 => (own + other) / 2.0,
@@ -277,7 +278,7 @@ fn faded(own: f32, neighbour: Option<f32>) -> f32 {
     }
 }
 
-/// A seed for the pattern of tile `(i, j)`: the finaliser of MurmurHash3 over the indices.
+/// Seed for the pattern of tile `(i, j)`: the finaliser of MurmurHash3 over the indices.
 fn tile_seed(floor_seed: u32, i: usize, j: usize) -> u32 {
     let mut hash = floor_seed ^ (i as u32).wrapping_mul(0x9e37_79b1) ^ (j as u32).wrapping_mul(0x85eb_ca77);
     hash = (hash ^ (hash >> 16)).wrapping_mul(0x85eb_ca6b);

@@ -1,4 +1,4 @@
-//! The frame of a view's floor coordinates, and homographies between it and the image.
+//! The local frame of a view's floor coordinates, and homographies between it and the image.
 
 use nalgebra::{Isometry3, Matrix3, Rotation2, Vector2, vector};
 
@@ -8,12 +8,12 @@ use crate::{drawn::LaidTiles, optics::Intrinsics, scene::Tiles};
 pub(super) struct LocalFrame {
     pub(super) grid_from_world: Rotation2<f64>,
     pub(super) origin_in_grid: Vector2<f64>,
-    /// Index of the joints that cross at the origin.
+    /// Indices of the two joints that cross at the origin of the frame.
     pub(super) corner: [i32; 2],
 }
 
 impl LocalFrame {
-    /// The frame at the nominal corner nearest to a place in the world, or at the place itself on a plain floor.
+    /// The local frame at the nominal tile corner nearest to a place in the world, or at the place itself on a floor without tiles.
     pub(super) fn near(place_m: Vector2<f64>, tiled: Option<&(Tiles, LaidTiles)>) -> LocalFrame {
         let Some((tiles, _)) = tiled else {
             return LocalFrame { grid_from_world: Rotation2::identity(), origin_in_grid: place_m, corner: [0; 2] };
@@ -29,15 +29,15 @@ impl LocalFrame {
         }
     }
 
-    /// A place in the world, in this frame.
+    /// Coordinates of a world place in the local frame.
     pub(super) fn place(&self, place_in_world_m: Vector2<f64>) -> Vector2<f64> {
         self.grid_from_world * place_in_world_m - self.origin_in_grid
     }
 
     /// Homography from pixels about the principal point to the floor.
     ///
-    /// A ray r = R·(u/f, v/f, 1) from the optical centre c meets z = 0 at c − r·c_z/r_z, that is
-    /// (r_xy·c_z − c_xy·r_z) / (−r_z): numerator and denominator are linear in the pixel.
+    /// A ray r = R·(u/f, v/f, 1) from the optical centre c meets z = 0 at c − r·c_z/r_z, that is (r_xy·c_z − c_xy·r_z) / (−r_z): numerator
+    /// and denominator are linear in the pixel.
     pub(super) fn local_from_pixel(&self, world_from_camera: &Isometry3<f64>, focal_px: f64) -> Matrix3<f64> {
         let rotation = world_from_camera.rotation.to_rotation_matrix();
         let centre = world_from_camera.translation.vector;
@@ -53,16 +53,16 @@ impl LocalFrame {
     }
 }
 
-/// From the floor to clip space: x and y from −1 to 1 over the outer edges of the image, y up, and the depth as w.
+/// Homography from the floor to clip space: x and y from −1 to 1 over the outer edges of the image, y up, and the depth as w.
 ///
-/// `None` if the camera looks along the floor from within it.
+/// `None` if the camera lies in the floor and looks along it.
 pub(super) fn clip_from_local(local_from_pixel: &Matrix3<f64>, intrinsics: &Intrinsics) -> Option<Matrix3<f64>> {
     let [width, height] = intrinsics.size_px.map(f64::from);
     let [cu, cv] = intrinsics.principal_point_px;
     let (x, y) = (2.0 / width, -2.0 / height);
-    // The first pixel's outer edges are at −0.5.
+    // The outer edges of the first pixel are at −0.5.
     let clip_from_pixel = Matrix3::new(x, 0.0, (cu + 0.5) * x - 1.0, 0.0, y, (cv + 0.5) * y + 1.0, 0.0, 0.0, 1.0);
     let pixel_from_local = local_from_pixel.try_inverse()?;
-    // The inverse of (n, d) ↦ n/d gives pixel·k and k = 1/d at the same place: the sign of k is that of the depth.
+    // The inverse of (n, d) ↦ n/d gives pixel·k and k = 1/d at the same place; the sign of k is that of the depth.
     Some(clip_from_pixel * pixel_from_local)
 }

@@ -1,4 +1,4 @@
-//! Pipelines of the floor: one per pattern for the faces of tiles, one for the bands over them.
+//! Pipelines that draw the floor: one per pattern for the faces of tiles, and one for the bands over them.
 
 use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState};
 
@@ -18,14 +18,14 @@ const BAND_SHADER: &str = concat!(
     include_str!("band.wgsl")
 );
 
-/// Light on a band is laid over what was there: `source + (1 − hidden share)·target`.
+/// Blending that lays the light of a band over what was there: `source + (1 − hidden share)·target`.
 const OVER: BlendComponent = BlendComponent {
     src_factor: BlendFactor::One,
     dst_factor: BlendFactor::OneMinusSrcAlpha,
     operation: BlendOperation::Add,
 };
 
-/// A pipeline for each pattern, in the order of [`Pattern`], for a rolling shutter or a global one.
+/// Pipelines for tile faces, one for each pattern in the order of [`Pattern`], for a rolling shutter or a global one.
 pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rolling: bool) -> [wgpu::RenderPipeline; 4] {
     let tile_attributes = wgpu::vertex_attr_array![
         0 => Float32x4, 1 => Float32x4, 2 => Float32x2, 3 => Float32, 4 => Uint32, 5 => Uint32
@@ -44,7 +44,7 @@ pub(super) fn faces(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rollin
     })
 }
 
-/// The pipeline of joints, strays and walls.
+/// The pipeline that draws joints, stray wires and tapes, coverings, and walls over the floor.
 pub(super) fn bands(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rolling: bool) -> wgpu::RenderPipeline {
     let band_attributes = wgpu::vertex_attr_array![
         0 => Float32x2, 1 => Float32x2, 2 => Float32, 3 => Float32, 4 => Float32x2,
@@ -61,10 +61,10 @@ pub(super) fn bands(device: &wgpu::Device, layout: &wgpu::PipelineLayout, rollin
     pipeline(device, layout, &stage)
 }
 
-/// What tells two pipelines of the floor apart.
+/// Properties by which two pipelines of the floor differ.
 struct Stage<'a> {
     module: &'a wgpu::ShaderModule,
-    /// Of the vertex and of the fragment shader.
+    /// Names of the entry points in the vertex and in the fragment shader.
     entry_points: [&'a str; 2],
     stride: usize,
     attributes: &'a [wgpu::VertexAttribute],

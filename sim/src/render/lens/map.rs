@@ -1,43 +1,47 @@
-//! The lens as a map: where on the plate each pixel of the sensor takes its light from.
+//! The lens as a map: the place on the plate (the pinhole image before the lens) from which each pixel of the sensor takes its light.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{DMatrix, Dyn, OMatrix, U2};
 
 use crate::{optics::Lens, render::RenderError};
 
-/// A plate more than this many times as wide as the image would come from a distortion that no real lens has.
+/// Greatest width and height of a plate, the pinhole image before the lens, over those of the sensor's image. A larger plate would come
+/// from a distortion that no real lens has.
 const WIDEST_PLATE: f64 = 3.0;
-/// The map is cut into cells of at most so many pixels a side, and of no fewer.
+/// Greatest and least side of a cell of the lens's map, in pixels.
 const WIDEST_CELL_PX: u32 = 128;
 const NARROWEST_CELL_PX: u32 = 8;
-/// A cell is cut until its polynomials depart from the lens by no more: a fifth of what else moves a dot behind a bent lens.
+/// Greatest error of a map cell's polynomials, to which cells are cut down: a fifth of the other errors in the place of a dot seen through
+/// a distorting lens.
 const MAP_TOLERANCE_PX: f64 = 2e-3;
-/// Terms of a polynomial of the third degree in two variables.
+/// Number of terms of a polynomial of the third degree in two variables.
 const N_TERMS: usize = 10;
 
-/// The plate's extent, and where on it the pixels of the sensor lie.
+/// The map of a lens: the extent of its plate (the pinhole image before the lens), and the places on the plate of the sensor's pixels.
 pub(super) struct LensMap {
-    /// Width and height of the plate.
+    /// Width and height of the plate, the pinhole image that the sensor reads through the lens.
     pub(super) size_px: [u32; 2],
-    /// Principal point on the plate, (0, 0) the centre of its first pixel.
+    /// Principal point on the plate, the pinhole image that the sensor reads through the lens; (0, 0) is the centre of its first pixel.
     pub(super) centre_px: [f64; 2],
-    /// Together they are the sensor's picture.
+    /// Cells of the lens's map, which together cover the sensor's picture.
     pub(super) cells: Vec<MapCell>,
 }
 
-/// A rectangle of the sensor, and from its pixels to their places on the plate: a pixel's own number and a polynomial of the third degree.
-/// Polynomials cost a software driver less than a map does that it has to fetch.
+/// A rectangular cell of the lens's map. For each sensor pixel in the cell, the place on the plate (the pinhole image before the lens) is
+/// the pixel's own coordinates plus a polynomial of the third degree. A software driver evaluates polynomials faster than it fetches values
+/// from a map.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(super) struct MapCell {
-    /// First pixel, and the one after the last, along u and v.
+    /// First pixel of the map cell and the one after its last, along u and v.
     bounds_px: [[f32; 2]; 2],
-    /// Along u and v of the plate, of 1, u, v, u², uv, v², u³, u²v, uv², v³ counted from the cell's middle: place less pixel.
+    /// Coefficients for place minus pixel along u and v of the plate, for the terms 1, u, v, u², uv, v², u³, u²v, uv², v³ counted from the
+    /// cell's middle.
     terms: [[f32; 2]; N_TERMS],
 }
 
 impl LensMap {
-    /// The map of a lens.
+    /// Computes the map of a lens.
     pub(super) fn new(lens: &Lens) -> Result<LensMap, RenderError> {
         let [width, height] = lens.size_px;
         if !lens.bends() && lens.defocus_px == 0.0 {
@@ -61,10 +65,12 @@ impl LensMap {
             }
             places.push(place);
         }
-        // Interpolation looks one pixel further, and defocus its radius.
+        // Margin of the plate, the pinhole image before the lens: interpolation reads one pixel further, and defocus reads its radius
+        // further.
         let margin_px = 2.0 + (0.5 * lens.defocus_px).ceil();
-        // At the principal point pixels of the plate lie on pixels of the sensor. What interpolation does where the plate is stretched is then
-        // the same on both sides of it, as a lens's own bend is, and not like a lens that is off its centre.
+        // At the principal point, pixels of the plate (the pinhole image before the lens) coincide with pixels of the sensor. Interpolation
+        // errors where the plate is stretched are then symmetric about that point, as a lens's own distortion is, and do not look like a
+        // lens that is off its centre.
         let centre_px = [0, 1].map(|axis| {
             let at_px = lens.principal_point_px[axis];
             at_px + (margin_px - low[axis] - at_px).ceil()
@@ -89,7 +95,8 @@ impl LensMap {
     }
 }
 
-/// How far from its own number each pixel's place on the plate is, row by row.
+/// Difference between each sensor pixel's place on the plate (the pinhole image before the lens) and the pixel's own coordinates, row by
+/// row.
 struct Moved {
     width: u32,
     by_px: Vec<[f64; 2]>,
@@ -100,7 +107,8 @@ impl Moved {
         self.by_px[(v * self.width + u) as usize]
     }
 
-    /// Appends cells from pixel `first` to before `end`, cut where one polynomial does not do.
+    /// Appends map cells for the pixels from `first` to before `end`, cut into smaller ones where a single polynomial is not accurate
+    /// enough.
     fn cut(&self, first: [u32; 2], end: [u32; 2], side_px: u32, cells: &mut Vec<MapCell>) {
         let (cell, error_px) = self.fitted(first, end);
         if error_px <= MAP_TOLERANCE_PX || side_px <= NARROWEST_CELL_PX {
@@ -115,11 +123,12 @@ impl Moved {
         }
     }
 
-    /// Least squares over some of the cell's pixels, and the greatest error over all of them.
+    /// Fits the polynomials of a map cell to some of its pixels by least squares, and returns them with the greatest error over all of its
+    /// pixels.
     fn fitted(&self, first: [u32; 2], end: [u32; 2]) -> (MapCell, f64) {
         let middle = [0, 1].map(|axis| 0.5 * (f64::from(first[axis]) + f64::from(end[axis]) - 1.0));
         let half = [0, 1].map(|axis| 0.5 * f64::from(end[axis] - first[axis]));
-        // From −1 to 1 across the cell, so that all terms are of one size.
+        // Coordinates run from −1 to 1 across the map cell, so that all terms of its polynomials are of similar size.
         let terms_at = |pixel: [u32; 2]| {
             let [x, y] = [0, 1].map(|axis| (f64::from(pixel[axis]) - middle[axis]) / half[axis]);
             [1.0, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y]
@@ -128,7 +137,7 @@ impl Moved {
         let pixels: Vec<[u32; 2]> = along(1).flat_map(|v| along(0).map(move |u| [u, v])).collect();
         let design = DMatrix::from_fn(pixels.len(), N_TERMS, |row, term| terms_at(pixels[row])[term]);
         let wanted = OMatrix::<f64, Dyn, U2>::from_fn(pixels.len(), |row, axis| self.at(pixels[row])[axis]);
-        // A cell of one pixel's width has terms that cannot be told apart; the least that does is taken.
+        // In a cell one pixel wide some terms cannot be distinguished; the singular value decomposition then gives the smallest solution.
         let found =
             design.svd(true, true).solve(&wanted, 1e-10).unwrap_or_else(|_| OMatrix::<f64, Dyn, U2>::zeros(N_TERMS));
         let powers: [[i32; 2]; N_TERMS] =
@@ -155,7 +164,7 @@ impl Moved {
 mod tests {
     use super::*;
 
-    /// Place on the plate of a pixel, as lens.wgsl works it out in single precision.
+    /// The place on the plate (the pinhole image before the lens) of a sensor pixel, computed in single precision as lens.wgsl does.
     fn place(cell: &MapCell, pixel: [u32; 2]) -> [f32; 2] {
         let [first, end] = cell.bounds_px;
         let [x, y] = [0, 1].map(|axis| pixel[axis] as f32 - 0.5 * (first[axis] + end[axis] - 1.0));
@@ -169,7 +178,8 @@ mod tests {
     #[test]
     fn each_pixel_lies_in_one_cell_whose_polynomials_are_true_to_a_four_hundredth_of_a_pixel() {
         let lenses = [
-            // A forward camera's, one that bends twice as much, one that pulls corners in, and a small picture of odd size.
+            // Lenses under test: that of a forward camera, one with twice the distortion, one with pincushion distortion, and one with a
+            // small picture of odd size.
             ([640, 480], 417.0, [-0.12, 0.02, 0.0005, -0.0003, 0.0]),
             ([640, 480], 380.0, [-0.25, 0.06, -0.002, 0.001, -0.005]),
             ([640, 480], 600.0, [0.3, 0.1, 0.0, 0.002, 0.0]),

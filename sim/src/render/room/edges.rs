@@ -1,4 +1,4 @@
-//! Edges of faces, which the plate's one sample a pixel leaves in steps.
+//! Edges of faces in the image. The image has one sample a pixel, which leaves edges in steps; they are drawn again to make them smooth.
 
 use std::{collections::BTreeMap, ops::Range};
 
@@ -11,10 +11,10 @@ use crate::{
     light::{Lighting, Shape},
 };
 
-/// Panels that overlap by less do not run through each other.
+/// Overlap up to which two panels count as touching and not as running through each other.
 const MEETING_M: f64 = 0.002;
 
-/// `Edge` of edge.wgsl.
+/// Device layout of `Edge` of edge.wgsl: one edge of a face.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct EdgeOnDevice {
@@ -39,22 +39,22 @@ impl EdgeOnDevice {
         }
     }
 
-    /// The same with ends that move.
+    /// The same edge with ends that move at the given velocities.
     fn moving(self, velocities_m_per_s: [Vector3<f64>; 2]) -> Self {
         let [start_velocity, end_velocity] = velocities_m_per_s.map(|v| [v.x as f32, v.y as f32, v.z as f32]);
         EdgeOnDevice { start_velocity, end_velocity, ..self }
     }
 }
 
-/// Edges of what stands still.
+/// Edges of all faces in a building that do not move.
 #[derive(Debug)]
 pub(super) struct Edges {
-    /// Which panels each edge belongs to.
+    /// Indices of the panels that each edge of the building belongs to.
     panels: Vec<[Option<usize>; 2]>,
 }
 
 impl Edges {
-    /// Runs of edges of which no panel is hidden.
+    /// Ranges of edges that are drawn: those that belong to no hidden panel.
     pub(super) fn runs(&self, hidden: &[bool]) -> Vec<Range<u32>> {
         let is_shown = |panels: &[Option<usize>; 2]| !panels.iter().flatten().any(|panel| hidden[*panel]);
         let mut start = 0;
@@ -68,11 +68,11 @@ impl Edges {
     }
 }
 
-/// A corner and the two sides from it.
+/// A rectangle in space, as a corner and the two sides from it.
 type Rectangle = (Point3<f64>, Vector3<f64>, Vector3<f64>);
 
-/// Edges of all panels and lamps, cut as their faces are for a rolling shutter, which bends both alike, or whole. What stands out from
-/// walls comes last: its edges hide those just behind it.
+/// Edges of all panels and lamps. For a rolling shutter, which bends faces and edges alike, they are cut as the faces are; otherwise they
+/// are whole. Edges of what stands out from walls come last, because they hide those just behind them.
 pub(super) fn of_building(building: &Building, lighting: &Lighting, rolling: bool) -> (Vec<EdgeOnDevice>, Edges) {
     let panels =
         building.panels.iter().enumerate().map(|(index, panel)| (Some(index), (panel.corner, panel.along, panel.up)));
@@ -98,14 +98,14 @@ pub(super) fn of_building(building: &Building, lighting: &Lighting, rolling: boo
     (edges, Edges { panels })
 }
 
-/// Where panels run through each other, such as frames that are let into a wall.
+/// Edges where panels run through each other, such as those of frames that are let into a wall.
 fn meetings(panels: &[Panel]) -> impl Iterator<Item = ([Option<usize>; 2], EdgeOnDevice)> + '_ {
     let pairs = (0..panels.len()).flat_map(|one| (0..one).map(move |other| [one, other]));
     pairs.filter_map(|pair| {
         let [one, other] = pair.map(|index| &panels[index]);
         let normals = [one, other].map(|panel| panel.along.cross(&panel.up).normalize());
         let along = normals[0].cross(&normals[1]).try_normalize(1e-3)?;
-        // The point of both planes that is nearest to the first panel's corner.
+        // The point nearest to the first panel's corner on the line in which the planes of two panels meet.
         let down = normals[1] - normals[0] * normals[0].dot(&normals[1]);
         let start = one.corner - down * (normals[1].dot(&(one.corner - other.corner)) / down.norm_squared());
         let within = [(one, one.along), (one, one.up), (other, other.along), (other, other.up)];
@@ -113,7 +113,7 @@ fn meetings(panels: &[Panel]) -> impl Iterator<Item = ([Option<usize>; 2], EdgeO
         for (panel, side) in within {
             let (at, slope) = (side.dot(&(start - panel.corner)), side.dot(&along));
             let length = side.norm_squared();
-            // Along its own border a panel has its edge already.
+            // Along its own border a panel has an edge already, so that no other one is added there.
             let border = MEETING_M * side.norm();
             if slope.abs() < 1e-9 * side.norm() {
                 if at < border || at > length - border {
@@ -130,7 +130,8 @@ fn meetings(panels: &[Panel]) -> impl Iterator<Item = ([Option<usize>; 2], EdgeO
     })
 }
 
-/// Edges of a body's triangles, each with the normals of the two that it joins; its corners move.
+/// Edges of the triangles of a person's body, each with the normals of the two triangles that it joins; the ends of an edge move with the
+/// body.
 pub(super) fn of_body(mesh: &BodyMesh, velocities_m_per_s: &[Vector3<f64>]) -> Vec<EdgeOnDevice> {
     let mut normals: BTreeMap<[usize; 2], Vec<Vector3<f64>>> = BTreeMap::new();
     for triangle in &mesh.triangles {

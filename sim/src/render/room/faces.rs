@@ -1,4 +1,4 @@
-//! Panels, lamps and discs of a building in the form in which the device reads them.
+//! Panels, lamps and discs of a building in the form in which the graphics device reads them.
 
 use std::{collections::BTreeMap, ops::Range};
 
@@ -12,19 +12,19 @@ use crate::{
     scene::Pattern,
 };
 
-/// Faces are cut into cells no longer than this, within which a row of a rolling shutter is interpolated linearly: before a wall at half a metre
-/// that keeps a camera's turn by 12 px while it reads out within 0.1 px.
+/// Greatest length of the cells into which faces of the building are cut. Within a cell, a row of a rolling shutter is interpolated
+/// linearly. Before a wall at half a metre, this keeps the effect of a camera's turn by 12 px during readout accurate to 0.1 px.
 const CELL_M: f64 = 0.1;
-/// Cells along a side at most, however long it is.
+/// Greatest number of cells along a side of a panel, however long the side is.
 const MOST_CELLS: f64 = 128.0;
-/// Cells along a side of the blocks in which lamps are looked for.
+/// Number of cells along a side of the blocks of a panel in which reflected lamps are searched for.
 const BLOCK_CELLS: u32 = 5;
 /// Albedo of a lamp's diffuser, as in lamp.wgsl.
 const DIFFUSER_ALBEDO: f64 = 0.7;
 /// Albedo of a retro-reflective dot in light that does not come from the camera.
 const DOT_ALBEDO: f32 = 0.3;
 
-/// `Surface` of world.wgsl.
+/// Device layout of `Surface` of world.wgsl: one panel.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct SurfaceOnDevice {
@@ -35,7 +35,7 @@ pub(super) struct SurfaceOnDevice {
     size: [f32; 4],
 }
 
-/// `Node` of surface.wgsl.
+/// Device layout of `Node` of surface.wgsl: a vertex of a panel.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct NodeOnDevice {
@@ -43,7 +43,7 @@ pub(super) struct NodeOnDevice {
     share: [f32; 2],
 }
 
-/// `Lamp` of world.wgsl.
+/// Device layout of `Lamp` of world.wgsl: one lamp.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct LampOnDevice {
@@ -53,7 +53,7 @@ pub(super) struct LampOnDevice {
     normal: [f32; 4],
 }
 
-/// `Disc` of disc.wgsl.
+/// Device layout of `Disc` of disc.wgsl: a retro-reflective dot or a bulb.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct DiscOnDevice {
@@ -63,7 +63,7 @@ pub(super) struct DiscOnDevice {
     matt: f32,
 }
 
-/// `Grid` of world.wgsl.
+/// Device layout of `Grid` of world.wgsl: the floor's tile grid.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct GridOnDevice {
@@ -79,7 +79,7 @@ pub(super) struct GridOnDevice {
     padding: [u32; 2],
 }
 
-/// Panels with the albedo of one band.
+/// All panels of a building in the device's form, with their albedo in one band.
 pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> Vec<SurfaceOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
     let surface = |(panel, patch): (&crate::building::Panel, &Patch)| {
@@ -95,14 +95,14 @@ pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> V
     building.panels.iter().zip(patches).map(surface).collect()
 }
 
-/// All panels cut into blocks, and these into cells.
+/// All panels of a building cut into blocks, and the blocks into cells.
 #[derive(Debug)]
 pub(super) struct Cells {
-    /// Faces of each kind of surface.
+    /// Faces of the panels, grouped by the kind of surface.
     by_kind: Vec<(Kind, Vec<Face>)>,
 }
 
-/// A panel as a whole, and cut into blocks.
+/// The face of a panel, as a whole and cut into blocks.
 #[derive(Debug)]
 struct Face {
     panel: usize,
@@ -110,38 +110,39 @@ struct Face {
     blocks: Vec<Block>,
 }
 
-/// A block as a whole, and cut into cells.
+/// A block of a panel, as a whole and cut into cells.
 #[derive(Debug)]
 struct Block {
     whole: Rectangle,
     cells: Vec<Rectangle>,
-    /// Where the panel mirrors.
+    /// Data for reflections of lamps in a block of a panel; `None` if the panel does not mirror.
     glossy: Option<GlossyCell>,
 }
 
-/// Three nodes to a triangle.
+/// A rectangle as two triangles, each given by the indices of its three vertices.
 type Rectangle = [u32; 6];
 
-/// Nodes to draw, three to a triangle.
+/// Indices of the panel vertices to draw, three to a triangle, and the runs into which they are divided.
 #[derive(Debug, Default)]
 pub(super) struct Drawing {
     pub(super) indices: Vec<u32>,
     pub(super) runs: Vec<Run>,
 }
 
-/// Nodes of one kind of surface.
+/// A run of triangles that are drawn with one kind of surface.
 #[derive(Debug)]
 pub(super) struct Run {
     pub(super) kind: Kind,
-    /// From the first lamp that may show in it to the last.
+    /// Range of the lamps that may be seen reflected in these triangles.
     pub(super) lamps: Range<u32>,
-    /// Of the indices.
+    /// Range of the run within the list of vertex indices.
     pub(super) indices: Range<u32>,
 }
 
 impl Cells {
-    /// Everything but the panels that are hidden, as it is seen from some places; lamps are looked for only where they may show. Panels are cut
-    /// only where they have to be, for the rows of a rolling shutter or for lamps: along what triangles share, a driver shades pixels of both twice.
+    /// Everything to draw except hidden panels, as seen from the given places; a reflected lamp is searched for only where it may be
+    /// visible. Panels are cut only where they must be, for the rows of a rolling shutter or for lamps: along an edge that two triangles
+    /// share, a driver shades the pixels twice.
     pub(super) fn seen_from(
         &self,
         eyes: &[Point3<f64>],
@@ -184,12 +185,12 @@ impl Cells {
     }
 }
 
-/// Into how many cells a side is cut.
+/// Number of cells into which a panel's side of the given length is cut.
 pub(super) fn cells_along(side_m: f64) -> u32 {
     (side_m / CELL_M).ceil().clamp(1.0, MOST_CELLS) as u32
 }
 
-/// Cuts the panels of a building into cells, with their nodes.
+/// Cuts the panels of a building into cells, and makes the vertices at the cells' corners.
 pub(super) fn cells(building: &Building, lighting: &Lighting) -> (Vec<NodeOnDevice>, Cells) {
     let (mut nodes, mut by_kind) = (Vec::new(), Vec::new());
     let kind_of = |index: usize| Kind::of(&building.panels[index].material);
@@ -202,7 +203,7 @@ pub(super) fn cells(building: &Building, lighting: &Lighting) -> (Vec<NodeOnDevi
     (nodes, Cells { by_kind })
 }
 
-/// One panel, whose nodes are appended.
+/// The face of one panel; its vertices are appended to `nodes`.
 fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: &mut Vec<NodeOnDevice>) -> Face {
     let panel = &building.panels[panel_index];
     let [columns, rows] = panel.size_m().map(cells_along);
@@ -211,7 +212,7 @@ fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: 
         surface: panel_index as u32,
         share: [i as f32 / columns as f32, j as f32 / rows as f32],
     }));
-    // Between two nodes that lie across from each other.
+    // The two triangles of a rectangle that is given by two vertices at opposite corners.
     let rectangle = |[i, j]: [u32; 2], [right, top]: [u32; 2]| {
         let at = |i: u32, j: u32| first + j * (columns + 1) + i;
         [at(i, j), at(right, j), at(right, top), at(i, j), at(right, top), at(i, top)]
@@ -251,7 +252,8 @@ fn face_of(building: &Building, lighting: &Lighting, panel_index: usize, nodes: 
     Face { panel: panel_index, whole: rectangle([0, 0], [columns, rows]), blocks }
 }
 
-/// Lamps with their luminance in one band, in order; to their own light comes what the room throws on them.
+/// Lamps with their luminance in one band, in their order on the device. The luminance includes the room's light that the lamp's diffuser
+/// reflects.
 pub(super) fn lamps(building: &Building, lighting: &Lighting, band: usize) -> Vec<LampOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
     let lamp = |source: &Source| {
@@ -280,13 +282,13 @@ pub(super) fn lamps(building: &Building, lighting: &Lighting, band: usize) -> Ve
     in_order(lighting).map(lamp).collect()
 }
 
-/// Lamps as they lie on the device: rectangles before bulbs.
+/// Lamps in their order on the device: rectangles before bulbs.
 fn in_order(lighting: &Lighting) -> impl Iterator<Item = &Source> {
     let of_shape = |bulbs: bool| lighting.sources.iter().filter(move |source| source.shape.normal().is_none() == bulbs);
     of_shape(false).chain(of_shape(true))
 }
 
-/// Retro-reflective dots, lit as their place is, and bulbs.
+/// Retro-reflective dots, lit by the light at their place, followed by bulbs.
 pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Vec<DiscOnDevice> {
     let single = |at: Point3<f64>| [at.x as f32, at.y as f32, at.z as f32];
     let dots = building.dots.iter().map(|dot| {
@@ -295,7 +297,7 @@ pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Ve
         DiscOnDevice {
             centre: single(dot.centre),
             radius_m: dot.radius_m as f32,
-            // A dot that does not shine back at all would be taken for a bulb.
+            // A retroreflection of exactly 0 would mark the dot as a bulb.
             retroreflection: (dot.retroreflection_cd_per_lux_m2 as f32).max(1e-6),
             matt: light as f32 / lighting.dimming.max(1e-30) as f32 * DOT_ALBEDO,
         }
@@ -312,7 +314,7 @@ pub(super) fn discs(building: &Building, lighting: &Lighting, band: usize) -> Ve
     dots.chain(bulbs).collect()
 }
 
-/// The tiles' grid and the albedo of each; edges of 0 when there are none.
+/// The grid of the floor's tiles and the albedo of each tile; the edge lengths are 0 if there are no tiles.
 pub(super) fn grid(building: &Building) -> (GridOnDevice, Vec<f32>) {
     let Some((tiles, laid)) = &building.tiles else { return (GridOnDevice::zeroed(), vec![1.0]) };
     let (sin, cos) = tiles.rotation_deg.to_radians().sin_cos();
@@ -326,7 +328,7 @@ pub(super) fn grid(building: &Building) -> (GridOnDevice, Vec<f32>) {
         first: laid.first,
         count: laid.count.map(|count| count as i32),
         pattern_contrast: if plain { 0.0 } else { tiles.pattern_contrast as f32 },
-        // Textures are factors on their surface's mean albedo; black tiles stay black by that.
+        // Textures are factors on the mean albedo of their surface, so that black tiles stay black.
         mean_albedo: tiles.tile_albedo.max(1e-3) as f32,
         padding: [0; 2],
     };

@@ -1,24 +1,24 @@
-//! What a view cannot show, so that it need not be drawn.
+//! Determines what a view cannot show, so that it need not be drawn.
 
 use nalgebra::{Isometry3, Point3};
 
 use super::motion::SubFrame;
 
-/// As in view.wgsl.
+/// Distance of the near plane from the camera, as in view.wgsl.
 const NEAR_M: f64 = 0.02;
-/// Share of the plate's size by which rows of a rolling shutter and soft edges may reach beyond it.
+/// Share of the image's size by which rows of a rolling shutter and soft edges may reach beyond the image.
 const MARGIN: f64 = 0.1;
 
-/// The cone of what a plate shows, at each of its sub-frames.
+/// The viewing cone of a camera's image at each sub-frame of the exposure.
 pub(super) struct Frustum {
     camera_from_world: Vec<Isometry3<f64>>,
-    /// Tangents of the least and the greatest direction along u and v.
+    /// Tangents of the viewing cone's limits along u and v: the least in `low`, the greatest in `high`.
     low: [f64; 2],
     high: [f64; 2],
 }
 
 impl Frustum {
-    /// Of a plate of this size with its principal point there.
+    /// The viewing cone of an image of the given size and principal point, for all sub-frames.
     pub(super) fn new(frames: &[SubFrame], focal_px: [f64; 2], size_px: [u32; 2], centre_px: [f64; 2]) -> Frustum {
         let tangent = |axis: usize, share: f64| (share * f64::from(size_px[axis]) - centre_px[axis]) / focal_px[axis];
         Frustum {
@@ -28,8 +28,8 @@ impl Frustum {
         }
     }
 
-    /// Whether nothing between these places can be seen: they all lie beyond one and the same side of the cone. Now and then something
-    /// that cannot be seen is not told.
+    /// Whether nothing between the given places can be seen, because they all lie beyond the same side of the viewing cone. Sometimes this
+    /// misses a thing that cannot be seen, which is then drawn in vain.
     pub(super) fn hides(&self, places: &[Point3<f64>]) -> bool {
         self.camera_from_world.iter().all(|camera_from_world| {
             let seen = || places.iter().map(|place| camera_from_world * place);
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn a_thing_is_left_out_only_where_no_sub_frame_shows_it() {
-        // 200 px wide at 100 px of focal length: to x = z on both sides, with the margin to x = 1.2·z.
+        // The view is 200 px wide at a focal length of 100 px: it shows up to x = z on both sides, with the margin up to x = 1.2·z.
         let view = |frames: &[SubFrame]| Frustum::new(frames, [100.0; 2], [200, 200], [100.0; 2]);
         let square = |x_m: f64, z_m: f64| [[0.0, 0.0], [0.1, 0.1]].map(|[x, y]| Point3::new(x_m + x, y, z_m));
         assert!(!view(&[frame(0.0)]).hides(&square(0.9, 1.0)));
@@ -67,7 +67,7 @@ mod tests {
         assert!(view(&[frame(0.0)]).hides(&square(1.25, 1.0)));
         assert!(!view(&[frame(0.0), frame(0.2)]).hides(&square(1.25, 1.0)));
         assert!(view(&[frame(0.0)]).hides(&square(0.0, -1.0)));
-        // Round a corner of the picture, on both sides of it: not told, but never wrongly left out.
+        // The places lie beyond opposite sides of the view. Between them something may be visible, so that it must not be left out.
         assert!(!view(&[frame(0.0)]).hides(&[Point3::new(5.0, 0.0, 1.0), Point3::new(-5.0, 0.0, 1.0)]));
     }
 }

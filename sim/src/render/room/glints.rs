@@ -1,33 +1,33 @@
-//! Where on glossy faces lamps can be seen: elsewhere a pixel need not look for them.
+//! Determines where on glossy faces lamps can be seen reflected, so that other pixels need not search for them.
 
 use nalgebra::{Point3, Vector3};
 
 use crate::light::{Occluders, Shape};
 
-/// The bump through which mirror.wgsl sees lamps ends so many standard deviations from its middle, √20/2, with some to spare for cells
-/// across which the ray's length changes.
+/// Distance, in standard deviations, at which the bump through which mirror.wgsl blurs lamps ends, √20/2, with a margin for cells across
+/// which the ray's length changes.
 const BUMP_REACH: f64 = 2.236 * 1.3;
-/// A bulb's bell has fallen below 10⁻⁶ of its height so many standard deviations from its middle.
+/// Distance, in standard deviations, at which the bell through which a bulb is blurred has fallen below 10⁻⁶ of its height.
 const BELL_REACH: f64 = 5.3;
-/// Least roughness, as in mirror.wgsl.
+/// Least roughness of a mirror in radians, as in mirror.wgsl.
 const LEAST_ROUGHNESS_RAD: f64 = 0.002;
 
-/// Rays begin and end so far off what they leave and meet, which would else be in their way.
+/// Distance by which rays begin and end off the surfaces that they leave and meet, so that these do not block them.
 const OFF_M: f64 = 0.002;
 
-/// A cell of a glossy face.
+/// A cell of a glossy face, in which lamps may be seen reflected.
 #[derive(Clone, Debug)]
 pub(super) struct GlossyCell {
     pub(super) corners: [Point3<f64>; 4],
-    /// Unit vector.
+    /// Unit normal of the glossy cell.
     pub(super) normal: Vector3<f64>,
     pub(super) roughness_rad: f64,
-    /// Lamps, in their order on the device, between which and the cell not everything is hidden.
+    /// Indices of the lamps, in their order on the device, from which at least some light reaches the glossy cell.
     pub(super) lamps: Vec<u32>,
 }
 
 impl GlossyCell {
-    /// Whether light can come straight from some place of a lamp to the cell's middle or one of its corners.
+    /// Whether light can come straight from some place of a lamp to the glossy cell's middle or to one of its corners.
     pub(super) fn sees(&self, lamp: &Shape, occluders: &Occluders) -> bool {
         let middle = Point3::from(self.corners.iter().map(|corner| corner.coords).sum::<Vector3<f64>>() / 4.0);
         let places = match *lamp {
@@ -42,10 +42,10 @@ impl GlossyCell {
         on_cell.map(|at| at + self.normal * OFF_M).any(|at| places.iter().any(|place| !occluders.block(at, *place)))
     }
 
-    /// Whether a lamp may be seen in the cell from `eye`; now and then it says so though it is not.
+    /// Whether a lamp may be seen reflected in the glossy cell from `eye`; sometimes it says so although the lamp cannot be seen.
     pub(super) fn shows(&self, eye: Point3<f64>, lamp: &Shape) -> bool {
         let roughness = self.roughness_rad.max(LEAST_ROUGHNESS_RAD);
-        // What is seen in the cell lies behind it as seen from the eye mirrored at its plane.
+        // What is seen reflected in the glossy cell lies straight behind it for an eye that is mirrored at the cell's plane.
         let mirrored_eye = eye - self.normal * (2.0 * self.normal.dot(&(eye - self.corners[0])));
         match *lamp {
             Shape::Rectangle { centre, half_u, half_v } => {
@@ -55,7 +55,8 @@ impl GlossyCell {
         }
     }
 
-    /// The rays past the cell's corners meet the lamp's plane at the corners of a figure that holds all rays past the cell.
+    /// Whether a rectangular lamp may be seen reflected in the glossy cell. The rays through the cell's corners meet the lamp's plane at
+    /// the corners of a figure that contains all rays through the cell.
     fn shows_rectangle(
         &self,
         mirrored_eye: Point3<f64>,
@@ -70,7 +71,7 @@ impl GlossyCell {
         if heights_m.iter().all(|height_m| *height_m <= 0.0) || sinking.iter().all(|share| *share <= 0.0) {
             return false;
         }
-        // Some rays run past the lamp's plane: no figure holds them.
+        // Some rays run past the lamp's plane, so that no such figure exists.
         if heights_m.iter().any(|height_m| *height_m <= 0.0) || sinking.iter().any(|share| *share <= 1e-3) {
             return true;
         }
@@ -87,7 +88,8 @@ impl GlossyCell {
         })
     }
 
-    /// By the angle between ray and bulb in the cell's middle, and how much it can differ in its corners.
+    /// Whether a bulb may be seen reflected in the glossy cell: compares the angle between ray and bulb in the cell's middle with the blur
+    /// and with how much the angle can differ in the corners.
     fn shows_bulb(&self, mirrored_eye: Point3<f64>, at: Point3<f64>, radius_m: f64, roughness: f64) -> bool {
         let middle = Point3::from(self.corners.iter().map(|corner| corner.coords).sum::<Vector3<f64>>() / 4.0);
         let half_m = (self.corners[0] - middle).norm();
@@ -109,7 +111,7 @@ mod tests {
 
     use super::*;
 
-    /// A square metre of floor about the origin.
+    /// A square of floor with sides of half a metre, centred on the x axis at the given x.
     fn floor_cell(x_m: f64) -> GlossyCell {
         let corner = |dx: f64, dy: f64| Point3::new(x_m + dx, dy, 0.0);
         GlossyCell {
@@ -122,8 +124,9 @@ mod tests {
 
     #[test]
     fn a_panel_is_seen_where_the_angles_of_incidence_and_reflection_are_equal() {
-        // Eye and panel 1 m and 2 m above the floor, 3 m apart: the ray meets the floor a third of the way on. Half of the panel's side of
-        // 0.4 m shows over 0.07 m, its blur of 0.07 m times the ray's 2.8 m over 0.08 m more: cells 1 m away show nothing.
+        // Eye and panel are 1 m and 2 m above the floor and 3 m apart, so that the reflected ray meets the floor at a third of the
+        // distance. Half of the panel's side of 0.4 m covers 0.07 m of the floor, and its blur, 0.09 rad over the ray's 2.8 m, another 0.08
+        // m. Cells 1 m away show nothing.
         let eye = Point3::new(0.0, 0.0, 1.0);
         let (centre, halves) = (Point3::new(3.0, 0.0, 2.0), [vector![0.0, 0.2, 0.0], vector![0.2, 0.0, 0.0]]);
         let shows = |x_m: f64| {

@@ -1,8 +1,8 @@
-//! Layouts of what the room's pipelines read.
+//! Layouts of the buffers and textures that the room's pipelines read.
 
 use wgpu::VertexFormat;
 
-/// A vertex buffer's layout.
+/// The layout of a vertex buffer.
 pub(in crate::render) struct Vertices {
     stride: u64,
     step_mode: wgpu::VertexStepMode,
@@ -10,13 +10,13 @@ pub(in crate::render) struct Vertices {
 }
 
 impl Vertices {
-    /// For a pipeline of one vertex buffer.
+    /// The layout in wgpu's form, for a pipeline with one vertex buffer.
     pub(in crate::render) fn layout(&self) -> wgpu::VertexBufferLayout<'_> {
         wgpu::VertexBufferLayout { array_stride: self.stride, step_mode: self.step_mode, attributes: &self.attributes }
     }
 }
 
-/// Attributes one after another, without gaps.
+/// A vertex layout with the given attributes one after another, without gaps.
 pub(in crate::render) fn vertices(step_mode: wgpu::VertexStepMode, formats: &[VertexFormat]) -> Vertices {
     let mut offset = 0;
     let attributes = formats
@@ -36,12 +36,12 @@ pub(super) fn stored(binding: u32, has_dynamic_offset: bool) -> wgpu::BindGroupL
     read(binding, wgpu::BufferBindingType::Storage { read_only: true }, has_dynamic_offset)
 }
 
-/// What all invocations read alike.
+/// A uniform buffer whose values are the same for all sub-frames.
 pub(super) fn constant(binding: u32) -> wgpu::BindGroupLayoutEntry {
     read(binding, wgpu::BufferBindingType::Uniform, false)
 }
 
-/// Values of a view, each sub-frame's at an offset of its own.
+/// A uniform buffer with the values of a view, each sub-frame's at an offset of its own.
 pub(super) fn uniform(binding: u32) -> wgpu::BindGroupLayoutEntry {
     read(binding, wgpu::BufferBindingType::Uniform, true)
 }
@@ -55,7 +55,7 @@ fn read(binding: u32, ty: wgpu::BufferBindingType, has_dynamic_offset: bool) -> 
     }
 }
 
-/// A texture of one channel.
+/// A texture of floating-point values.
 pub(super) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
@@ -69,7 +69,7 @@ pub(super) fn texture(binding: u32, view_dimension: wgpu::TextureViewDimension) 
     }
 }
 
-/// What fills the places between a texture's texels.
+/// A sampler that interpolates between a texture's texels.
 pub(super) fn sampler(binding: u32) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,

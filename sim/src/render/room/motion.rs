@@ -1,4 +1,4 @@
-//! A camera's motion while it exposes and reads out: sub-frames with their poses and twists.
+//! A camera's motion during exposure and readout: sub-frames with their poses and twists.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -7,33 +7,34 @@ use crate::{
     optics::Lens,
 };
 
-/// Blur that is drawn as one sub-frame: below the width of the pixel's own filter and the bilinear one together.
+/// Length of blur that is drawn as one sub-frame; it is less than the width of the pixel's own filter together with the bilinear one.
 const BLUR_PER_SUB_FRAME_PX: f64 = 1.5;
-/// Sub-frames at most; a longer blur shows as so many images.
+/// Greatest number of sub-frames into which an exposure is divided; a longer blur shows as that many separate images.
 pub(super) const MAX_SUB_FRAMES: usize = 64;
-/// Places along each side of the image at which the length of blur is told by what is seen there.
+/// Number of places along each side of the image at which the length of the blur is estimated, by the surfaces seen there.
 const PLACES_PER_SIDE: u32 = 7;
-/// Where nothing is seen, it is taken to be this far.
+/// Distance that is assumed where no surface is seen.
 const FARTHEST_M: f64 = 100.0;
-/// Nothing comes nearer to a lens.
+/// Least distance of a surface from the lens that is considered.
 const NEAREST_M: f64 = 0.05;
 
-/// One of the instants that stand for an exposure.
+/// One of the instants by which an exposure is approximated.
 #[derive(Clone, Debug)]
 pub(super) struct SubFrame {
-    /// While the middle row is exposed.
+    /// Camera pose of the sub-frame, while the middle row is exposed.
     pub(super) world_from_camera: Isometry3<f64>,
-    /// In the camera's frame.
+    /// Turn rate of the camera in the sub-frame, in the camera's frame.
     pub(super) turn_rad_per_s: Vector3<f64>,
-    /// In the camera's frame.
+    /// Velocity of the camera in the sub-frame, in the camera's frame.
     pub(super) drift_m_per_s: Vector3<f64>,
-    /// From the end of the last row's exposure, when people are where they were placed; below 0.
+    /// Time of the sub-frame, counted from the end of the last row's exposure, at which people are where they were placed; at most 0.
     pub(super) before_end_s: f64,
 }
 
-/// Sub-frames of an exposure, with poses at equal steps from the start of the first row's exposure to the end of the last's.
+/// Sub-frames of an exposure. `poses` are camera poses at equal steps of time, from the start of the first row's exposure to the end of the
+/// last row's.
 ///
-/// n instants spread evenly would keep only 1 − 1/n² of the variance of a steady blur; they are spread wider by that much.
+/// n instants that are evenly spread would keep only 1 − 1/n² of the variance of a steady blur; they are spread wider to make up for it.
 pub(super) fn sub_frames(
     lens: &Lens,
     poses: &[Isometry3<f64>],
@@ -65,8 +66,8 @@ pub(super) fn sub_frames(
         .collect()
 }
 
-/// Estimate of how far, in pixels, the image of something that stands still moves at most while the camera moves from the first pose to the second: of the
-/// surfaces seen at some pixels spread over the image.
+/// Estimate of the greatest motion in the image, in pixels, of anything that stands still while the camera moves from the first pose to the
+/// second. It is taken over the surfaces seen at some pixels spread over the image.
 fn blur_px(lens: &Lens, [start, end]: [&Isometry3<f64>; 2], panels: &[Panel]) -> f64 {
     if start == end {
         return 0.0;
@@ -85,7 +86,7 @@ fn blur_px(lens: &Lens, [start, end]: [&Isometry3<f64>; 2], panels: &[Panel]) ->
     pixels.filter_map(moved_px).fold(0.0, f64::max)
 }
 
-/// The way that a person moves over the image, as walking and as passed by; nothing for one who is not in view.
+/// Motion of a person over the image, in pixels, by walking and by the camera's motion; 0 for a person who is not in view.
 fn body_blur_px(lens: &Lens, camera: [&Isometry3<f64>; 2], body: &UprightBody, exposure_s: f64) -> f64 {
     let [x, y] = body.velocity_m_per_s;
     let walked = Vector3::new(x, y, 0.0) * exposure_s;
@@ -98,7 +99,7 @@ fn body_blur_px(lens: &Lens, camera: [&Isometry3<f64>; 2], body: &UprightBody, e
             let [u, v] = lens.pixel([seen.x / seen.z, seen.y / seen.z]);
             seen.z > body.radius_m && (-width..2.0 * width).contains(&u) && (-height..2.0 * height).contains(&v)
         });
-        // Its near side passes faster than its middle.
+        // The near side of the person's body moves faster over the image than its middle.
         let depth_m = seen[0].z.min(seen[1].z);
         let nearer = depth_m / (depth_m - body.radius_m).max(NEAREST_M);
         in_view.then(|| way_px(lens, camera, places))?.map(|way_px| way_px * nearer)
@@ -106,7 +107,8 @@ fn body_blur_px(lens: &Lens, camera: [&Isometry3<f64>; 2], body: &UprightBody, e
     [0.1, 0.5, 0.9].into_iter().filter_map(of_height).fold(0.0, f64::max)
 }
 
-/// How far a place moves over the image, from where it and the camera are first to where they are last; `None` if it gets behind the camera.
+/// Motion of a place over the image, in pixels, while place and camera move from their first to their last positions; `None` if the place
+/// gets behind the camera.
 fn way_px(lens: &Lens, camera: [&Isometry3<f64>; 2], places: [Point3<f64>; 2]) -> Option<f64> {
     let [first, last] = [0, 1].map(|instant: usize| {
         let seen = camera[instant].inverse_transform_point(&places[instant]);
@@ -116,7 +118,7 @@ fn way_px(lens: &Lens, camera: [&Isometry3<f64>; 2], places: [Point3<f64>; 2]) -
     Some((u1 - u0).hypot(v1 - v0))
 }
 
-/// The pose at a share of the way through poses at equal steps.
+/// The pose at a share of the time through poses at equal steps of time.
 fn interpolated(poses: &[Isometry3<f64>], share: f64) -> Option<Isometry3<f64>> {
     let last = poses.len().checked_sub(1)?;
     let place = share.clamp(0.0, 1.0) * last as f64;

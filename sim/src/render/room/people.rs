@@ -1,4 +1,5 @@
-//! People as they are drawn: lit corner by corner, and their shadows in the light map. Both are worked out when people move, not for every view.
+//! How people are drawn: their surfaces are lit vertex by vertex, and their shadows are added to the light map. Both are computed when
+//! people move, not for every view.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Point3, Vector3};
@@ -16,13 +17,15 @@ use crate::{
     render::device::Graphics,
 };
 
-/// Places along each side of a lamp that a corner of a person sees or does not: a few hundred corners are lit each time.
+/// Number of places along each side of a lamp at which its visibility from a vertex of a person is tested; a few hundred vertices are lit
+/// each time.
 const LAMP_SAMPLES: usize = 2;
 
-/// A shadow that moves by less while a picture is taken stays where it is at the end: the distance of the light map's nodes on floors.
+/// Distance of shadow motion during a picture below which the shadow is kept where it is at the end: the distance between the light map's
+/// nodes on floors.
 const SHADOW_STEP_M: f64 = 0.05;
 
-/// `Corner` of body.wgsl.
+/// Device layout of `Corner` of body.wgsl: a vertex of a person.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct CornerOnDevice {
@@ -33,17 +36,17 @@ struct CornerOnDevice {
     velocity_m_per_s: [f32; 3],
 }
 
-/// People on the device, one after the other; all have the same triangles.
+/// People on the graphics device, one after the other; all have the same triangles.
 #[derive(Debug)]
 pub(super) struct People {
     pub(super) placed: Vec<UprightBody>,
-    /// Visible and infrared.
+    /// Vertices of all people, as lit in the visible and in the infrared band.
     pub(super) corners: [wgpu::Buffer; 2],
     pub(super) corners_of_each: u32,
-    /// Of one body, three corners to a triangle.
+    /// Triangles of one person's body, as the indices of three vertices each.
     pub(super) triangles: wgpu::Buffer,
     pub(super) indices_of_each: u32,
-    /// Of both bands.
+    /// Edges of all people, used for both bands.
     pub(super) edges: wgpu::Buffer,
     pub(super) edges_of_each: u32,
 }
@@ -61,14 +64,15 @@ impl People {
         }
     }
 
-    /// Which of them may be seen, wherever they are in an exposure.
+    /// Indices of the people who may be visible at some time of an exposure.
     pub(super) fn seen_in(&self, frustum: &Frustum) -> Vec<usize> {
         (0..self.placed.len()).filter(|index| !frustum.hides(&surrounding(&self.placed[*index]))).collect()
     }
 }
 
 impl RoomWorld {
-    /// Puts people where the next pictures show them, and tells the light's nodes if they were not there already.
+    /// Sets where people are in the next pictures. Returns the nodes of the light map with their shadows, or `None` if they were there
+    /// already.
     pub(in crate::render) fn place_bodies(
         &mut self,
         graphics: &Graphics,
@@ -99,8 +103,8 @@ impl RoomWorld {
         Some(nodes)
     }
 
-    /// What faces read in each of several equal runs of an exposure's sub-frames while people's shadows walk with them; nothing where the
-    /// map's nodes could not tell one place of a shadow from the next, and the light as it is serves for all.
+    /// Light bindings for several equal runs of an exposure's sub-frames, in which the shadows of walking people move. The list is empty if
+    /// the shadows move by less than the distance between nodes of the light map, so that one state of the light serves for all sub-frames.
     pub(super) fn lit_while_they_walk(
         &self,
         graphics: &Graphics,
@@ -151,7 +155,7 @@ impl RoomWorld {
     }
 }
 
-/// Corners of a box that holds a body from two seconds before it is where it was placed: exposures are shorter.
+/// Corners of a box that contains a body during the last two seconds before it is where it was placed; exposures are shorter than that.
 fn surrounding(body: &UprightBody) -> Vec<Point3<f64>> {
     const ARMS: f64 = 1.5;
     let reach_m = ARMS * body.radius_m + 0.2 * body.height_m;
@@ -164,19 +168,19 @@ fn surrounding(body: &UprightBody) -> Vec<Point3<f64>> {
     shares.flat_map(|share| [corner(body.middle_m, share), corner(before.middle_m, share)]).collect()
 }
 
-/// Which of so many equal runs a sub-frame belongs to.
+/// Index of the run that a sub-frame of an exposure belongs to, for a given number of equal runs.
 pub(super) fn run_of(index: usize, frames: usize, runs: usize) -> usize {
     index * runs / frames
 }
 
-/// How fast the corners of a body's surface move, legs and arms included.
+/// Velocities of the vertices of a body's surface, legs and arms included.
 fn velocities(body: &UprightBody) -> Vec<Vector3<f64>> {
     const STEP_S: f64 = 0.01;
     let (now, later) = (body_mesh(body), body_mesh(&body.later(STEP_S)));
     now.corners.iter().zip(&later.corners).map(|(corner, later)| (later.at - corner.at) / STEP_S).collect()
 }
 
-/// Writes a buffer anew, into a larger one where it has to be.
+/// Writes new content into a graphics buffer; the buffer is replaced by a larger one if necessary.
 fn write(graphics: &Graphics, buffer: &mut wgpu::Buffer, bytes: &[u8]) {
     if bytes.len() as u64 > buffer.size() {
         *buffer = vertices(graphics, (bytes.len() as u64).next_power_of_two());

@@ -1,4 +1,4 @@
-//! Pipelines of the room, each specialised for what it draws and for the camera that it draws for, made when first needed.
+//! Pipelines of the room pass, each specialised for what it draws and for the camera that it draws for; they are made when first needed.
 
 use std::collections::BTreeMap;
 
@@ -32,10 +32,10 @@ const THING_SHADER: &str = concat!(
 );
 const MEAN_SHADER: &str = include_str!("mean.wgsl");
 
-/// Depth is near/z, cleared to 0 far away.
+/// Format of the depth buffer. Depth is near/z, so that it is cleared to 0, which is infinitely far.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What of a surface's material its pipeline is made for.
+/// Properties of a surface's material for which its pipeline is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Kind {
     texture: Texture,
@@ -53,13 +53,13 @@ impl Kind {
         self.gloss
     }
 
-    /// The same where no lamp is seen in it.
+    /// The same kind of surface, for places where no lamp is seen reflected in it.
     pub(super) fn without_glints(self) -> Kind {
         Kind { glints: false, ..self }
     }
 }
 
-/// What of a camera its pipelines are made for.
+/// Properties of a camera for which its pipelines are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Use {
     rolling: bool,
@@ -72,18 +72,18 @@ impl Use {
         Use { rolling: lens.row_time_s > 0.0, ring: lens.ring_candela > 0.0, infrared: lens.band == Band::Infrared }
     }
 
-    /// Whether rows are read one after another.
+    /// Whether the camera reads its rows one after another.
     pub(super) fn rolling(&self) -> bool {
         self.rolling
     }
 
-    /// 0 visible, 1 infrared.
+    /// Index of the camera's band: 0 for visible, 1 for infrared.
     pub(super) fn band(&self) -> usize {
         usize::from(self.infrared)
     }
 }
 
-/// What a pipeline draws.
+/// The kind of thing that a pipeline of the room pass draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Drawn {
     Surface(Kind),
@@ -94,15 +94,15 @@ enum Drawn {
     Strips,
 }
 
-/// Layouts, shaders and the pipelines made so far.
+/// Layouts and shaders of the room pass, and the pipelines that have been made.
 pub(super) struct Pipelines {
     pub(super) view_layout: wgpu::BindGroupLayout,
     pub(super) world_layout: wgpu::BindGroupLayout,
     pub(super) stepped_layout: wgpu::BindGroupLayout,
     pub(super) mean_layout: wgpu::BindGroupLayout,
-    /// The mean of an exposure's plates.
+    /// Pipeline that takes the mean of the images of an exposure's sub-frames.
     pub(super) mean: wgpu::RenderPipeline,
-    /// Fills the places between texels.
+    /// Texture sampler that interpolates linearly between texels.
     pub(super) linear: wgpu::Sampler,
     plate_layout: wgpu::PipelineLayout,
     edge_layout: wgpu::PipelineLayout,
@@ -152,7 +152,7 @@ impl Pipelines {
         }
     }
 
-    /// Makes what a view of these kinds of surfaces needs and is not there yet.
+    /// Makes the pipelines that a view of these kinds of surfaces needs and that do not exist yet.
     pub(super) fn prepare(&mut self, device: &wgpu::Device, how: &Use, kinds: impl Iterator<Item = Kind>) {
         let things = [Drawn::Lamps, Drawn::Bodies, Drawn::Discs, Drawn::Edges, Drawn::Strips];
         for drawn in kinds.map(Drawn::Surface).chain(things) {
@@ -324,9 +324,9 @@ fn mean(device: &wgpu::Device, layout: &wgpu::PipelineLayout, module: &wgpu::Sha
     })
 }
 
-/// What tells two pipelines apart besides shaders.
+/// Properties, besides shaders, by which two pipelines of the room differ.
 struct Stage {
-    /// Of the vertex and of the fragment shader.
+    /// Names of the entry points in the vertex and in the fragment shader.
     entry_points: [&'static str; 2],
     blend: Option<BlendState>,
     writes_depth: bool,
@@ -335,7 +335,7 @@ struct Stage {
     topology: wgpu::PrimitiveTopology,
 }
 
-/// What a pipeline reads.
+/// The set of bindings that a pipeline reads.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Layout {
     Plate,
@@ -353,7 +353,7 @@ const PLATE: Stage = Stage {
 
 const OVER: BlendState = both(BlendFactor::OneMinusSrcAlpha);
 
-/// `source + factor·target`.
+/// Blending that gives `source + factor·target`, for colour and alpha alike.
 const fn both(dst_factor: BlendFactor) -> BlendState {
     let component = BlendComponent { src_factor: BlendFactor::One, dst_factor, operation: BlendOperation::Add };
     BlendState { color: component, alpha: component }

@@ -1,4 +1,4 @@
-//! Device memory of one view of a room: its view values, and a plate for each sub-frame.
+//! Device memory of one view of a room: the camera's values, and an image (plate) for each sub-frame of the exposure.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -14,37 +14,37 @@ use crate::render::{
     target::LUMINANCE_FORMAT,
 };
 
-/// Bytes from one sub-frame's values to the next's; every adapter takes offsets of this.
+/// Bytes from one sub-frame's values to those of the next in the view buffer; every adapter accepts offsets that are multiples of it.
 const VIEW_STRIDE: u64 = 512;
 
-/// Where sub-frame `index` has its values.
+/// Offset in bytes at which the values of sub-frame `index` begin in the view buffer.
 pub(super) fn view_offset(index: usize) -> u32 {
     (index as u64 * VIEW_STRIDE) as u32
 }
 
-/// Buffers and bindings of one view, kept as long as its lens stays the same.
+/// Buffers and bindings of one view of a room, kept as long as its lens stays the same.
 pub(in crate::render) struct RoomSlot {
-    /// Plates with smooth edges: a layer for each sub-frame, as many as were ever needed.
+    /// Images (plates) with smooth edges: a layer for each sub-frame of an exposure, as many as have ever been needed.
     plates: wgpu::Texture,
     plate_views: Vec<wgpu::TextureView>,
     pub(super) depth: wgpu::TextureView,
     pub(super) view_bindings: wgpu::BindGroup,
-    /// The lens's own plate, on which edges are drawn in steps.
+    /// Bindings for the lens's own plate, a pinhole image on which edges are drawn in steps.
     pub(super) stepped_bindings: wgpu::BindGroup,
-    /// What the lens reads where there is one plate.
+    /// Bindings with which the lens reads the image of the exposure if it has only one sub-frame.
     single_bindings: wgpu::BindGroup,
-    /// The plates whose mean is taken.
+    /// Bindings for the images of all sub-frames, whose mean is taken.
     pub(super) mean_bindings: wgpu::BindGroup,
     n_plates: usize,
     views: wgpu::Buffer,
     counted: wgpu::Buffer,
-    /// Which cells of the world's faces are drawn, and how.
+    /// Indices of the vertices of those faces of the building that are drawn.
     pub(super) chosen: wgpu::Buffer,
-    /// What of them is hardly wider than a pixel.
+    /// Strips: panels in view that are hardly wider than a pixel.
     pub(super) strips: wgpu::Buffer,
 }
 
-/// `View` of view.wgsl.
+/// Device layout of `View` of view.wgsl: the camera's values in one sub-frame of the exposure.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct ViewOnDevice {
@@ -71,7 +71,7 @@ pub(super) struct ViewOnDevice {
     padding: [u32; 3],
 }
 
-/// `Plates` of mean.wgsl.
+/// Device layout of `Plates` of mean.wgsl: the number of images to average and the share of each.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct PlatesOnDevice {
@@ -80,7 +80,7 @@ struct PlatesOnDevice {
 }
 
 impl ViewOnDevice {
-    /// The values of a sub-frame; `turned_up` is a factor on all lamps of the world.
+    /// The camera's values in a sub-frame of the exposure; `turned_up` is a factor on all lamps of the world.
     pub(super) fn new(seen_by: &LensSlot, frame: &SubFrame, world: &RoomWorld, turned_up: f64) -> Self {
         let lens = &seen_by.lens;
         let (camera_from_world, turn, drift) = super::twist_rows(frame);
@@ -105,7 +105,7 @@ impl ViewOnDevice {
             last_row: last_row as f32,
             eye: [eye.x as f32, eye.y as f32, eye.z as f32, 0.0],
             ring_candela: [ring.x as f32, ring.y as f32, ring.z as f32, 0.0],
-            // A matt surface of albedo 1 under E has the luminance E/π.
+            // A matt surface of albedo 1 under the illuminance E has the luminance E/π.
             luminance_per_lux: (lamp_factor / std::f64::consts::PI) as f32,
             lamp_factor: lamp_factor as f32,
             first_bulb: world.first_bulb,
@@ -162,7 +162,7 @@ impl RoomSlot {
         }
     }
 
-    /// Makes room for the plates of so many sub-frames.
+    /// Provides images (plates) for the given number of sub-frames of an exposure.
     pub(super) fn reserve(
         &mut self,
         graphics: &Graphics,
@@ -181,39 +181,40 @@ impl RoomSlot {
         graphics.queue.write_buffer(&self.counted, 0, bytemuck::bytes_of(&counted));
     }
 
-    /// What the lens reads where that is not its own plate, over which the mean of several is drawn.
+    /// Bindings with which the lens reads the image of the only sub-frame; `None` if there are several, whose mean is drawn onto the lens's
+    /// own plate.
     pub(in crate::render) fn single_plate(&self) -> Option<&wgpu::BindGroup> {
         (self.n_plates == 1).then_some(&self.single_bindings)
     }
 
-    /// Where a sub-frame's plate is copied to.
+    /// Destination to which the image of a sub-frame is copied.
     pub(super) fn plate(&self, index: usize) -> wgpu::TexelCopyTextureInfo<'_> {
         let origin = wgpu::Origin3d { x: 0, y: 0, z: index as u32 };
         wgpu::TexelCopyTextureInfo { origin, ..self.plates.as_image_copy() }
     }
 
-    /// A sub-frame's plate.
+    /// Texture view of the image of a sub-frame.
     pub(super) fn plate_view(&self, index: usize) -> &wgpu::TextureView {
         &self.plate_views[index]
     }
 
-    /// Writes which nodes are drawn, into a larger buffer where it has to be.
+    /// Writes the indices of the vertices that are drawn; the buffer is replaced by a larger one if necessary.
     pub(super) fn choose(&mut self, graphics: &Graphics, indices: &[u32]) {
         fill(graphics, &mut self.chosen, ("chosen", wgpu::BufferUsages::INDEX), indices);
     }
 
-    /// Writes what is drawn as strips, into a larger buffer where it has to be.
+    /// Writes which panels are drawn as strips; the buffer is replaced by a larger one if necessary.
     pub(super) fn narrow(&mut self, graphics: &Graphics, strips: &[StripOnDevice]) {
         fill(graphics, &mut self.strips, ("strips", wgpu::BufferUsages::VERTEX), strips);
     }
 
-    /// Writes a sub-frame's values.
+    /// Writes the camera's values in one sub-frame of the exposure.
     pub(super) fn write_view(&self, graphics: &Graphics, index: usize, view: &ViewOnDevice) {
         graphics.queue.write_buffer(&self.views, u64::from(view_offset(index)), bytemuck::bytes_of(view));
     }
 }
 
-/// Writes into a buffer, or into a larger one in its place.
+/// Writes into a graphics buffer; if it is too small, a larger one takes its place.
 fn fill<T: Pod>(
     graphics: &Graphics,
     written: &mut wgpu::Buffer,
@@ -228,7 +229,7 @@ fn fill<T: Pod>(
     }
 }
 
-/// All plates, for their mean.
+/// Bindings for the images of all sub-frames of an exposure, of which the mean is taken.
 fn bind_mean(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
@@ -249,7 +250,7 @@ fn bind_mean(
     })
 }
 
-/// Plates in layers, and a view of each.
+/// A texture with the images (plates) of all sub-frames in layers, and a view of each layer.
 fn plates(device: &wgpu::Device, size_px: [u32; 2], count: u32) -> (wgpu::Texture, Vec<wgpu::TextureView>) {
     let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
     let plates = attachment(device, size_px, count, LUMINANCE_FORMAT, usage);

@@ -1,5 +1,5 @@
-//! Panels of things that are hardly wider than a pixel: one sample a pixel would make dashes of them, so that they are drawn as strips, each pixel
-//! covered by its share.
+//! Strips: panels of things that are hardly wider than a pixel. With one sample a pixel they would look like dashed lines, so that each
+//! pixel is covered by the share of the strip in it instead.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Isometry3, Point3, Vector2};
@@ -10,24 +10,24 @@ use crate::{
     optics::Lens,
 };
 
-/// Narrower panels are drawn as strips. From two pixels on, each of both edges has pixels of its own.
+/// Width in pixels below which panels are drawn as strips. From two pixels on, each of the panel's two edges has pixels of its own.
 const NARROWEST_PX: f64 = 2.0;
-/// As in view.wgsl.
+/// Distance of the near plane from the camera, as in view.wgsl.
 const NEAR_M: f64 = 0.02;
 
-/// `Strip` of strip.wgsl: a panel, or a part of its length.
+/// Device layout of `Strip` of strip.wgsl: a panel hardly wider than a pixel, or a part of its length.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(super) struct StripOnDevice {
     surface: u32,
-    /// 0 where the panel's first side is the long one, 1 where its second is.
+    /// 0 if the first side of the strip's panel is the long one, 1 if the second side is.
     long_side: u32,
-    /// From 0 to 1 along that.
+    /// The part of the panel that the strip covers, as shares of its long side from 0 to 1.
     from_to: [f32; 2],
 }
 
-/// The side along which a panel is long and across which it is too narrow to be drawn as a face, as a pinhole sees it; `None` for what encloses a
-/// room, and for what is wide enough.
+/// The long side of a panel that is too narrow across it to be drawn as a face, as a pinhole camera sees it: 0 or 1. It is `None` for
+/// floors, walls and ceilings, and for panels that are wide enough.
 pub(super) fn long_side(panel: &Panel, world_from_camera: &Isometry3<f64>, lens: &Lens) -> Option<usize> {
     if panel.part != Part::Thing {
         return None;
@@ -43,7 +43,8 @@ pub(super) fn long_side(panel: &Panel, world_from_camera: &Isometry3<f64>, lens:
     (area_px < NARROWEST_PX * longest_px[long]).then_some(long)
 }
 
-/// The strips of a panel that faces one of the eyes: as a whole, or for a rolling shutter in the lengths that faces are cut into.
+/// The strips of a panel that faces one of the camera positions: one for the whole panel, or for a rolling shutter one for each length into
+/// which faces are cut.
 pub(super) fn strips(
     (index, panel): (usize, &Panel),
     long: usize,
@@ -77,7 +78,8 @@ mod tests {
 
     #[test]
     fn a_panel_three_centimetres_deep_is_a_strip_where_it_shows_less_than_two_pixels() {
-        // From the side at 4 m, its far border lies 0.03 m deeper: at 0.2 m aside, 417 px·0.2·0.03/4² = 0.16 px; at 4 m aside 3.1 px.
+        // Seen from the side at 4 m, the panel's far border lies 0.03 m deeper. At 0.2 m aside it shows 417 px·0.2·0.03/4² = 0.16 px, at 4
+        // m aside 3.1 px.
         let panel = |aside_m: f64| Panel {
             corner: Point3::new(aside_m, -1.0, 4.0),
             along: vector![0.0, 0.0, 0.03],
@@ -103,7 +105,7 @@ mod tests {
             part: Part::Thing,
             room: 0,
         };
-        // along × up points to −x.
+        // The panel's normal, along × up, points to −x.
         let count = |x_m: f64, rolling: bool| strips((7, &panel), 1, &[Point3::new(x_m, 0.0, 0.0)], rolling).count();
         assert_eq!([count(0.0, false), count(0.0, true), count(1.0, false), count(1.0, true)], [1, 20, 0, 0]);
         let ends: Vec<_> = strips((7, &panel), 1, &[Point3::origin()], true).map(|strip| strip.from_to).collect();

@@ -1,4 +1,4 @@
-//! A building on the device: faces, lamps, light maps, once per scene and seed.
+//! A building on the graphics device: faces, lamps and light maps, made once per scene and seed.
 
 use bytemuck::Zeroable;
 
@@ -16,33 +16,33 @@ use crate::{
     scene::{MAX_LAMPS, Scene},
 };
 
-/// Everything of a building that stands still.
+/// The room of a scene on the device: everything that stands still, and the people as they were last placed.
 #[derive(Debug)]
 pub(in crate::render) struct RoomWorld {
     pub(super) building: Building,
     pub(super) lighting: Lighting,
     pub(super) map: LightMap,
-    /// Visible and infrared, with the shadows of people.
+    /// Light maps in the visible and in the infrared band, with the shadows of people.
     pub(super) light_maps: [wgpu::Texture; 2],
     pub(super) people: People,
     pub(super) nodes: wgpu::Buffer,
     pub(super) cells: Cells,
-    /// Rectangles come before bulbs.
+    /// Index of the first bulb among the lamps; rectangular lamps come before bulbs.
     pub(super) first_bulb: u32,
     pub(in crate::render) lamp_count: u32,
     pub(super) mirrored_count: u32,
     pub(super) disc_count: u32,
-    /// For a global shutter and for a rolling one.
+    /// Edges of the building's faces for a global shutter and for a rolling one.
     pub(super) edges: [wgpu::Buffer; 2],
     pub(super) edge_lists: [Edges; 2],
-    /// Visible and infrared.
+    /// Buffers of the building for the visible and for the infrared band.
     stored: [Stored; 2],
-    /// Visible and infrared.
+    /// Bindings of the building for the visible and for the infrared band.
     bindings: [wgpu::BindGroup; 2],
     discs: [wgpu::Buffer; 2],
 }
 
-/// What faces read of one band besides the light map.
+/// Buffers of one band that faces read in addition to the light map.
 #[derive(Debug)]
 struct Stored {
     surfaces: wgpu::Buffer,
@@ -89,7 +89,7 @@ impl RoomWorld {
         &self.bindings[band]
     }
 
-    /// The same lit in another way.
+    /// Bindings for the same building with other light at the nodes of the light map.
     pub(super) fn lit_by(
         &self,
         graphics: &Graphics,
@@ -106,17 +106,17 @@ impl RoomWorld {
         &self.discs[band]
     }
 
-    /// Light at the map's nodes without people.
+    /// Light at the nodes of the light map without the shadows of people.
     pub(in crate::render) fn still_nodes(&self) -> &[[f32; 2]] {
         &self.map.nodes
     }
 
-    /// Light over the floor of the robot's room, by the map's nodes.
+    /// Distribution of light over the floor of the robot's room, from the given nodes of the light map.
     pub(in crate::render) fn floor_field(&self, nodes: &[[f32; 2]]) -> Option<FloorField> {
         FloorField::new(&self.building, &self.map, nodes)
     }
 
-    /// As the scene's lamps give it.
+    /// Mean illuminance at the floor of the robot's room, as the scene's lamps give it.
     pub(in crate::render) fn mean_at_floor_lux(&self) -> f64 {
         self.map.mean_at_floor.lux * self.lighting.dimming
     }
@@ -154,7 +154,7 @@ impl Stored {
     }
 }
 
-/// Room for one band of the light map.
+/// A texture for one band of the light map.
 fn light_texture(graphics: &Graphics, map: &LightMap) -> wgpu::Texture {
     let [width, height] = map.size.map(|count| count as u32);
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
@@ -170,7 +170,7 @@ fn light_texture(graphics: &Graphics, map: &LightMap) -> wgpu::Texture {
     })
 }
 
-/// Writes one band of all nodes.
+/// Writes one band of all nodes of the light map into a texture.
 pub(super) fn write_light(graphics: &Graphics, texture: &wgpu::Texture, nodes: &[[f32; 2]], band: usize) {
     let nodes: Vec<f32> = nodes.iter().map(|bands| bands[band]).collect();
     graphics.queue.write_texture(
