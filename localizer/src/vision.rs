@@ -1,7 +1,7 @@
-//! Image in, features out: pure functions that know neither poses nor the building.
+//! Image processing: pure functions that turn camera images into features and know neither poses nor the building.
 //!
-//! Pixels: u right, v down, (0, 0) the centre of the first pixel. Two chains find the joints of a tiled floor and answer
-//! in the same shape, so that one can stand in for the other:
+//! Pixel coordinates: u to the right, v down, (0, 0) at the centre of the first pixel. Two processing chains find the joints of a tiled
+//! floor (the lines between its tiles); both return the same type, so that one can replace the other:
 //!
 //! ```text
 //! direct: bin ──> ridge points ──> vote ──> profiles across ──> agreement of the grid ──┐
@@ -26,35 +26,37 @@ pub(crate) mod synthetic;
 #[cfg(test)]
 mod trial;
 
-/// What is declared of a picture of a tiled floor.
+/// What the localizer is given about an image of a tiled floor: declared values, not true ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorView {
-    /// Nominal scale on the floor.
+    /// Nominal scale of the floor in the image, in pixels per metre.
     pub pixels_per_m: f64,
-    /// Pitch of the two families of joints. Which family is which in the picture is unknown.
+    /// Distance between neighbouring tile joints of each of the two families of parallel joints. Which family is which in the image is unknown.
     pub edge_px: [f64; 2],
-    /// Width of a joint.
+    /// Width of a joint between floor tiles, in pixels.
     pub joint_width_px: f64,
-    /// At most this many of the lines found in one picture may be no joints; with 0, doubtful lines are dropped.
+    /// At most this many of the lines found in one image may be no tile joints. Image processing does not use this
+    /// number; the contractor of the pose does.
     pub q_items: usize,
 }
 
-/// One line taken for the centre line of a joint.
+/// A line in the image that is taken for the centre line of a joint between floor tiles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FloorLine {
-    /// `[u, v, bound]`: at most [`share_wrong`](Self::share_wrong) of the points lie farther than their bound from the joint's centre line.
+    /// Points of the line, each `[u, v, bound]`: at most a share of [`share_wrong`](Self::share_wrong) of the points
+    /// lies farther than its bound from the tile joint's centre line.
     pub points_px: Vec<[f64; 3]>,
-    /// Share of the points that may lie farther away.
+    /// Share of the line's points that may lie farther than their bound from the tile joint.
     pub share_wrong: f64,
-    /// 0 or 1: which of the two orthogonal families, named arbitrarily within the picture.
+    /// Family that the line belongs to, 0 or 1: one of the two orthogonal families of tile joints, numbered arbitrarily in each image.
     pub family: u8,
 }
 
-/// What was found in one picture.
+/// Lines that were found in one image of a tiled floor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FloorLines {
-    /// Lines taken for joints.
+    /// Lines that are taken for tile joints.
     pub lines: Vec<FloorLine>,
-    /// Segments `[u0, v0, u1, v1]` that were looked at and rejected, for debug frames.
+    /// Line segments `[u0, v0, u1, v1]` that were examined and rejected; they are drawn in debug frames.
     pub rejected_px: Vec<[f64; 4]>,
 }

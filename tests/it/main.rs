@@ -1,182 +1,186 @@
-//! One binary for all integration tests; each module states what belongs in it.
+//! A single binary with all integration tests. Each module states at its top what belongs in it.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-/// Runs the `wherein` command in folders of its own.
+/// Helpers that run the `wherein` command in temporary folders, each test in its own.
 mod command;
-/// Judges a run that a test has made.
+/// Helper that runs the judge on a run that a test has made.
 mod judging;
 
-/// Contractors and pavings on problems worked out by hand.
+/// Tests of interval contractors and pavings on problems worked out by hand.
 mod contractor_by_hand;
-/// Attempts to make the rigid contractors lose the truth.
+/// Tests that try to make the contractors for rigid motions lose the truth.
 mod contractor_falsification;
-/// Laws that every contractor keeps.
+/// Tests of the laws that every interval contractor obeys.
 mod contractor_laws;
-/// Every contractor on boxes that are unbounded, huge, far away or empty.
+/// Tests of every contractor on boxes that are unbounded, huge, far away or empty.
 mod contractor_extremes;
-/// Interval arithmetic against the ITF1788 collection of cases from outside.
+/// Tests of the interval arithmetic against ITF1788, an independent collection of test cases.
 mod interval_itf1788;
-/// Interval arithmetic against arithmetic with many more bits.
+/// Tests of the interval arithmetic against arithmetic with many more bits.
 mod interval_precision;
-/// Printing and reading intervals.
+/// Tests of printing intervals as text and reading them.
 mod interval_text;
-/// The wheels' enclosure against motion integrated much finer.
+/// Tests of the motion that wheel odometry encloses, against motion integrated in much finer steps.
 mod motion_enclosure;
-/// A range camera and landmarks of the tests' own, seen in three dimensions.
+/// Helpers: a range camera and landmarks in three dimensions, written for these tests alone.
 mod range_landmarks_setup;
-/// Every way to solve for the pose from landmarks, some of them matched wrongly.
+/// Tests of every solver for the pose from landmarks, with some landmarks matched wrongly.
 mod range_landmarks_solvers;
-/// Drives past landmarks that nobody has mapped.
+/// Tests of drives past landmarks that are on no map.
 mod range_landmarks_drive;
-/// Gaps between uses of a code, and constraints that outlive what they stood on.
+/// Tests of gaps between sightings of a landmark's code, and of constraints that must not outlive the sightings that they were derived from.
 mod range_landmarks_gaps;
-/// Point methods and the printed contractor beside the sound ones.
+/// Tests of point methods and the paper's contractor as printed, compared with the sound interval contractors.
 mod landmark_baselines;
-/// Where markers put a robot whose camera's vertical is known.
+/// Tests of the point method that computes the pose from ceiling markers for a camera whose vertical is known.
 mod marker_baselines;
-/// The gyroscope's turn against turns integrated much finer.
+/// Tests of the rotation that the gyroscope encloses, against rotation integrated in much finer steps.
 mod gyro_enclosure;
 mod gyro_errors;
-/// Range camera, gyroscope and people against geometry by hand.
+/// Tests of the simulated range camera, gyroscope and people against geometry worked out by hand.
 mod range_sensing;
-/// Whole runs by landmarks that no map names.
+/// Tests of whole runs that localize by landmarks that are on no map.
 mod range_runs;
-/// Tile joints to poses, against a camera and a floor of the tests' own.
+/// Tests of computing poses from tile joints, against a camera and a floor written for these tests alone.
 mod floor_tiles_geometry;
-/// Level edges to headings, against a camera of the tests' own.
+/// Tests of computing headings from level edges of walls, against a camera written for these tests alone.
 mod wall_directions_geometry;
-/// Straight edges and features in pictures of known light.
+/// Tests of the detection of straight edges and features in images of known brightness.
 mod dark_vision;
 mod dark_runs;
 mod gyro_bias_learning;
-/// The flow sensor's enclosure against motion integrated much finer; the gyroscope's bias.
+/// Tests of the motion that the flow sensor encloses, against motion integrated in much finer steps, and of the gyroscope's bias.
 mod flow_enclosure;
-/// Paper 2's slip decision, direction database and pose graph.
+/// Tests of paper 2's slip decision, database of directions and pose graph.
 mod dark_baselines;
-/// Ceiling markers to poses, against a camera and a ceiling of the tests' own.
+/// Tests of computing poses from ceiling markers, against a camera and a ceiling written for these tests alone.
 mod ceiling_markers_geometry;
-/// Markers on rendered ceilings, whole and damaged, read by the localizer.
+/// Tests of reading markers, whole and damaged, on rendered images of ceilings.
 mod ceiling_pasted;
-/// A camera's lens and the place of its mount, measured on rendered pictures.
+/// Tests of the calibration of a camera's lens and of its mounting position, on rendered images.
 mod calibration_rendered;
 mod ceiling_runs;
-/// Whether markers cover a room, against cameras and poses drawn at random.
+/// Tests of the proof that markers cover a room, against cameras and poses drawn at random.
 mod marker_coverage;
-/// `wherein markers`: sheet and map.
+/// Tests of the command `wherein markers`: the sheet that it prints and the map that it writes.
 mod marker_sheet;
-/// Markers that must be refused, and what the refusal says.
+/// Tests of scenes whose markers must be refused, and of the error messages.
 mod marker_refusals;
-/// Scenes and drives that the tests of the world share.
+/// Helpers: scenes and drives that the tests of the simulated world share.
 mod world_setup;
-/// The tyre law against the brush's own integral and closed form.
+/// Tests of the tyre law against the numerical integral and the closed form of the brush model.
 mod world_tyre;
-/// Motion at rest, straight on and in a circle against closed forms; walls; travel against pose.
+/// Tests of the robot's motion at rest, straight on and in a circle against closed forms; of walls; and of distance travelled against poses.
 mod world_motion;
-/// Slip by region, friction events and pushes.
+/// Tests of wheel slip in regions of the floor, of events that change friction, and of pushes.
 mod world_floor;
-/// Carpets, ramps, stuck wheels, lifts, snapshots and Borenstein's square against closed forms.
+/// Tests of carpets, ramps, stuck wheels, lifts, snapshots and Borenstein's square path against closed forms.
 mod carpet_physics;
-/// Whole runs by wheels, gyroscope and flow sensor, and what goes wrong on them.
+/// Tests of whole runs that localize by wheels, gyroscope and flow sensor, and of faults in such runs.
 mod carpet_runs;
-/// Scenes that once broke motion, its sensors and landmarks.
+/// Tests of scenes in which motion, its sensors or landmarks once failed.
 mod found_motion;
-/// Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
+/// Tests of gyroscope, flow sensor and delivery of readings against closed forms and geometry worked out by hand.
 mod motion_sensors;
-/// Routes driven by estimates, and the default bounds on such a drive.
+/// Tests of routes that are driven by estimates, and of the default bounds on such a drive.
 mod careful_bounds;
 mod gyro_band;
 mod base_clock;
 mod world_drifts;
 mod world_driver;
-/// Occupancy grids, ways through them and their files, against maps drawn by hand and map_server's rules.
+/// Tests of occupancy grids, paths through them and their files, against maps drawn by hand and the rules of ROS's map_server.
 mod navigation_map;
-/// Errands: control laws by hand, estimates that lie, blocked ways, what a run tells of it.
+/// Tests of errands: control laws worked out by hand, wrong estimates, blocked paths, and what a run reports about its errands.
 mod navigation_drive;
-/// Encoders against the definition of a tick.
+/// Tests of the wheel encoders against the definition of a tick.
 mod world_encoder;
-/// Drawn errors against their tolerances.
+/// Tests of errors drawn at random against their tolerances.
 mod world_drawn;
-/// Scenes that must be refused, and what the refusal says.
+/// Tests of scenes that must be refused, and of the error messages.
 mod scene_refusals;
-/// Scenes that build on others: what they come to state, what is refused, and what is left of them.
+/// Tests of scenes that extend other scenes: the keys that result, what is refused, and recordings that can be replayed without the extended scene.
 mod scene_extends;
-/// What `[expect]` holds a run against.
+/// Tests of the key `[expect]`, which states what a run must achieve.
 mod scene_expectations;
-/// What a user meets on the command line besides refusals: exit codes, output, replay, resumption.
+/// Tests of the command line other than refusals: exit codes, output, replay, and resuming after an interruption.
 mod cli_runs;
-/// What a run leaves behind, read back by other means than ours.
+/// Tests of the files that a run writes, read back by independent code.
 mod record_files;
-/// What every scene file, the schema and the documents keep true.
+/// Tests of rules that every scene file, the schema and the documents must obey.
 mod repository;
-/// The floor camera's lens and rolling shutter against formulas written out there.
+/// Tests of the floor camera's lens and rolling shutter against formulas that are written out in the tests.
 mod render_floor_lens;
-/// Tiles as laid, against the bounds that the localizer is told.
+/// Tests of floor tiles as laid at random, against the bounds that the localizer is given.
 mod render_laid_tiles;
-/// The sensor against the linear model of EMVA 1288: dark current, non-uniformities, depth, presets, the photon budget at 0.1 lx.
+/// Tests of the image sensor against the linear model of EMVA 1288: dark current, non-uniformities, bit depth, presets,
+/// and the photon budget at 0.1 lx.
 mod render_sensor;
-/// Grey levels and noise against photon counts by hand.
+/// Tests of grey levels and noise of rendered images against photon counts worked out by hand.
 mod render_photons;
-/// Rendered floor points, joints and blur against a projection derived by hand.
+/// Tests of rendered floor points, joints and blur against a projection derived by hand.
 mod render_projection;
-/// Light of lamps against closed forms; shadows against similar triangles; spectra against published figures.
+/// Tests of the light of lamps against closed forms, of shadows against similar triangles, and of spectra against published figures.
 mod light_of_lamps;
 mod live_view;
-/// Rooms seen through lenses against projections of the tests' own.
+/// Tests of rooms rendered through lenses, against projections written for these tests alone.
 mod render_room;
-/// Puddles: mirrored things and lamps against the law of reflection, the wet floor against Ångström's.
+/// Tests of puddles: mirrored objects and lamps against the law of reflection, and the wet floor against Ångström's model.
 mod render_puddles;
-/// Glints of long lamps against their images below the floor.
+/// Tests of the glints of long lamps on the floor, against the lamps' mirror images below the floor.
 mod render_glints;
-/// People who walk, row by row and at the picture's border.
+/// Tests of walking people in images, row by row of a rolling shutter and at the image's border.
 mod render_walkers;
-/// Cracks between faces, and what defocus draws in from beyond the border.
+/// Tests of cracks between rendered faces, and of light that defocus brings in from beyond the image's border.
 mod render_gaps;
-/// The ring's light on walls, people and lamps against both cosines.
+/// Tests of a ring light's illuminance on walls, people and lamps against the cosines at both ends of the ray.
 mod render_ring_light;
-/// Pictures of rooms against pictures that somebody has looked at.
+/// Tests of satellite navigation: the receiver's positions, and drives that are localized by them.
 mod gnss;
+/// Tests of rendered images of rooms against images that a person has inspected.
 mod golden_images;
-/// `wherein render`.
+/// Tests of the command `wherein render`.
 mod cli_render;
-/// What the renderer's tests share.
+/// Helpers that the renderer's tests share.
 mod render_studio;
-/// Who is at fault when the truth is outside: on records made by hand, and on runs with a fault planted in them.
+/// Tests of the blame when the truth is outside of a box: on records made by hand, and on runs with a planted fault.
 mod blame;
-/// Runs with every error as far as its bound lets it: contained, in boxes of which a fault that makes them smaller would be seen.
+/// Tests of runs in which every error is as great as its bound allows: the boxes contain the truth, and are so tight
+/// that a fault that shrinks them would be noticed.
 mod corner_runs;
-/// What is doubted, how soon, and when the truth is in the box again.
+/// Tests of doubt: what the localizer doubts, how soon, and when its box contains the truth again.
 mod doubts;
-/// Readings that come long after the slot before them, or after wheels that were silent, and headings when nothing else is known.
+/// Tests of readings that come long after the slot (stored pose) before them, or after silent wheels, and of headings when nothing else is known.
 mod slots;
-/// Every bound that an estimate stands on is watched, and the other way round.
+/// Tests that every bound that an estimate relies on is checked against the truth, and that every checked bound is relied on.
 mod bounds_watched;
-/// What the folders of each crate may know of each other.
+/// Tests of the dependencies that are allowed between the folders of each crate.
 mod structure;
-/// Localizers of somebody's own in the loop: what they are told and how they are judged.
+/// Tests of a user's own localizers in the simulation loop: what they are given and how they are judged.
 mod subjects;
-/// How much of the boxes is used, what counts as available, and what was not measured.
+/// Tests of the measures of a run: how much of the boxes' width the errors use, what counts as available, and what was not measured.
 mod power;
-/// Runs whose localizer is told narrower bounds than hold.
+/// Tests of runs whose localizer is given narrower bounds than the true ones.
 mod weakened;
-/// Whole runs on rendered images: soundness, recovery, the same bytes for the same seed.
+/// Tests of whole runs on rendered images: soundness, recovery, and identical bytes for identical seeds.
 mod whole_runs;
-/// Recordings as the `mcap` crate reads them, and the localizer on them.
+/// Tests of recordings: read by the `mcap` crate, and replayed through the localizer.
 mod recordings;
-/// Sweeps: every case once, the same bytes for any number of jobs, after kills, and merged from parts.
+/// Tests of sweeps: every case runs once, and the result has the same bytes for any number of jobs, after an
+/// interruption, and when merged from parts.
 mod sweep_cases;
-/// Sweeps that must be refused, and what the refusal says.
+/// Tests of sweeps that must be refused, and of the error messages.
 mod sweep_refusals;
-/// Reports, JUnit and annotations of a sweep, against its own table.
+/// Tests of a sweep's report, JUnit file and annotations against the sweep's own table.
 mod sweep_report;
-/// The result table's rows and pooled figures, the report's measures, the CSV's reader.
+/// Tests of the result table's rows and pooled figures, of the report's measures, and of the CSV reader.
 mod result_figures;
-/// `wherein compare`: planted differences found, chance not taken for one.
+/// Tests of the command `wherein compare`: it finds planted differences and does not report chance as a difference.
 mod sweep_compare;
-/// What random scenes are made of: every key of the schema, most of them accepted.
+/// Tests of the generator of random scenes: it uses every key of the schema, and most of its scenes are accepted.
 mod falsify_grammar;
-/// `wherein falsify`: found, shrunk, resumed; and a minute of it with fixed seeds.
+/// Tests of the command `wherein falsify`: it finds failures, shrinks them and can be resumed; and a minute of its search with fixed seeds.
 mod falsify_search;
-/// Which records come true as which wish, on records made by hand.
+/// Tests of which records of runs fulfil which search goal (wish) of `wherein falsify`, on records made by hand.
 mod falsify_wishes;
-/// Scenes that broke something once, each with its seeds.
+/// Tests of scenes that once showed a fault, each with its seeds.
 mod found_scenes;

@@ -1,4 +1,5 @@
-//! Where ceiling markers put a robot whose camera's vertical is known, against a pinhole worked out by hand.
+//! Tests of the point method that computes the robot's pose from ceiling markers when the camera's vertical is known,
+//! against a pinhole worked out by hand.
 
 use interval::Interval;
 use localizer::{
@@ -10,7 +11,7 @@ use localizer::{
     vision::ceiling::paper::PaperMarker,
 };
 
-/// 200 pixels a metre on a ceiling 2.5 m above the camera, which stands 0.1 m ahead of the axle.
+/// A camera that sees a ceiling 2.5 m above it at 200 pixels per metre, mounted 0.1 m ahead of the robot's axle.
 fn camera() -> CeilingCameraModel {
     CeilingCameraModel {
         width_px: 640,
@@ -43,10 +44,10 @@ fn map() -> MarkerMap {
 }
 
 const TRUTH: Pose = Pose { x_m: 1.0, y_m: 2.0, heading_rad: 0.5 };
-/// Those of the direction, and two more.
+/// Places of the dots on a marker's grid: the three direction dots and two coded dots.
 const PLACES: [GridPlace; 5] = [[0, 0], [3, 0], [0, 3], [1, 1], [2, 1]];
 
-/// A marker that hangs at a place and is read as `id`, each dot off by `off_px` to alternate sides.
+/// A marker at a place on the ceiling that is read as marker `id`; its dots are shifted by `off_px` to alternate sides.
 fn seen(id: u16, [centre_x_m, centre_y_m]: [f64; 2], off_px: f64) -> PaperMarker {
     let (sin, cos) = TRUTH.heading_rad.sin_cos();
     let pixel = |(index, place): (usize, &GridPlace)| {
@@ -54,7 +55,7 @@ fn seen(id: u16, [centre_x_m, centre_y_m]: [f64; 2], off_px: f64) -> PaperMarker
         let (x_m, y_m) = (centre_x_m + x_m - TRUTH.x_m, centre_y_m + y_m - TRUTH.y_m);
         let (ahead_m, left_m) = (cos * x_m + sin * y_m - 0.1, cos * y_m - sin * x_m);
         let off_px = if index % 2 == 0 { off_px } else { -off_px };
-        // Image up is forward, and as the camera looks up, image right is left.
+        // Image up is forward. As the camera looks up, a point to the robot's left appears at the right in the image.
         (*place, [320.0 + 200.0 * left_m + off_px, 240.0 - 200.0 * ahead_m])
     };
     let dots_px: Vec<(GridPlace, [f64; 2])> = PLACES.iter().enumerate().map(pixel).collect();
@@ -75,8 +76,9 @@ fn exact_dots_of_one_marker_give_the_exact_pose() {
 
 #[test]
 fn dots_that_are_off_by_a_tenth_of_a_pixel_move_the_robot_by_no_more_than_that_is_on_the_ceiling() {
-    // A tenth of a pixel is half a millimetre; P3P makes centimetres of it. The mean of ten dots is off by no more than one of them, and the lever
-    // from the markers' middle to the robot, 0.6 m, times a turn of 0.5 mm over the 0.35 m that the markers are off their middle adds 0.9 mm at most.
+    // A tenth of a pixel is half a millimetre on the ceiling; P3P turns this into centimetres. The mean of ten dots is off by no more than
+    // one of them. The markers turn by at most 0.5 mm over the 0.35 m between each of them and their middle; with the lever of 0.6 m from
+    // that middle to the robot this adds at most 0.9 mm.
     let both = [seen(125, [1.2, 2.1], 0.1), seen(183, [1.9, 2.2], 0.1)];
     let [away_m, turn_rad] = off(vertical_known(&both, &map(), &camera()).unwrap());
     assert!(away_m < 0.0014 && turn_rad < 0.0015, "{away_m} {turn_rad}");
@@ -84,10 +86,10 @@ fn dots_that_are_off_by_a_tenth_of_a_pixel_move_the_robot_by_no_more_than_that_i
 
 #[test]
 fn a_marker_that_is_misread_is_outvoted() {
-    // What hangs at the second place is read as the marker that hangs a metre away.
+    // The marker at the second place is read as the marker that hangs a metre away from it.
     let markers = [seen(207, [1.9, 2.2], 0.0), seen(125, [1.2, 2.1], 0.0), seen(183, [1.9, 2.2], 0.0)];
     let pose = vertical_known(&markers, &map(), &camera()).unwrap();
     assert!(off(pose).iter().all(|off| *off < 1e-12), "{pose:?}");
-    // Dots that are not of the grid as which they are read: by as much as 3 cm.
+    // Here the dots do not fit the grid of the marker as which they are read: they are off by up to 3 cm.
     assert!(vertical_known(&[seen(125, [1.2, 2.1], 6.0)], &map(), &camera()).is_none());
 }

@@ -1,5 +1,5 @@
-//! The proof that a layout of markers covers a room, against cameras at random places; and the places that it names as uncovered, against the simulator's own
-//! lens.
+//! Tests of the proof that a layout of markers covers a room, against cameras at random positions; and of the places that it reports as
+//! uncovered, against the simulator's own lens.
 
 use localizer::Pose;
 use nalgebra::Point3;
@@ -29,7 +29,7 @@ fn laid_out(room_m: [f64; 2], camera: &str, markers: &str) -> Scene {
 
 const SHORT: &str = "focal_px = [480.0, 480.0]";
 
-/// Markers whose every printed dot lies wholly in the image, as the simulator's lens projects it: dots whose rims are 1 cm about.
+/// Number of markers of which every printed dot lies wholly in the image, as the simulator's lens projects it. A dot's rim is 1 cm from its centre.
 fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth) -> usize {
     let (camera, mount) =
         (scene.robot.ceiling_camera.as_ref().unwrap(), drawn.devices.ceiling_camera.as_ref().unwrap());
@@ -50,7 +50,8 @@ fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth) -> usize {
     drawn.markers.iter().filter(|marker| is_whole(&marker.dots)).count()
 }
 
-/// Random poses of a robot whose body tips, heaves and stands against walls, under markers and a mount at the corners of their tolerances.
+/// Least number of whole markers seen from random poses of a robot that tips, heaves and stands next to walls, with markers and the
+/// camera's mount at the corners of their tolerances.
 fn fewest_seen(scene: &Scene, n_poses: usize) -> usize {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let model = scene.robot_model().body;
@@ -59,7 +60,7 @@ fn fewest_seen(scene: &Scene, n_poses: usize) -> usize {
         let drawn = Drawn::draw(scene, seed);
         for _ in 0..n_poses / 20 {
             let place = |extent_m: f64, rng: &mut ChaCha8Rng| {
-                // Half of them by the walls.
+                // Half of the robot's random positions are next to the walls.
                 let [least, most] = [model.clearance_m, extent_m - model.clearance_m];
                 match rng.random_range(0..4) {
                     0 => least,
@@ -113,15 +114,16 @@ fn two_markers_at_once_are_two() {
 
 #[test]
 fn a_layout_is_about_as_small_as_its_field_allows() {
-    // The laboratory of paper 5, 14.8 m by 7 m without what the body takes. At 2.29 m, 640 by 480 pixels of a focal length of 755 are 1.94 m by
-    // 1.46 m, some 2.1 m² without a marker's own 0.19 m; of 480, 5.9 m². A turned image sees one on average if there are so many:
+    // The robot's centre can reach 14.8 m by 7 m of paper 5's laboratory. At a distance of 2.29 m, 640 by 480 pixels of a camera with a
+    // focal length of 755 px show 1.94 m by 1.46 m: some 2.1 m² without the 0.19 m of a marker itself; with 480 px it is 5.9 m². The least
+    // numbers are those with which a turned image shows one marker on average.
     for (camera, least, most) in [("", 50, 100), (SHORT, 18, 36)] {
         let n_markers = laid_out([15.3, 7.5], camera, "coding = \"plain\"").map().markers.unwrap().markers.len();
         assert!((least..=most).contains(&n_markers), "{n_markers}");
     }
 }
 
-/// The layout as single markers, without one of them.
+/// The scene with its layout written out as single markers, without one of them.
 fn by_hand_without(scene: &Scene, camera: &str, left_out: usize) -> Scene {
     let markers = scene.markers.as_ref().unwrap().all().iter().enumerate().filter(|(index, _)| *index != left_out);
     let keys: String = markers
@@ -143,7 +145,7 @@ fn a_missing_marker_is_found_out_and_the_place_named_sees_none() {
             panic!("without {left_out} it is covered")
         };
         assert_eq!(seen, 0);
-        // By the simulator's lens, without errors; and the marker that is missing would have been near.
+        // By the simulator's lens without errors, no marker is seen at the reported place, and the missing marker would have been near.
         let mut exact = Drawn::draw(&holed, 0);
         exact.devices.ceiling_camera =
             Some(sim::devices::camera::DrawnCamera::ceiling(holed.robot.ceiling_camera.as_ref().unwrap()));
@@ -173,7 +175,7 @@ fn a_third_of_the_markers_is_missing_on_the_ceiling_and_not_on_the_map() {
     let pasted = |seed| Drawn::draw(&scene, seed).markers.iter().map(|marker| marker.index).collect::<Vec<_>>();
     assert_eq!(pasted(0).len(), n_markers - (n_markers as f64 * 0.3333).round() as usize);
     assert_ne!(pasted(0), pasted(1), "each seed loses others");
-    // What is left is where it is without the loss.
+    // The remaining markers are where they would be if no marker were missing.
     let whole = laid_out([6.0, 5.0], SHORT, "");
     let all = Drawn::draw(&whole, 0).markers;
     assert!(Drawn::draw(&scene, 0).markers.iter().all(|marker| all[marker.index] == *marker));
@@ -181,7 +183,7 @@ fn a_third_of_the_markers_is_missing_on_the_ceiling_and_not_on_the_map() {
 
 #[test]
 fn at_the_edge_of_what_is_surely_seen_the_worst_tilt_still_shows_the_marker() {
-    // Nothing but the mount's tilt is unknown, by 2°: 3 % of the distance, where a pixel is a fifth of a percent.
+    // Set-up: only the mount's tilt is uncertain, by 2°, which is 3 % of the distance; a pixel is a fifth of a percent of it.
     let exact = "position_tolerance_m = 0.0\nfocal_tolerance = 0.0\nprincipal_point_tolerance_px = 0.0\n";
     let camera = format!("{SHORT}\n[robot.ceiling_camera.calibration]\nangle_tolerance_deg = 2.0\n{exact}");
     let scene = parse(
@@ -204,7 +206,7 @@ fn at_the_edge_of_what_is_surely_seen_the_worst_tilt_still_shows_the_marker() {
             if field.surely_sees_from(&pose, &at(middle_m)) { near_m = middle_m } else { far_m = middle_m }
         }
         assert!(near_m > 0.3);
-        // Whether every tilt of 2° shows all of the marker's square.
+        // Whether every tilt of the mount by 2° shows the whole square of the marker.
         let is_shown = |distance_m: f64| {
             (0..32).all(|course| {
                 let (sin, cos) = (f64::from(course) * std::f64::consts::PI / 16.0).sin_cos();
@@ -225,7 +227,8 @@ fn at_the_edge_of_what_is_surely_seen_the_worst_tilt_still_shows_the_marker() {
             })
         };
         assert!(is_shown(near_m), "{step}: {near_m}");
-        // The proof is not idle: less than the tilt's 9 cm farther it would be false somewhere.
+        // The proof is not too cautious: if the marker is moved 8 cm farther away, less than the 9 cm by which the tilt
+        // shifts the view, some tilt hides it in many directions.
         hidden_a_little_farther += usize::from(!is_shown(near_m + 0.08));
     }
     assert!(hidden_a_little_farther >= 8, "{hidden_a_little_farther}");

@@ -1,4 +1,4 @@
-//! `wherein markers`: the map that it writes, the sheet, and what it refuses.
+//! Tests of the command `wherein markers`: the map that it writes, the sheet that it prints, and what it refuses.
 
 use std::fs;
 
@@ -27,7 +27,7 @@ fn the_map_written_is_the_map_when_pasted() {
     let stated = Scene::parse(&text, "hall.toml").unwrap();
     assert_eq!(pasted.map(), stated.map());
     assert!(pasted.map().markers.unwrap().placement_m == 0.003);
-    // Once is enough.
+    // A second run must not overwrite the files of the first.
     let (code, _, error) = outcome(&mut wherein(&folder, &["markers", "hall.toml", "--out", "out"]));
     assert_eq!(code, 2);
     assert!(error.contains("markers.pdf: it exists already"), "{error}");
@@ -58,12 +58,13 @@ fn a_sheet_has_a_page_a_marker_at_true_scale_as_seen_from_below() {
     let bytes = fs::read(folder.join("two/markers.pdf")).unwrap();
     let sheet = String::from_utf8_lossy(&bytes);
     assert!(sheet.contains("/Count 2") && sheet.contains("(Marker 125)") && sheet.contains("(Marker 183)"));
-    // 210 mm by 297 mm in points of 1/72 inch.
+    // A4 is 210 mm by 297 mm, in points of 1/72 inch.
     assert!(sheet.contains("/MediaBox [0 0 595.27") && sheet.contains(" 841.88"), "A4");
-    // A disc begins at its right end. O, X, Y and six coded dots a marker: O is at the upper left, X 120 mm to its right, Y 120 mm below it.
+    // The path of a disc begins at the disc's right end. Each marker has the dots O, X, Y and six coded dots: O is at
+    // the upper left, X 120 mm to its right, Y 120 mm below it.
     let page = sheet.split("(Marker 125)").next().unwrap();
     let lines: Vec<&str> = page.lines().collect();
-    // Curves follow on it, where a line follows on other starts.
+    // The start of a disc's path is followed by curves, the start of other paths by lines.
     let starts: Vec<[f64; 2]> = lines
         .windows(2)
         .filter(|pair| pair[1].ends_with(" c"))
@@ -73,7 +74,7 @@ fn a_sheet_has_a_page_a_marker_at_true_scale_as_seen_from_below() {
         .collect();
     assert_eq!(starts.len(), 9);
     let at = |dx: f64, dy: f64| starts.iter().any(|[x, y]| (x - 45.0 - dx).hypot(y - 65.0 - dy) < 1e-6);
-    // 125 has [0, 1], [1, 0] to [1, 3] and [2, 0], 40 mm a step.
+    // Marker 125 has coded dots at [0, 1], [1, 0] to [1, 3] and [2, 0], with 40 mm per step.
     for [i, j] in [[0, 0], [3, 0], [0, 3], [0, 1], [1, 0], [1, 1], [1, 2], [1, 3], [2, 0]] {
         assert!(at(40.0 * f64::from(i), 40.0 * f64::from(j)), "[{i}, {j}] is not at its place");
     }

@@ -1,4 +1,5 @@
-//! The wheels' enclosure against motion integrated in steps a hundred times finer, with slip at the corner of its bounds.
+//! Tests of the motion that wheel odometry encloses, against motion integrated in steps a hundred times finer, with
+//! slip at the corners of its bounds.
 
 use interval::Interval;
 use localizer::{
@@ -25,7 +26,7 @@ fn wheels() -> WheelModel {
     }
 }
 
-/// One random drive: true poses and readings every 10 ms.
+/// One random drive: true poses and wheel readings every 10 ms.
 struct Drive {
     history: WheelHistory,
     ticks: Vec<[i64; 2]>,
@@ -33,7 +34,7 @@ struct Drive {
 }
 
 impl Drive {
-    /// What is known when the latest reading that has come is this one.
+    /// The history of wheel readings as it is known when this reading is the latest that has arrived.
     fn known_up_to(&self, reading: usize) -> WheelHistory {
         let mut history = WheelHistory::new(10.0);
         for (index, ticks) in self.ticks.iter().enumerate().take(reading + 1) {
@@ -62,7 +63,7 @@ fn drive(rng: &mut ChaCha8Rng, n_readings: usize, slip_share: f64) -> Drive {
         all_ticks.push(ticks);
         poses.push(pose);
         if reading % 7 == 0 {
-            // A little below the declared acceleration, since slip adds to that of the wheel.
+            // The wheels accelerate a little less than the declared limit, since slip adds to the robot's acceleration.
             acceleration = std::array::from_fn(|_| rng.random_range(-1.9..1.9));
         }
         for _ in 0..100 {
@@ -108,7 +109,8 @@ fn stamps_between_two_readings_are_enclosed() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     for _ in 0..200 {
         let Drive { history, poses, .. } = drive(&mut rng, 40, 0.9);
-        // Between readings the true pose is known at the readings only: go there and back to a reading.
+        // The true pose is known only at readings. The test therefore predicts from a reading to a stamp between two
+        // readings, and from there to another reading.
         let middle_s = rng.random_range(0.05..0.15);
         let first = history.motion(0.02, middle_s, &wheels(), &REACH).expect("inside the history");
         let second = history.motion(middle_s, 0.3, &wheels(), &REACH).expect("inside the history");
@@ -125,7 +127,7 @@ fn ahead_of_the_latest_reading_the_wheels_are_enclosed_by_what_they_can_have_don
         let drive = drive(&mut rng, 60, 0.9);
         let (from, latest) = (rng.random_range(0..25), rng.random_range(25..35));
         let known = drive.known_up_to(latest);
-        // A quarter of a second ahead, and no further.
+        // Motion can be predicted up to a quarter of a second beyond the latest reading, and no further.
         for to in latest + 1..=latest + 25 {
             let motion =
                 known.motion(from as f64 * 0.01, to as f64 * 0.01 - 1e-9, &wheels(), &REACH).expect("near ahead");
@@ -147,10 +149,11 @@ fn fifty_milliseconds_ahead_cost_millimetres() {
         let known = drive(&mut rng, 40, 1.0).known_up_to(30);
         let at_reading = known.motion(0.2, 0.3, &wheels(), &REACH).expect("inside the history");
         let ahead = known.motion(0.2, 0.35, &wheels(), &REACH).expect("near ahead");
-        // By hand: over the last 10 ms a tick of 0.032 mm, 0.13 mm of slip and 2 m/s² leave the rate to 3.2 + 13 + 10 mm/s, which is ±1.3 mm in
-        // 50 ms, and ±2.5 mm by what it changes meanwhile. What the travel errs by acts at the end and, by summation by parts, with the turning: at
-        // most 0.49 rad in 0.15 s, ±2.0 mm more. The heading of its middle, left to 14 mrad, moves 28 mm by ±0.4 mm, the midpoint rule leaves ±0.2 mm. Reach
-        // would cost ±35 mm.
+        // By hand: over the last 10 ms, a tick of 0.032 mm, 0.13 mm of slip and an acceleration of 2 m/s² leave the rate
+        // uncertain by 3.2 + 13 + 10 mm/s, which is ±1.3 mm in 50 ms, and its change meanwhile adds ±2.5 mm. The error of
+        // the travel acts at the end of the span and, by summation by parts, with the turning: by at most 0.49 rad in 0.15
+        // s, or ±2.0 mm more. The heading at the middle of the span, uncertain by 14 mrad, moves 28 mm by ±0.4 mm, and the
+        // midpoint rule leaves ±0.2 mm. By the physical limits of speed and acceleration alone it would be ±35 mm.
         assert!(ahead[0].width() - at_reading[0].width() < 2.0 * 6.5e-3, "{ahead:?}");
     }
 }
@@ -174,14 +177,14 @@ fn the_enclosure_of_a_fifth_of_a_second_is_millimetres_wide() {
     for _ in 0..100 {
         let Drive { history, .. } = drive(&mut rng, 40, 1.0);
         let motion = history.motion(0.1, 0.3, &wheels(), &REACH).expect("inside the history");
-        // 0.1 m at most: 0.5 % slip, 0.2 % radius, 0.1 mm and a tick make ±0.85 mm, side slip ±0.7 mm; a turn of up to 0.6 rad
-        // carries a share of each onto the other axis.
+        // By hand: the robot moves at most 0.1 m; 0.5 % of slip, 0.2 % of radius, 0.1 mm and a tick make ±0.85 mm, side slip ±0.7 mm; a
+        // turn of up to 0.6 rad carries a share of each onto the other axis.
         assert!(motion[0].width() < 3.0e-3 && motion[1].width() < 3.0e-3, "{motion:?}");
         assert!(motion[2].width() < 2.0 * (2.0 * 0.85e-3 / 0.33 + 0.003 * 0.7), "{motion:?}");
     }
 }
 
-/// Wheels without error: what an enclosure of them still has to allow for is geometry alone.
+/// Wheels without errors: their enclosure has to allow only for the geometry of the motion.
 fn perfect_wheels() -> WheelModel {
     WheelModel {
         radius_m: [Interval::point(0.0975); 2],
@@ -195,13 +198,13 @@ fn perfect_wheels() -> WheelModel {
     }
 }
 
-/// The pose after `path_m` of an arc of a circle that turns by `turn_rad`, from the origin.
+/// Pose after a circular arc of length `path_m` that turns by `turn_rad`, starting at the origin.
 fn arc(path_m: f64, turn_rad: f64) -> [f64; 3] {
     let radius_m = path_m / turn_rad;
     [radius_m * turn_rad.sin(), radius_m * (1.0 - turn_rad.cos()), turn_rad]
 }
 
-/// The motion of that arc as told by a reading at its start and one at its end, a second later.
+/// Enclosure of the motion along a circular arc, from only two wheel readings: one at the arc's start and one at its end, a second later.
 fn told_in_one_step(path_m: f64, turn_rad: f64, wheels: &WheelModel) -> PoseBox {
     let ticks = [-0.5, 0.5].map(|side| {
         let travel_m = path_m + side * turn_rad * 0.33;
@@ -225,7 +228,8 @@ fn a_step_is_as_long_as_its_chord_not_as_its_arc() {
 
 #[test]
 fn side_slip_that_turns_about_on_the_way_is_enclosed() {
-    // Only the total is bounded: all of it to the right before the turn, then all the way over to the left after it.
+    // Only the total side slip of the robot is bounded: here all of it goes to the right before the turn, then over to
+    // the opposite bound after the turn.
     let bound_m = 0.01;
     let wheels = WheelModel { side_slip_floor_m: bound_m, ..perfect_wheels() };
     for turn_rad in [-1.0, 0.5, 1.0_f64] {
@@ -256,7 +260,7 @@ fn the_way_back_to_an_earlier_stamp_is_no_stand() {
     assert!(history.motion(0.2, 0.7, &wheels(), &REACH).is_some());
     assert!(history.motion(0.7, 0.2, &wheels(), &REACH).is_none());
     assert!(history.gyro_turn(0.7, 0.2, &wheels(), &REACH).is_none());
-    // Half a second of reach leads as far back as forth, 0.35 m and 0.8 rad.
+    // The physical limits allow as much motion backwards in time as forwards: 0.35 m and 0.8 rad in half a second.
     let back = history.reach_motion(0.7, 0.2, &REACH);
     assert!(back.contains(&[-0.35, 0.35, -0.8]) && !back.contains(&[-0.36, 0.0, 0.0]), "{back:?}");
 }

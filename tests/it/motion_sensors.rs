@@ -1,4 +1,4 @@
-//! Gyroscope, flow sensor and delivery against closed forms and geometry by hand.
+//! Tests of gyroscope, flow sensor and delivery of readings against closed forms and geometry worked out by hand.
 
 use localizer::{Pose, Reading};
 use sim::{
@@ -17,7 +17,7 @@ use crate::{
     world_setup::{flow_sensor, gyro_sensor, scene},
 };
 
-/// Rates that a gyroscope at rest reads, one per period, with its drawn bias taken off.
+/// Rates that a gyroscope at rest reads, one per period, less the constant bias that was drawn for it.
 fn rates_at_rest(gyro: serde_json::Value, seed: u64, n: usize) -> Vec<f64> {
     let period_s = gyro["period_s"].as_f64().unwrap();
     let scene = scene(serde_json::json!({ "robot": { "gyro": gyro } }));
@@ -35,7 +35,7 @@ fn rates_at_rest(gyro: serde_json::Value, seed: u64, n: usize) -> Vec<f64> {
     rates
 }
 
-/// Overlapping Allan variance of rates over clusters of m readings (IEEE Std 952, eq. C.4).
+/// Overlapping Allan variance of rates for clusters of m readings (IEEE Std 952, eq. C.4).
 fn allan_variance(rates: &[f64], m: usize) -> f64 {
     let mut sums = vec![0.0];
     rates.iter().for_each(|rate| sums.push(sums[sums.len() - 1] + rate));
@@ -44,7 +44,7 @@ fn allan_variance(rates: &[f64], m: usize) -> f64 {
     (0..n_pairs).map(|from| (mean(from + m) - mean(from)).powi(2)).sum::<f64>() / (2 * n_pairs) as f64
 }
 
-/// Allan deviation over clusters of m readings, from the mean variance of 20 records of two hours.
+/// Allan deviation for clusters of m readings, from the mean variance of 20 records of two hours each.
 fn deviation_of_20(gyro: &serde_json::Value, m: usize) -> f64 {
     let n = (7200.0 / gyro["period_s"].as_f64().unwrap()).round() as usize;
     let variances = (0..20).map(|seed| allan_variance(&rates_at_rest(gyro.clone(), seed, n), m));
@@ -74,10 +74,10 @@ fn bias_instability_is_a_plateau_and_rate_random_walk_rises() {
     };
     let per_hour_rad_per_s = 1.0_f64.to_radians() / 3600.0;
     for m in [30, 100, 300] {
-        // σ = B·√(2·ln 2/π), IEEE Std 952 eq. (C.12).
+        // The plateau of bias instability is σ = B·√(2·ln 2/π), IEEE Std 952 eq. (C.12).
         let share = deviation_of_20(&wide(10.0, 0.0), m) / (10.0 * per_hour_rad_per_s * 0.664);
         assert!((share - 1.0).abs() < 0.1, "{share} of the plateau at {m} s");
-        // σ = K·√(τ/3), eq. (C.15).
+        // Rate random walk gives σ = K·√(τ/3), IEEE Std 952 eq. (C.15).
         let expected = 20.0 * per_hour_rad_per_s * (m as f64 / 3600.0 / 3.0).sqrt();
         let share = deviation_of_20(&wide(0.0, 20.0), m) / expected;
         assert!((share - 1.0).abs() < 0.15, "{share} of the random walk at {m} s");
@@ -99,7 +99,7 @@ fn a_wandering_bias_keeps_both_of_its_bounds() {
         let steeper = rates.windows(2).map(|pair| (pair[1] - pair[0]).abs() / 0.5).fold(0.0, f64::max);
         (farthest, steepest) = (farthest.max(farther.to_degrees()), steepest.max(steeper.to_degrees()));
     }
-    // Both bounds are reached, and neither is passed.
+    // Both bounds of the gyroscope's bias, on its value and on its rate of change, are reached, and neither is exceeded.
     assert!(
         (0.0499..=0.05 + 1e-12).contains(&farthest) && (0.00399..=0.004 + 1e-12).contains(&steepest),
         "{farthest} {steepest}"
@@ -108,12 +108,13 @@ fn a_wandering_bias_keeps_both_of_its_bounds() {
 
 #[test]
 fn noise_adds_up_to_no_more_than_its_floor_and_rate_over_any_span() {
-    // So tight that draws are refused: 0.15 °/√h walks by 0.01° within some 16 s.
+    // The bound of the angle from the gyroscope's noise is so tight that random numbers are rejected: 0.15 °/√h walks by 0.01° within some 16 s.
     let mut gyro = serde_json::json!({
         "angle_random_walk_deg_per_sqrt_h": 0.15, "noise_deg_per_s": 0.2, "period_s": 0.01, "bias_tolerance_deg_per_s": 0.0,
         "angle_floor_deg": 0.01, "angle_deg_per_s": 0.0002,
     });
-    // By hand: the greatest |W(t) − W(s)| − rate·|t − s| over all pairs of times, through the running extremes of W ∓ rate·t.
+    // By hand: the greatest |W(t) − W(s)| − rate·|t − s| over all pairs of times, where W is the integrated noise;
+    // computed from the running extremes of W ∓ rate·t.
     let greatest_beyond_deg = |gyro: &serde_json::Value| {
         let (mut sum, mut least, mut greatest, mut beyond) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
         for (idx, rate) in rates_at_rest(gyro.clone(), 3, 20_000).iter().enumerate() {
@@ -134,13 +135,14 @@ fn noise_adds_up_to_no_more_than_its_floor_and_rate_over_any_span() {
 
 #[test]
 fn noise_makes_up_for_a_bias_that_would_depart_too_far() {
-    // A bias that wanders by some 0.01 °/s, and noise that could make up for it: both together keep to floor and rate.
+    // Set-up: a gyroscope bias that wanders by some 0.01 °/s, and noise that can compensate for it; both together must
+    // keep to the floor and the rate of the angle's bound.
     let gyro = serde_json::json!({
         "bias_instability_deg_per_h": 20.0, "rate_random_walk_deg_per_h_per_sqrt_h": 100.0, "bias_wander_deg_per_s2": 0.004,
         "bias_tolerance_deg_per_s": 0.5, "scale_tolerance": 0.0, "period_s": 0.02, "angle_random_walk_deg_per_sqrt_h": 0.15,
         "noise_deg_per_s": 0.1, "angle_floor_deg": 0.05, "angle_deg_per_s": 0.001,
     });
-    // `rates_at_rest` leaves the drawn bias out: what is left has departed from it.
+    // `rates_at_rest` subtracts the gyroscope's initial bias, so that the remaining bias is its departure from the initial value.
     let rates = rates_at_rest(gyro, 1, 60_000);
     let sums: Vec<f64> = rates
         .iter()
@@ -160,7 +162,7 @@ fn noise_makes_up_for_a_bias_that_would_depart_too_far() {
 
 #[test]
 fn a_noise_bound_that_would_cut_the_random_walk_off_is_refused() {
-    // By hand: 0.15/60/√0.005 = 0.0354 °/s, three times that 0.1061.
+    // By hand: the random walk has a standard deviation of 0.15/60/√0.005 = 0.0354 °/s per reading; three times that is 0.1061 °/s.
     for (noise_deg_per_s, is_taken) in [(0.107, true), (0.105, false), (0.0, false)] {
         let text = scene_text("dark/pushed.toml");
         let text = text.replace("noise_deg_per_s = 0.12", &format!("noise_deg_per_s = {noise_deg_per_s:?}"));
@@ -184,7 +186,7 @@ fn what_would_bound_or_tell_nothing_is_refused() {
         let error = refusal(&text.replace(from, to));
         assert!(error.contains(key), "{key}: {error}");
     }
-    // The P3-DX has no gyroscope unless its scene states one.
+    // The robot preset P3-DX has no gyroscope unless its scene states one.
     let mut gyroless: toml::Table = text.replace("preset = \"vacuum\"", "preset = \"p3dx\"").parse().unwrap();
     gyroless["robot"].as_table_mut().unwrap().remove("gyro").unwrap();
     let error = refusal(&gyroless.to_string());
@@ -199,7 +201,7 @@ fn flow_scene(more: serde_json::Value) -> Scene {
     scene(keys)
 }
 
-/// Counts and blind periods of an exactly mounted sensor that is led along poses, a millisecond apart.
+/// Final counts and number of blind periods of an exactly mounted flow sensor that is moved along given poses, a millisecond apart.
 fn counted(scene: &Scene, led: impl Fn(f64) -> Truth, lasts_s: f64) -> ([i64; 2], u64) {
     let mut drawn = Drawn::draw(scene, 0);
     drawn.devices.flow = Some(DrawnFlow { position_m: [-0.06, 0.02], yaw_rad: 0.0, scale: 1.0 });
@@ -229,11 +231,11 @@ fn assert_counts(counts: [i64; 2], travel_m: [f64; 2], scale: f64) {
 #[test]
 fn the_flow_sensor_counts_its_own_way_in_its_own_frame() {
     let scene = flow_scene(serde_json::json!({}));
-    // Pushed while it faces 30°: 1 m along world x is 0.866 m forward and 0.5 m to the right.
+    // The robot faces 30° and is pushed along world x: 1 m of that is 0.866 m forward and 0.5 m to the right.
     let (counts, blind) = counted(&scene, |time_s| at(1.0 + 0.2 * time_s, 3.0, std::f64::consts::FRAC_PI_6), 5.0);
     assert_counts(counts, [0.75_f64.sqrt(), -0.5], 1.0);
     assert_eq!(blind, 0);
-    // Turned on the spot by 2 rad it goes round its lever arm: −2·0.02 m forward, −2·0.06 m to the left.
+    // When the robot turns on the spot by 2 rad, the flow sensor moves around a circle with its lever arm: −2·0.02 m forward, −2·0.06 m to the left.
     let (counts, _) = counted(&scene, |time_s| at(4.0, 3.0, 0.5 * time_s), 4.0);
     assert_counts(counts, [-0.04, -0.12], 1.0);
 }
@@ -252,7 +254,7 @@ fn pile_changes_an_afocal_sensor_by_a_tenth_of_a_percent_per_millimetre_and_a_fi
         assert_counts(pile(0.0), [1.0, 0.0], 1.0);
         assert_counts(pile(0.002), [1.0, 0.0], 1.0 + 2.0 * per_mm);
     }
-    // A body that rises takes the sensor away from the floor.
+    // A body that rises takes the flow sensor away from the floor, which lowers its scale.
     let risen = |time_s: f64| Truth { heave_m: 0.003, ..at(1.0 + 0.25 * time_s, 3.0, 0.0) };
     assert_counts(counted(&flow_scene(serde_json::json!({})), risen, 4.0).0, [1.0, 0.0], 0.997);
 }
@@ -264,12 +266,13 @@ fn a_flow_sensor_tells_of_the_periods_in_which_it_followed_nothing() {
     let (counts, blind) = counted(&flow_scene(serde_json::json!({ "event": [event] })), drive, 4.0);
     assert_eq!(blind, 200);
     assert_counts(counts, [0.5, 0.0], 1.0);
-    // Too fast, and too far above the floor.
+    // The flow sensor is also blind when the robot is too fast, or too far above the floor.
     let fast = |time_s: f64| at(1.0 + 1.2 * time_s, 3.0, 0.0);
     assert_eq!(counted(&flow_scene(serde_json::json!({})), fast, 1.0).1, 100);
     let lifted = |time_s: f64| Truth { heave_m: 0.02, ..drive(time_s) };
     assert_eq!(counted(&flow_scene(serde_json::json!({})), lifted, 1.0), ([0, 0], 100));
-    // Glossy ground from x = 2 m on: 60 s there, 0.3 of 6000 periods with a standard deviation of 0.006.
+    // The ground is glossy from x = 2 m on. In 60 s there, the flow sensor loses a share of 0.3 of the 6000 periods,
+    // with a standard deviation of 0.006.
     let wet = serde_json::json!({
         "name": "wet", "x_m": [2.0, 8.0], "y_m": [0.0, 6.0], "friction": 0.4, "flow_dropout": 0.3,
     });
@@ -279,7 +282,7 @@ fn a_flow_sensor_tells_of_the_periods_in_which_it_followed_nothing() {
     assert!((share - 0.3).abs() < 0.025, "{share}");
 }
 
-/// Stamps and arrivals of the wheels' readings of a standing robot.
+/// Stamps and arrival times of the wheel readings of a robot at rest.
 fn deliveries(delivery: serde_json::Value, lasts_s: f64) -> Vec<[f64; 2]> {
     let scene = scene(serde_json::json!({ "robot": { "delivery": delivery, "floor_camera": false } }));
     let mut sensors = Sensors::new(&scene, 7, &Drawn::draw(&scene, 7), None);
@@ -310,20 +313,20 @@ fn readings_come_late_or_twice_or_never_as_often_as_stated() {
     let mut stamps: Vec<f64> = sent.iter().map(|[measured_s, _]| *measured_s).collect();
     stamps.sort_by(f64::total_cmp);
     stamps.dedup();
-    // Of 10 000 a tenth is lost, with a standard deviation of 0.003, and a fifth of the rest comes twice.
+    // Of 10 000 readings a tenth is lost, with a standard deviation of 0.003, and a fifth of the rest arrives twice.
     let (lost, twice) = (1.0 - stamps.len() as f64 / 10_000.0, sent.len() as f64 / stamps.len() as f64 - 1.0);
     assert!((lost - 0.1).abs() < 0.012 && (twice - 0.2).abs() < 0.017, "{lost} lost, {twice} twice");
 }
 
 #[test]
 fn a_bias_that_wanders_and_noise_together_keep_the_bound_of_the_angle() {
-    // So restless that the bias is at its bounds most of the time; 60 s of its tolerance would be 12 degrees.
+    // The gyroscope's bias changes so fast that it is at its bounds most of the time; its tolerance alone would allow 12 degrees in 60 s.
     let gyro = serde_json::json!({
         "bias_tolerance_deg_per_s": 0.2, "bias_wander_deg_per_s2": 0.05, "rate_random_walk_deg_per_h_per_sqrt_h": 3000.0,
         "angle_floor_deg": 0.005, "angle_deg_per_s": 0.01, "scale_tolerance": 0.0, "period_s": 0.01,
     });
     for seed in 0..5 {
-        // By hand, through the running extremes of W ∓ rate·t, of noise and of what the bias has departed from its first value together.
+        // By hand, from the running extremes of W ∓ rate·t, where W is the angle from noise together with the bias's departure from its first value.
         let (mut sum, mut least, mut greatest, mut beyond) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
         for (idx, rate) in rates_at_rest(gyro.clone(), seed, 20_000).iter().enumerate() {
             let time_s = (idx + 1) as f64 * 0.01;
@@ -336,7 +339,7 @@ fn a_bias_that_wanders_and_noise_together_keep_the_bound_of_the_angle() {
     }
 }
 
-/// A blind vacuum robot that drives lanes for 40 s.
+/// A scene with a vacuum robot that drives along lanes for 40 s and is localized without any camera.
 fn lanes(delivery: serde_json::Value) -> Scene {
     let corner = |x_m: f64, y_m: f64| serde_json::json!({ "x_m": x_m, "y_m": y_m, "speed_m_per_s": 0.25 });
     scene(serde_json::json!({

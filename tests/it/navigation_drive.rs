@@ -1,4 +1,4 @@
-//! Errands driven: control laws by hand, estimates that lie, blocked ways, and what a run tells of it.
+//! Tests of driving errands: control laws worked out by hand, wrong estimates, blocked paths, and what a run reports about its errands.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -20,7 +20,7 @@ use sim::{
 use crate::judging::verdict_of;
 use crate::world_setup::{estimate, hold, nominal, scene};
 
-/// The plain 8 × 6 m room with goals, and more keys of the scene.
+/// A scene with the plain room of 8 × 6 m, the given goals as errands, and further keys.
 fn errands(goals_m: &[[f64; 2]], more: serde_json::Value) -> Scene {
     let errands: Vec<_> = goals_m.iter().map(|at_m| serde_json::json!({ "x_m": at_m[0], "y_m": at_m[1] })).collect();
     let mut keys = serde_json::json!({ "errand": errands, "robot": { "floor_camera": null }, "duration_s": 60.0 });
@@ -31,7 +31,7 @@ fn errands(goals_m: &[[f64; 2]], more: serde_json::Value) -> Scene {
     scene(keys)
 }
 
-/// Drives for some time by estimates that are made from the truth.
+/// Drives for some time with estimates that are made from the truth.
 fn drive_by(scene: &Scene, lasts_s: f64, mut see: impl FnMut(&Truth, usize) -> Estimate) -> (Vec<Truth>, ErrandDriver) {
     let (mut world, mut driver) = (World::new(scene, &nominal(scene)), ErrandDriver::new(scene, &[]));
     let mut truths = vec![world.truth()];
@@ -57,14 +57,14 @@ fn distance_m(truth: &Truth, place_m: [f64; 2]) -> f64 {
 fn the_bearing_is_that_of_the_papers_equations_in_every_quadrant() {
     let robot = |heading_rad: f64| Pose { x_m: 1.0, y_m: 1.0, heading_rad };
     let cases = [
-        // Ahead; to the left, which is a turn to the left by a right angle; to the right; behind.
+        // The place is ahead of the robot; to its left, which requires a left turn by a right angle; to its right; behind it.
         (FRAC_PI_2, [1.0, 3.0], 0.0, 2.0),
         (FRAC_PI_2, [-1.0, 1.0], -FRAC_PI_2, 2.0),
         (FRAC_PI_2, [4.0, 1.0], FRAC_PI_2, 3.0),
         (FRAC_PI_2, [1.0, -3.0], PI, 4.0),
-        // An arctan of the quotient would call this 0: the place lies behind, up to the left.
+        // The arctan of the quotient, without regard to the quadrant, would give 0 here: the place lies straight behind the robot.
         (0.25 * PI, [-2.0, -2.0], PI, 3.0 * 2.0_f64.sqrt()),
-        // Headings are not wrapped: two turns and a bit, and one turn back.
+        // In these cases headings are not wrapped: two full turns and a bit, and one full turn back.
         (4.0 * PI + 0.1, [2.0, 1.0], 0.1, 1.0),
         (-2.0 * PI - 0.1, [2.0, 1.0], -0.1, 1.0),
     ];
@@ -81,7 +81,7 @@ fn both_followers_turn_to_the_goal_first_and_end_there() {
         let goal_m = [1.5, 5.0];
         let scene = errands(&[goal_m], serde_json::json!({ "navigation": { "follower": follower } }));
         let (truths, driver) = drive_by(&scene, 25.0, |truth, _| estimate(truth));
-        // The goal lies to the left: the left wheel goes back while the robot stands in its place.
+        // The goal lies to the left: the robot turns in place, with its left wheel going backwards, before it drives.
         let turning = &truths[100];
         assert!(turning.velocity[2] > 0.1 && distance_m(turning, [1.5, 3.0]) < 0.01, "{follower}: {turning:?}");
         assert!(distance_m(&truths[2500], goal_m) < 0.05, "{follower} ended at {:?}", truths[2500].pose);
@@ -120,11 +120,11 @@ fn the_driver_arrives_where_its_estimate_says_and_not_where_the_truth_is() {
     });
     let log = driver.into_log(30.0);
     assert_eq!(log.errands[0].outcome, Outcome::Reached);
-    // Believing to be 0.4 m farther left, it ends 0.4 m to the right of the goal.
+    // The robot believes that it is 0.4 m farther to the left than it is, so that it ends 0.4 m to the right of the goal.
     assert!(distance_m(&truths[3000], [goal_m[0], goal_m[1] - 0.4]) < 0.05, "{:?}", truths[3000].pose);
 }
 
-/// An estimate with a box of some width about the truth.
+/// An estimate whose box has a given width and is centred on the truth.
 fn wide(truth: &Truth, width_m: f64) -> Estimate {
     let seen = estimate(truth);
     let mut hull = seen.pose.hull();
@@ -140,7 +140,8 @@ fn a_wide_box_slows_the_robot_down_in_proportion() {
         let (truths, _) = drive_by(&scene, 10.0, |truth, _| wide(truth, width_m));
         truths.iter().map(|truth| truth.velocity[0]).fold(0.0, f64::max)
     };
-    // Half of the box fits into the margin of 0.1 m; is twice it; is almost five times it, where a quarter of the speed is left; says nothing.
+    // Four widths of the estimate's box and the speeds that follow: half of the box fits into the margin of 0.1 m; is twice the margin; is
+    // almost five times the margin, where a quarter of the speed is left; or is so great that the robot stands.
     for (width_m, speed_m_per_s) in [(0.19, 0.4), (0.4, 0.2), (0.9, 0.1), (4.0, 0.0)] {
         assert!((fastest(width_m) - speed_m_per_s).abs() < 0.01, "{} m/s in a box of {width_m} m", fastest(width_m));
     }
@@ -193,7 +194,8 @@ fn beams_end_where_geometry_says() {
     };
     let fan = sensors.look_out(&truth, &[person]).unwrap();
     let found: Vec<(f64, Option<f64>)> = fan.beams.iter().map(|beam| (beam.bearing_rad, beam.distance_m)).collect();
-    // To the right the wall at y = 0; ahead the box's face at x = 3, over a lower one; to the left the person's front.
+    // The beam to the right ends at the wall at y = 0; the one ahead passes over the lower box and ends at the face of the other box at x =
+    // 3; the one to the left ends at the person's front.
     for ((bearing_rad, distance_m), (at_rad, at_m)) in
         found.into_iter().zip([(-FRAC_PI_2, 3.0), (0.0, 1.5), (FRAC_PI_2, 0.95)])
     {
@@ -203,7 +205,7 @@ fn beams_end_where_geometry_says() {
         );
     }
     assert_eq!(sensors.look_out(&Truth { time_s: 0.02, ..truth }, &[]), None, "not due before 0.05 s");
-    // Turned to the far wall: 6.5 m are beyond the range.
+    // The beam ahead points to the far wall, whose distance of 6.5 m is beyond the sensor's range.
     let away = Truth { time_s: 0.05, pose: Pose { y_m: 4.0, ..truth.pose }, ..truth };
     assert_eq!(sensors.look_out(&away, &[]).unwrap().beams[1].distance_m, None);
 }
@@ -224,13 +226,13 @@ fn clearance_is_measured_from_the_bodys_edge() {
         velocity_m_per_s: [0.0; 2],
     };
     let room = Clearance::of(&scene, &truth, &[person]);
-    // The turned square's corner is at 4 − √½; the body reaches 0.25 m.
+    // The corner of the turned square is at x = 4 − √½; the robot's body reaches 0.25 m from its centre.
     assert!((room.walls_m - 1.75).abs() < 1e-12 && (room.people_m - 1.5).abs() < 1e-12, "{room:?}");
     assert!((room.furniture_m - (2.0 - 0.5_f64.sqrt() - 0.25)).abs() < 1e-12, "{room:?}");
     assert_eq!(room.least_m(), room.furniture_m);
 }
 
-/// A goal straight ahead behind a box that the map does not show.
+/// A scene with a goal straight ahead, behind a box that the map does not show.
 fn blocked(proximity: bool, room_depth_m: f64) -> Scene {
     let middle_m = 0.5 * room_depth_m;
     errands(
@@ -256,7 +258,8 @@ fn a_box_off_the_map_is_waited_for_and_driven_round() {
     assert!(record.truths.last().unwrap().time_s < 59.0, "the run ends with its errands");
 }
 
-/// Errands by estimates as good as the truth, with what the proximity sensor reads; and the least room that the robot had.
+/// Drives errands with true poses as estimates and the readings of the proximity sensor. Returns the errands' log and
+/// the least clearance of the robot.
 fn drive_looking_out(scene: &Scene, seed: u64) -> (ErrandLog, f64) {
     let drawn = nominal(scene);
     let (mut world, mut driver) = (World::new(scene, &drawn), ErrandDriver::new(scene, &[]));
@@ -277,7 +280,7 @@ fn drive_looking_out(scene: &Scene, seed: u64) -> (ErrandLog, f64) {
 
 #[test]
 fn a_way_that_stays_blocked_is_given_up_in_time() {
-    // Beside the box 0.3 m are left.
+    // Only 0.3 m are left beside the box, so that the robot cannot pass.
     let mut scene = blocked(true, 1.4);
     scene.duration_s = 150.0;
     let (log, least_m) = drive_looking_out(&scene, 62);
@@ -296,7 +299,7 @@ fn without_a_proximity_sensor_a_box_off_the_map_is_run_into_and_counted() {
 
 #[test]
 fn nobody_is_run_into_and_nobody_waits_for_ever() {
-    // Across the way, along it towards the robot, and somebody who stands in it.
+    // Three walks of a person: across the robot's path, along the path towards the robot, and standing in the path.
     for (seed, walk) in
         [[[4.0, 1.0], [4.0, 5.0]], [[6.5, 3.0], [1.5, 3.0]], [[4.0, 3.0], [4.0, 3.0]]].into_iter().enumerate()
     {
@@ -312,7 +315,7 @@ fn nobody_is_run_into_and_nobody_waits_for_ever() {
 
 #[test]
 fn a_robot_makes_way_for_somebody_who_waits_for_it() {
-    // 1.4 m leave no room to pass: somebody comes towards the robot, stands before it, and turns back only at x = 3.
+    // A room 1.4 m deep leaves no room to pass. A person comes towards the robot, stands before it, and turns back only at x = 3.
     let keys = serde_json::json!({
         "room": { "width_m": 8.0, "depth_m": 1.4 },
         "start": { "x_m": 2.2, "y_m": 0.7, "tolerance_m": 0.0, "tolerance_deg": 0.0 },
@@ -337,7 +340,7 @@ fn random_goals_follow_the_seed_and_can_be_reached() {
     assert_eq!(goals_m.len(), 40);
     assert_eq!(goals_m, Drawn::draw(&scene, 7).goals_m);
     assert_ne!(goals_m, Drawn::draw(&scene, 8).goals_m);
-    // Nobody gets behind the wall at x = 5, nor nearer than body and margin to it.
+    // No goal lies behind the wall at x = 5, or nearer to it than body radius and margin.
     for pair in goals_m.windows(2) {
         assert!(pair[1][0] < 4.95 - 0.33 && pair[1][0] > 0.33, "{pair:?}");
         assert!((pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) >= 1.0, "{pair:?}");
@@ -365,7 +368,7 @@ fn arrivals_are_held_against_the_truth() {
     let (mut record, verdict) = judged(&errands(&[[3.0, 3.0]], serde_json::json!({})), 65);
     assert_eq!(verdict.metrics["arrivals_off"], 0.0, "{:?}", verdict.metrics);
     let scene = errands(&[[3.0, 3.0]], serde_json::json!({}));
-    // As though the robot had really been half a metre off when it believed to be there.
+    // The true poses are moved half a metre, as though the robot had been off by that much when it believed to have arrived.
     for truth in &mut record.truths {
         truth.pose.y_m += 0.5;
     }

@@ -1,4 +1,4 @@
-//! Grids, ways through them and their files, against maps drawn by hand and the rules of ROS's map_server.
+//! Tests of occupancy grids, paths through them and their files, against maps drawn by hand and the rules of ROS's map_server.
 
 use std::{
     fs,
@@ -15,7 +15,7 @@ use crate::{
     world_setup::scene,
 };
 
-/// A grid with cells of 1 m from rows as one sees them, the greatest y first: `#` occupied, `?` unknown.
+/// An occupancy grid with cells of 1 m, from rows of text with the greatest y first: `#` is occupied, `?` unknown, anything else free.
 fn drawn_grid(rows: &[&str]) -> OccupancyGrid {
     let cells = rows.iter().rev().flat_map(|row| row.chars()).map(|character| match character {
         '#' => Cell::Occupied,
@@ -35,7 +35,7 @@ fn the_grid_of_a_room_shows_walls_and_what_is_mapped() {
         "furniture": [piece(0.6, true), piece(1.4, false)],
     }));
     let grid = OccupancyGrid::from_scene(&scene);
-    // 2.0 m are 40 cells of 0.05 m, and a cell of wall at each end.
+    // In the occupancy grid the room's width of 2.0 m is 40 cells of 0.05 m; a cell of wall is added at each end.
     assert_eq!((grid.size, grid.origin_m), ([42, 22], [-0.05, -0.05]));
     let at = |x_m: f64, y_m: f64| grid.at(grid.cell_at([x_m, y_m]).unwrap());
     for [x_m, y_m] in [[-0.01, 0.5], [2.01, 0.5], [1.0, -0.01], [1.0, 1.01]] {
@@ -44,7 +44,7 @@ fn the_grid_of_a_room_shows_walls_and_what_is_mapped() {
     for [x_m, y_m] in [[0.01, 0.01], [1.99, 0.99], [1.4, 0.5], [0.6, 0.61], [0.76, 0.5]] {
         assert_eq!(at(x_m, y_m), Cell::Free, "nothing at {x_m}, {y_m}");
     }
-    // The box reaches from 0.5 to 0.7 and from 0.45 to 0.55.
+    // The box on the map reaches from 0.5 to 0.7 m in x and from 0.45 to 0.55 m in y.
     for [x_m, y_m] in [[0.6, 0.5], [0.51, 0.46], [0.69, 0.54]] {
         assert_eq!(at(x_m, y_m), Cell::Occupied, "the box at {x_m}, {y_m}");
     }
@@ -55,7 +55,7 @@ fn the_shortest_way_round_a_wall_has_the_length_worked_out_by_hand() {
     let grid = drawn_grid(&[".......", "...#...", "...#...", "...#...", "...#..."]);
     let planner = Planner::new(grid, 0.1);
     let way = planner.plan([1.5, 0.5], [5.5, 0.5]).unwrap();
-    // Over the wall's end without cutting its corner: up 4 and across 1, along 2, down again.
+    // The path goes over the wall's end without cutting its corner: up 4 cells and across 1, along 2, and down again.
     assert_eq!(way, [[1.5, 0.5], [2.5, 4.5], [4.5, 4.5], [5.5, 0.5]]);
     assert!((length_m(&way) - (2.0 * 17.0_f64.sqrt() + 2.0)).abs() < 1e-12);
     assert_eq!(planner.plan([1.5, 0.5], [2.5, 3.5]).unwrap(), [[1.5, 0.5], [2.5, 3.5]], "seen, and straight");
@@ -73,7 +73,7 @@ fn where_there_is_no_way_there_is_none_and_unknown_floor_is_no_way() {
 
 #[test]
 fn a_gap_lets_through_only_what_fits() {
-    // A gap of 3 m: its middle is 1.5 m from either edge.
+    // The gap in the wall is 3 m wide: its middle is 1.5 m from either edge.
     let grid = drawn_grid(&[
         "......#......",
         "......#......",
@@ -88,7 +88,7 @@ fn a_gap_lets_through_only_what_fits() {
     assert_eq!(plan(1.6), None);
 }
 
-/// Lengths of shortest ways over cells from a start, by relaxing every step until nothing changes.
+/// Lengths of the shortest paths over cells from a start, by relaxing every step until nothing changes.
 fn relaxed_lengths(grid: &OccupancyGrid, start: [usize; 2]) -> Vec<f64> {
     let [n_columns, n_rows] = grid.size;
     let is_open = |column: i64, row: i64| {
@@ -168,14 +168,14 @@ const YAML: &str =
 fn a_map_is_read_by_the_rules_of_map_server() {
     use Cell::{Free, Occupied, Unknown};
     let place = folder("map_rules");
-    // p = (255 − x)/255: 89 gives 0.651 and 90 gives 0.647, 205 gives 0.1961 and 206 gives 0.192.
+    // For a pixel x the occupancy is p = (255 − x)/255: 89 gives 0.651 and 90 gives 0.647, 205 gives 0.1961 and 206 gives 0.192.
     let pgm = [b"P5\n# made by hand\n3 2\n255\n".as_slice(), &[0, 89, 90, 205, 206, 254]].concat();
     let grid = map_server::read(&write_map(&place, YAML, &pgm)).unwrap();
     assert_eq!((grid.size, grid.resolution_m, grid.origin_m), ([3, 2], 0.5, [-1.0, 2.0]));
-    // The picture's first row is the farthest from the origin.
+    // The first row of the image is the row farthest from the map's origin.
     assert_eq!(grid.cells, [Unknown, Free, Free, Occupied, Occupied, Unknown]);
     assert_eq!(grid.at(grid.cell_at([-0.9, 2.9]).unwrap()), Occupied);
-    // Negated, p = x/255: 89 gives 0.349, 90 gives 0.353.
+    // With `negate: 1` the occupancy is p = x/255: 89 gives 0.349, 90 gives 0.353.
     let grid = map_server::read(&write_map(&place, &YAML.replace("negate: 0", "negate: 1"), &pgm)).unwrap();
     assert_eq!(grid.cells, [Occupied, Occupied, Occupied, Free, Unknown, Unknown]);
 }
@@ -251,7 +251,7 @@ fn a_map_that_cannot_be_is_refused_by_name() {
     refused(&YAML.replace("m.pgm", "none.pgm"), &good, "none.pgm");
 }
 
-/// A scene of errands instead of a route.
+/// Text of a scene with the given lines, in which errands replace the route.
 fn errand_scene(more: &str) -> String {
     let scene = blind_scene(20.0, "");
     scene.split("[[route").next().unwrap().to_owned() + more
@@ -265,7 +265,7 @@ fn the_command_writes_the_map_of_a_scene_and_plans_on_the_map_of_a_file() {
     assert_eq!((code, told.trim()), (0, "out/x/map.yaml"), "{errors}");
     let grid = map_server::read(&place.join("out/x/map.yaml")).unwrap();
     assert_eq!(grid, OccupancyGrid::from_scene(&Scene::load(&place.join("x.toml")).unwrap()));
-    // The same map as a file, with a wall across that the scene does not have.
+    // The same map is saved as a file with an additional wall across the room, which the scene does not have.
     let mut walled = grid;
     for row in 0..200 {
         walled.occupy([1.5, f64::from(row) * 0.01]);

@@ -1,4 +1,4 @@
-//! How much of the boxes is used: error over half the width, and what counts as available or as measured.
+//! Tests of how much of the boxes is used (error over half of the width), and of what counts as available or as measured.
 
 use interval::Interval;
 use localizer::{PoseBox, PoseUnion, Status};
@@ -20,7 +20,7 @@ fn recorded(duration_s: f64, more: &str) -> (Scene, RunRecord) {
     (scene, record)
 }
 
-/// Boxes of ±1 about the truth, along x moved by `off` at each step.
+/// Replaces the boxes of a record by boxes of ±1 about the truth; along x, the box of each step is moved by `off` for that step.
 fn with_boxes(record: &mut RunRecord, off: impl Fn(usize) -> f64) {
     for (step, (estimate, truth)) in record.estimates.iter_mut().zip(&record.truths).enumerate() {
         let [x_m, y_m, heading_rad] = truth.pose.to_array();
@@ -33,7 +33,8 @@ fn with_boxes(record: &mut RunRecord, off: impl Fn(usize) -> f64) {
 #[test]
 fn power_is_the_greatest_error_over_half_the_width_and_what_one_step_in_a_thousand_exceeds() {
     let (scene, mut record) = recorded(20.0, "");
-    // Of 2 001 steps two are at 0.9 and 0.8, the first of them before 5 s, all others at 0.25: 0.999 · 2 001 = 1 998.999.
+    // In all but two of 2 001 steps the error is 0.25 of half of the box's width; it is 0.9 once before 5 s and 0.8 once after that. The
+    // 0.999 quantile is at rank 0.999 · 2 001 = 1 998.999.
     with_boxes(&mut record, |step| match step {
         100 => 0.9,
         1000 => -0.8,
@@ -44,7 +45,7 @@ fn power_is_the_greatest_error_over_half_the_width_and_what_one_step_in_a_thousa
     is(power.over_all.x_m.max, 0.9);
     is(power.over_all.x_m.p999, 0.25);
     is(power.over_all.y_m.max, 0.0);
-    // From 5 s on there are 1 501 steps, of which 0.999 are 1 499.5.
+    // From 5 s on there are 1 501 steps, so that the 0.999 quantile is at rank 0.999 · 1 501 = 1 499.5.
     is(power.after_5_s.x_m.max, 0.8);
     is(power.after_5_s.x_m.p999, 0.25);
 }
@@ -52,7 +53,7 @@ fn power_is_the_greatest_error_over_half_the_width_and_what_one_step_in_a_thousa
 #[test]
 fn a_step_counts_as_available_only_with_the_truth_inside() {
     let (scene, mut record) = recorded(1.0, "[localizer]\ndeclared_width_m = 1.5\ndeclared_width_deg = 350.0\n");
-    // Of 101 steps the last 51 are a millimetre off, each within 2 mm of width.
+    // Of 101 steps, the last 51 have boxes 2 mm wide whose middles are off by 1.1 mm, so that they do not contain the truth.
     for (step, (estimate, truth)) in record.estimates.iter_mut().zip(&record.truths).enumerate() {
         let [x_m, y_m, heading_rad] = truth.pose.to_array();
         let off_m = if step < 50 { 0.0 } else { 0.0011 };

@@ -1,4 +1,4 @@
-//! Every way into vision returns from pictures of any size and content: a camera may deliver anything.
+//! Every entry point of the image processing returns for images of any size and content, because a camera may deliver anything.
 
 use image::{GrayImage, Luma};
 use nalgebra::Vector3;
@@ -14,7 +14,7 @@ use crate::markers::Coding;
 
 const SIZES_PX: [u32; 13] = [0, 1, 2, 3, 4, 5, 7, 9, 15, 16, 31, 64, 100];
 
-/// Black, white, noise, a step along u, stripes along v, one bright pixel.
+/// Test images of a given size: black, white, noise, a step along u, stripes along v, and one bright pixel on a dark ground.
 fn contents(width: u32, height: u32, random: &mut Random) -> Vec<GrayImage> {
     let mut drawn = |of: &mut dyn FnMut(u32, u32, &mut Random) -> u8| {
         GrayImage::from_fn(width, height, |u, v| Luma([of(u, v, random)]))
@@ -38,7 +38,7 @@ fn pictures() -> Vec<GrayImage> {
 #[test]
 fn both_chains_for_joints_return_from_any_picture() {
     for (at, image) in pictures().iter().enumerate() {
-        // Joints of a usual width, and of next to none.
+        // The declared width of a tile joint alternates between a usual one and one far below a pixel.
         let joint_width_px = [5.3, 0.3][at % 2];
         let view = FloorView { pixels_per_m: 1300.0, edge_px: [400.0, 400.0], joint_width_px, q_items: at % 2 };
         for (blur_px, turn_rad) in [([0.0, 0.0], 0.0), ([9.0, -4.0], 0.02)] {

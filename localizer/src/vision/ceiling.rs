@@ -1,6 +1,7 @@
 //! Dot-matrix markers in an infrared picture of the ceiling (paper 5, sections 4.1 and 4.2).
 //!
-//! Two chains, as for the floor: ours reads all markers in view, with a bound for every dot; the paper's reads the one nearest to the middle.
+//! There are two chains: this project's own reads all markers in view, with an error bound for every dot; that of the paper reads the
+//! marker nearest to the middle of the image.
 //!
 //! ```text
 //! dots:    local threshold ──> components ──> area, aspect ──> weighted centroids with bounds ──┐
@@ -23,23 +24,23 @@ pub(crate) mod trial;
 
 use crate::markers::{DOT_RADIUS_M, GridPlace, MarkerId};
 
-/// What is declared of a picture of the ceiling.
+/// What the localizer is given about an image of the ceiling: declared values, not true ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CeilingView {
-    /// Radius of a dot's image: least and greatest.
+    /// Least and greatest radius of the image of a marker's dot.
     pub dot_radius_px: [f64; 2],
-    /// Focal length.
+    /// Focal length of the camera, in pixels.
     pub focal_px: f64,
     /// Tangent of the greatest angle between the optical axis and the vertical.
     pub lean: f64,
-    /// Photoelectrons of one step of grey level, at least: how much noise a dot's own light brings.
+    /// Least number of photoelectrons per grey level; it determines how much shot noise a dot's own light adds.
     pub electrons_per_grey: f64,
 }
 
 impl CeilingView {
-    /// For a camera of this focal length, whose optical centre is so far below the markers.
+    /// The view of a camera with this focal length whose optical centre is between the two distances below the markers.
     pub fn new(focal_px: f64, distance_m: [f64; 2], lean: f64, electrons_per_grey: f64) -> CeilingView {
-        // Seen obliquely a dot is a little smaller or larger.
+        // A dot that is seen obliquely appears a little smaller or larger.
         let radius_px = |distance_m: f64, slack: f64| slack * focal_px * DOT_RADIUS_M / distance_m;
         let slack = 0.1 + lean;
         let dot_radius_px = [radius_px(distance_m[1], 1.0 - slack), radius_px(distance_m[0], 1.0 + slack)];
@@ -47,62 +48,62 @@ impl CeilingView {
     }
 }
 
-/// Motion of the picture over the exposure.
+/// Motion of the image over the exposure: a shift and a rotation about a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureMotion {
-    /// Shift at the point about which it turns.
+    /// Shift of the image at the point about which the image turns.
     pub shift_px: [f64; 2],
-    /// Turn from u towards −v, and the point about which it turns.
+    /// Rotation of the image over the exposure, positive from u towards −v.
     pub turn_rad: f64,
-    /// That point.
+    /// Point of the image about which the image turns.
     pub about_px: [f64; 2],
 }
 
 impl PictureMotion {
-    /// Motion of one point of the picture.
+    /// Motion of a given point of the image over the exposure.
     pub fn at(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let (du, dv) = (u - self.about_px[0], v - self.about_px[1]);
         [self.shift_px[0] + self.turn_rad * dv, self.shift_px[1] - self.turn_rad * du]
     }
 }
 
-/// One bright dot.
+/// A bright dot that was found in the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dot {
-    /// Where the image of the dot's centre is claimed to be.
+    /// Claimed position of the image of a marker dot's centre.
     pub centre_px: [f64; 2],
-    /// Greatest error of it, along u and along v.
+    /// Claimed greatest error of a marker dot's position, along u and along v alike.
     pub bound_px: f64,
-    /// Radius of a disc of its area.
+    /// Radius of a disc with the same area as the dot in the image.
     pub radius_px: f64,
-    /// Grey levels of its middle above its surroundings.
+    /// Grey level of the dot's middle above its surroundings.
     pub level: f64,
-    /// Sum of its grey levels above its surroundings.
+    /// Sum of the dot's grey levels above its surroundings.
     pub flux: f64,
 }
 
-/// One marker as read.
+/// A marker that was read from an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenMarker {
-    /// What its coded dots spell.
+    /// Identity that the marker's coded dots spell.
     pub id: MarkerId,
-    /// All of its dots.
+    /// All dots of the marker, with their places on its grid.
     pub dots: Vec<(GridPlace, Dot)>,
-    /// The paper's confidence P(S), Eq. (3).
+    /// Confidence P(S) of the marker by paper 5, Eq. (3).
     pub confidence: f64,
 }
 
-/// What was found in one picture.
+/// Markers that were found in one image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CeilingMarkers {
-    /// Markers with an identity of the code.
+    /// Markers whose identity belongs to the code.
     pub markers: Vec<SeenMarker>,
-    /// Grids that were looked at and refused, as segments `[u0, v0, u1, v1]` from dot X to dot Y, for debug frames.
+    /// Dot grids that were examined and rejected, as segments `[u0, v0, u1, v1]` from dot X to dot Y, for debug frames.
     pub rejected_px: Vec<[f64; 4]>,
 }
 
 impl SeenMarker {
-    /// Middle of its corners X and Y.
+    /// Middle between the marker's corner dots X and Y, which is the middle of its grid.
     pub fn centre_px(&self) -> [f64; 2] {
         let corner =
             |place: GridPlace| self.dots.iter().find(|(other, _)| *other == place).map(|(_, dot)| dot.centre_px);
@@ -113,7 +114,7 @@ impl SeenMarker {
     }
 }
 
-/// The marker nearest to a point of the picture (Eq. 1).
+/// Of the given markers, the one nearest to a point of the image (Eq. 1).
 pub fn nearest(markers: &[SeenMarker], to_px: [f64; 2]) -> Option<&SeenMarker> {
     let distance = |marker: &SeenMarker| {
         let [u, v] = marker.centre_px();
@@ -122,7 +123,7 @@ pub fn nearest(markers: &[SeenMarker], to_px: [f64; 2]) -> Option<&SeenMarker> {
     markers.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// Reads all markers of a picture; `is_word` tells the identities in use (4096 flags).
+/// Reads all markers of an image. `is_word` has a flag for each of the 4096 possible identities: whether it is in use.
 pub fn detect(
     image: &image::GrayImage,
     view: &CeilingView,

@@ -1,11 +1,11 @@
-//! The direct chain: joints are found where they are, at full resolution, without deblurring.
+//! The direct chain of the tile joint detection: it measures joints in the image as taken, at full resolution, without deblurring.
 //!
 //! ```text
 //! image ──> binned_log ──> ridge_points ──> hypotheses ──> measure (profiles × matched filter) ──> agreement ──> FloorLines
 //! ```
 //!
-//! Blur that is symmetric about mid-exposure leaves a joint's centre line where it was and only flattens its edges, so the
-//! matched filter is blurred instead of the picture sharpened, and the claimed bound of a point grows with the blur.
+//! Blur that is symmetric about mid-exposure leaves a joint's centre line in place and only flattens its edges. Therefore the matched
+//! filter is blurred, rather than the image sharpened, and the claimed bound of a point grows with the blur.
 
 mod agreement;
 mod course;
@@ -22,40 +22,41 @@ use self::ridge::RidgePoint;
 use self::vote::Candidate;
 use super::{FloorLine, FloorLines, FloorView};
 
-/// A picture with what is known of the motion during its exposure.
+/// An image with the estimated motion during its exposure.
 struct Picture<'a> {
     pixels: &'a [u8],
     stride: usize,
-    /// Middle of the picture, `[(width − 1)/2, (height − 1)/2]`.
+    /// Middle of the image, `[(width − 1)/2, (height − 1)/2]`.
     centre_px: [f64; 2],
-    /// Image motion over the exposure at the centre.
+    /// Motion of the image over the exposure, at the image's centre.
     blur_px: [f64; 2],
-    /// Rotation of the robot over the exposure, counter-clockwise seen from above.
+    /// Rotation of the robot over the exposure, counter-clockwise as seen from above.
     turn_rad: f64,
 }
 
 impl Picture<'_> {
-    /// Point of the picture at a position along a line and a distance from it.
+    /// Point of the image at a given position along a line and a given distance across from it.
     fn point_px(&self, line: &Candidate, along_px: f64, across_px: f64) -> [f64; 2] {
         let (sin, cos) = line.normal_rad.sin_cos();
         let offset_px = line.offset_px + across_px;
         [self.centre_px[0] + offset_px * cos - along_px * sin, self.centre_px[1] + offset_px * sin + along_px * cos]
     }
 
-    /// Motion across a line during the exposure, at a position along it.
+    /// Image motion across a line during the exposure, at a given position along the line.
     ///
-    /// When the robot turns by +ω, the floor turns by −ω in its frame; with v down a point `q` from the centre moves by `ω·(−v, u)`.
+    /// When the robot turns by +ω, the floor turns by −ω in the robot's frame; with v down, a point `q` relative to the centre moves by `ω·(−v, u)`.
     fn blur_across_px(&self, line: &Candidate, along_px: f64) -> f64 {
         let (sin, cos) = line.normal_rad.sin_cos();
-        // n·(−v, u) at q = offset·n + along·t, t = (−sin, cos): only the part along the line counts, −along.
+        // The image motion across the line is n·(−v, u) at q = offset·n + along·t with t = (−sin, cos): only the
+        // component along the line counts, −along.
         (self.blur_px[0] * cos + self.blur_px[1] * sin - self.turn_rad * along_px).abs()
     }
 }
 
-/// Finds the joints in a picture of a tiled floor.
+/// Finds the joints in an image of a tiled floor.
 ///
-/// `blur_px` is the image motion `(du, dv)` over the exposure at the picture's centre, `turn_rad` the robot's rotation
-/// over it, counter-clockwise seen from above. A picture that is black, clipped or without a grid gives no line.
+/// `blur_px` is the image motion `(du, dv)` over the exposure at the image's centre, `turn_rad` the robot's rotation over the exposure,
+/// counter-clockwise as seen from above. An image that is black, clipped or shows no grid gives no line.
 pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: f64) -> FloorLines {
     let size_px = [image.width() as f32, image.height() as f32];
     let picture = Picture {
@@ -65,14 +66,14 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
         blur_px,
         turn_rad,
     };
-    // Cells somewhat smaller than a joint keep its contrast and lose most of the noise.
+    // Cells somewhat smaller than a tile joint keep the joint's contrast and lose most of the noise.
     let bin = (0.8 * view.joint_width_px).round().clamp(2.0, 8.0) as usize;
     let Some(plane) = ridge::binned_log(image, bin) else { return FloorLines::default() };
     let mut points = ridge::ridge_points(&plane, bin, size_px, STRONG_SHARE);
     let mut filters = Filters::new(view.joint_width_px);
     let mut result = FloorLines::default();
     let (mut grids, mut seen) = (Vec::new(), 0);
-    // The strongest angle first; what it explains must not vote again for another angle.
+    // The angle of the grid with the most votes is tried first; ridge points that it explains must not vote again for another angle.
     for _ in 0..HYPOTHESES {
         let candidates = vote::candidates(&points, bin as f32, size_px);
         let mut joints: Vec<Joint> = Vec::new();
@@ -102,31 +103,31 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
     result
 }
 
-/// Angles tried: the joints, and what may compete with them (a wire, a tape, a shadow's edge).
+/// Number of angles that are tried: that of the tile joints, and that of a competing structure (a wire, a tape, a shadow's edge).
 const HYPOTHESES: usize = 2;
 
-/// Ridges fainter than this share of the strong ones are their side lobes.
+/// Ridges in the image that are fainter than this share of the strong ridges are side lobes of these.
 const STRONG_SHARE: f32 = 0.15;
-/// A line without any other to support it must cross at least this share of the picture's shorter side.
+/// A line that no other line supports must extend over at least this share of the image's shorter side.
 const LONE_SPAN: f64 = 0.6;
 
-/// Whether a line that has no other to agree with has none to disagree with either: nothing else in the picture is straight.
+/// Whether a line that no other line supports is not contradicted by another one, either: nothing else in the image is straight.
 ///
-/// `points` are all ridge points, the faint ones too, for a black wire is stronger than the joints beside it.
+/// `points` are all ridge points, including faint ones, because a black wire is stronger than the tile joints beside it.
 fn is_alone(lone: &Joint, points: &[RidgePoint], cell_px: f32, size_px: [f32; 2]) -> bool {
     let mut points = points.to_vec();
-    // Its own side lobes reach four cells.
+    // The side lobes of an image line's ridge reach up to four cells from it.
     vote::remove(&mut points, &lone.line, 5.0 * cell_px);
     lone.width_is_sure
         && lone.span_px > LONE_SPAN * f64::from(size_px[0].min(size_px[1]))
         && vote::candidates(&points, cell_px, size_px).is_empty()
 }
 
-/// Share of a line's points that may be wrong: a wire, a crumb or a worn stretch that passes the gates spoils fewer; by scatter alone
-/// one point in eighty is.
+/// Greatest share of a line's points that may be wrong: a wire, a crumb or a worn stretch that passes the checks spoils fewer points; by
+/// scatter alone one point in eighty is wrong.
 const SHARE_WRONG: f64 = 0.20;
 
-/// The visible part of a candidate, roughly: 60 px to either side of the point nearest to the centre.
+/// Rough extent of a candidate line for debug frames: 60 px to either side of its point nearest to the image's centre.
 fn segment(picture: &Picture, candidate: &Candidate) -> [f64; 4] {
     let [from, to] = [-60.0, 60.0].map(|along_px| picture.point_px(candidate, along_px, 0.0));
     [from[0], from[1], to[0], to[1]]
@@ -138,7 +139,7 @@ mod tests {
     use crate::vision::synthetic::{Floor, Pattern, Random, Strip};
     use crate::vision::trial::{Tally, frames, plain_floor, realistic_floor, save};
 
-    /// Tries the chain on floors of one kind; nothing that it says may be false.
+    /// Runs the chain on random floors of one kind and asserts that nothing it reports is false.
     fn trial(name: &str, seed: u64, usual: usize, mut floor: impl FnMut(&mut Random) -> Floor) -> Tally {
         let mut random = Random::new(seed);
         let mut tally = Tally::default();
@@ -250,15 +251,15 @@ mod tests {
 
     #[test]
     fn turning_on_the_spot_blurs_a_line_through_the_centre_at_its_ends() {
-        // By hand: a turn of 10 mrad moves a point 300 px along the line by 3 px across it, one way at either end.
+        // By hand: a turn of 10 mrad moves a point 300 px along the line by 3 px across it, in opposite directions at the two ends.
         let picture =
             Picture { pixels: &[], stride: 640, centre_px: [319.5, 239.5], blur_px: [0.0, 0.0], turn_rad: 0.01 };
         let line = Candidate { normal_rad: 0.3, offset_px: 0.0, family: 0, dark: true, support: 0.0 };
         for along_px in [-300.0, 300.0] {
             assert!((picture.blur_across_px(&line, along_px) - 3.0).abs() < 1e-12);
         }
-        // Image up is forward: turning left moves a floor point on the right (u = +300) down the image (v grows by 3),
-        // so a motion of the whole image by −3 in v leaves it at rest.
+        // Image up is forward. A left turn moves a floor point on the right (u = +300) down in the image (v grows by 3), so that a motion
+        // of the whole image by −3 in v leaves this point at rest.
         let level = Candidate { normal_rad: std::f64::consts::FRAC_PI_2, ..line };
         let picture = Picture { blur_px: [0.0, -3.0], ..picture };
         assert!(picture.blur_across_px(&level, -300.0) < 1e-9);

@@ -1,12 +1,13 @@
-//! Brown and Conrady's lens: what it adds to the picture of a pinhole.
+//! Lens distortion by Brown and Conrady's model: the difference between the image of a lens and that of a pinhole.
 //!
-//! Coefficients k1, k2, p1, p2, k3 and points in focal lengths from the principal point, x right and y down. The lens puts what a
-//! pinhole shows at x to D(x) = x + b(x) (Brown, *Decentering distortion of lenses*, 1966, in OpenCV's order). Back from a box of
-//! places there is no formula: the inverse is enclosed by an interval Newton step.
+//! The coefficients are k1, k2, p1, p2, k3; points are in focal lengths from the principal point, x right and y down. The lens shows at
+//! D(x) = x + b(x) what a pinhole shows at x (Brown, *Decentering distortion of lenses*, 1966, in OpenCV's order). The inverse has no
+//! closed form; for a box of image points it is enclosed by an interval Newton step.
 
 use interval::{Dual, Interval};
 
-/// b(x): x·(k1·r² + k2·r⁴ + k3·r⁶) + 2·p1·x·y + p2·(r² + 2x²), and likewise for y with p1 and p2 exchanged.
+/// Displacement b(x) of an image point by the lens: x·(k1·r² + k2·r⁴ + k3·r⁶) + 2·p1·x·y + p2·(r² + 2x²), and likewise
+/// for y with p1 and p2 exchanged.
 pub(crate) fn bend([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [f64; 2]) -> [f64; 2] {
     let square = x * x + y * y;
     let radial = square * (k1 + square * (k2 + square * k3));
@@ -16,9 +17,9 @@ pub(crate) fn bend([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [f64; 2]) -> [f64; 2]
     ]
 }
 
-/// ∂D/∂x as `[∂u/∂x, ∂u/∂y = ∂v/∂x, ∂v/∂y]`: D is the gradient of a function, so that the matrix is symmetric.
+/// Slopes of the lens distortion D, ∂D/∂x, as `[∂u/∂x, ∂u/∂y = ∂v/∂x, ∂v/∂y]`. D is the gradient of a function, so that this matrix is symmetric.
 ///
-/// Where it is positive definite all over a convex region, no two points of the region have one image.
+/// Where the matrix is positive definite all over a convex region, no two points of the region have the same image.
 pub(crate) fn slopes([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [f64; 2]) -> [f64; 3] {
     let square = x * x + y * y;
     let radial = 1.0 + square * (k1 + square * (k2 + square * k3));
@@ -30,26 +31,29 @@ pub(crate) fn slopes([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [f64; 2]) -> [f64; 
     ]
 }
 
-/// What a pinhole shows where the lens shows a box of places, and the slopes of D⁻¹ there.
+/// Enclosure of the inverse distortion D⁻¹ over a box of image points: where a pinhole shows what the lens shows in
+/// that box, and the slopes of D⁻¹ there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unbent {
-    /// Encloses D⁻¹ of the box.
+    /// Enclosure of the inverse lens distortion D⁻¹ over a box of image points: the points at which a pinhole shows what the lens shows there.
     pub(crate) at: [Interval; 2],
-    /// ∂D⁻¹ over the box, as [`slopes`] gives ∂D: the inverse of a symmetric matrix is symmetric.
+    /// Slopes of the inverse lens distortion D⁻¹ over a box of image points, in the order in which [`slopes`] gives ∂D:
+    /// the inverse of a symmetric matrix is symmetric.
     pub(crate) slopes: [Interval; 3],
 }
 
-/// Newton's steps from the place as seen to the one that a pinhole shows: they double their digits.
+/// Greatest number of Newton steps from a point in the lens's image to the point of the pinhole's image; each step doubles the correct digits.
 const NEWTON_STEPS: usize = 30;
-/// A box that does not hold its own image is made wider so often; beyond, the lens is about to fold there.
+/// Greatest number of times that a box is widened because it does not contain its own Newton image; if more are needed,
+/// the lens is about to fold there.
 const WIDENINGS: usize = 12;
 
-/// D⁻¹ over a box of places; `None` where the lens folds, or is too near to folding to be told from it.
+/// Inverse distortion D⁻¹ over a box of image points; `None` where the lens folds or is so close to folding that this cannot be ruled out.
 ///
-/// With x₀ near D⁻¹ of the box's middle, X a box around x₀ and J the slopes over X, every place y of the box has one x in X with
-/// D(x) = y if N = x₀ − J⁻¹·(D(x₀) − y) lies within X for all of them (Neumaier, *Interval methods for systems of equations*, 1990,
-/// theorem 5.1.7), and that x lies in N. Rows of J are taken at two different points by the mean value theorem: its inverse is formed
-/// without the symmetry.
+/// Let x₀ be near D⁻¹ of the box's middle, X a box around x₀, and J the slopes over X. If N = x₀ − J⁻¹·(D(x₀) − y) lies within X for all
+/// points y of the given box, then for each y there is exactly one x in X with D(x) = y, and that x lies in N (Neumaier, *Interval methods
+/// for systems of equations*, 1990, theorem 5.1.7). By the mean value theorem the rows of J belong to two different points, so that its
+/// inverse is formed without using the symmetry.
 pub(crate) fn unbent(distortion: [f64; 5], seen: [Interval; 2]) -> Option<Unbent> {
     if seen.iter().any(|at| !at.is_bounded() || at.is_empty()) {
         return None;
@@ -70,13 +74,13 @@ pub(crate) fn unbent(distortion: [f64; 5], seen: [Interval; 2]) -> Option<Unbent
             let determinant = a * b - mixed.sqr();
             return Some(Unbent { at: next, slopes: [b / determinant, -mixed / determinant, a / determinant] });
         }
-        // A tenth more than what is asked for: a box that is only just too small then holds its image at the next trial.
+        // The box is widened by a tenth more than required, so that a box that is only just too small contains its Newton image in the next trial.
         within = [0, 1].map(|axis| next[axis].hull(within[axis]).inflate(0.1 * next[axis].radius()));
     }
     None
 }
 
-/// The same for places as first-order models of parameters: the slopes by the chain rule.
+/// Inverse distortion of an image point that is given as two first-order models of parameters; their slopes follow from the chain rule.
 pub(crate) fn unbent_models<const K: usize>(distortion: [f64; 5], seen: [Dual<K>; 2]) -> Option<[Dual<K>; 2]> {
     let Unbent { at, slopes: [a, mixed, b] } = unbent(distortion, seen.map(|model| model.value))?;
     let row = |value: Interval, by_x: Interval, by_y: Interval| Dual {
@@ -86,7 +90,8 @@ pub(crate) fn unbent_models<const K: usize>(distortion: [f64; 5], seen: [Dual<K>
     Some([row(at[0], a, mixed), row(at[1], mixed, b)])
 }
 
-/// D⁻¹ of one place, rounded to nearest, reached from the place itself without crossing a fold.
+/// Inverse distortion D⁻¹ of a single image point, rounded to nearest. The Newton iteration starts at the point itself
+/// and does not cross a fold of the lens.
 fn unbent_point(distortion: [f64; 5], seen: [f64; 2]) -> Option<[f64; 2]> {
     let mut at = seen;
     for _ in 0..NEWTON_STEPS {
@@ -106,14 +111,15 @@ fn unbent_point(distortion: [f64; 5], seen: [f64; 2]) -> Option<[f64; 2]> {
     Some(at)
 }
 
-/// J⁻¹·off for every matrix J whose rows are among those given; `None` where J may be singular or turn an orientation over.
+/// Newton step: encloses J⁻¹·off for every matrix J whose rows lie in the given intervals; `None` where J may be
+/// singular or may reverse the orientation.
 fn newton([a, mixed, b]: [Interval; 3], [u, v]: [Interval; 2]) -> Option<[Interval; 2]> {
     let determinant = a * b - mixed * mixed;
     let is_regular = determinant.lo() > 0.0 && a.lo() > 0.0;
     is_regular.then(|| [(b * u - mixed * v) / determinant, (a * v - mixed * u) / determinant])
 }
 
-/// [`bend`] over a box.
+/// Enclosure of the displacement [`bend`] over a box of image points.
 fn bend_over([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [Interval; 2]) -> [Interval; 2] {
     let square = x.sqr() + y.sqr();
     let radial = square * (square * (square * k3 + k2) + k1);
@@ -123,7 +129,7 @@ fn bend_over([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [Interval; 2]) -> [Interval
     ]
 }
 
-/// [`slopes`] over a box.
+/// Enclosure of [`slopes`] over a box of image points.
 pub(crate) fn slopes_over([k1, k2, p1, p2, k3]: [f64; 5], [x, y]: [Interval; 2]) -> [Interval; 3] {
     let square = x.sqr() + y.sqr();
     let radial = square * (square * (square * k3 + k2) + k1) + 1.0;
@@ -166,13 +172,13 @@ mod tests {
                 widest = widest.max(found.at[0].width().max(found.at[1].width()));
             }
         }
-        // By hand: the inverse stretches by at most 1/(1 − 3·0.25·1.3 + 5·0.06·1.69) = 1.9, across the middle and along.
+        // By hand: the inverse distortion stretches by at most 1/(1 − 3·0.25·1.3 + 5·0.06·1.69) = 1.9, both along the radius and across it.
         assert!(widest < 2.2 * 0.002, "{widest}");
     }
 
     #[test]
     fn nothing_is_told_beyond_a_fold() {
-        // By hand: r·(1 − 0.25·r²) is greatest at r = 2/√3 = 1.155, where it is 0.770.
+        // By hand: the distorted radius r·(1 − 0.25·r²) is greatest at r = 2/√3 = 1.155, where it is 0.770.
         let lens = [-0.25, 0.0, 0.0, 0.0, 0.0];
         let at = |r: f64| unbent(lens, [Interval::centred(r, 0.001), Interval::ZERO]);
         assert!(at(0.70).is_some() && at(0.78).is_none() && at(1.5).is_none());

@@ -1,4 +1,4 @@
-//! A camera that looks ahead in the dark: straight edges of walls, ceilings, doors and shelves.
+//! Vision of the camera that looks ahead in the dark: it finds straight edges of walls, ceilings, doors and shelves.
 //!
 //! ```text
 //! ours:   stabilise noise ──> bin ──> rolling guidance ──> segments ──> refit on the unfiltered image ──> EdgeLine with bounds
@@ -21,30 +21,30 @@ pub use segments::Segment;
 use nalgebra::Vector3;
 use vanishing::Equalisation;
 
-/// Rounds of the rolling guidance filter; the paper's reference 41 finds that four suffice.
+/// Number of rounds of the rolling guidance filter; reference 41 of paper 2 finds that four suffice.
 pub const ROUNDS: usize = 4;
-/// Spatial standard deviation of the filter in pixels of the picture it is given.
+/// Spatial standard deviation of the rolling guidance filter, in pixels of the image that it is given.
 const GUIDANCE_PX: f32 = 2.5;
-/// Distance to the image's border within which nothing is looked for: filters and lenses are worst there.
+/// Width of the image's border in which no edges are searched: filters and lenses are least accurate there.
 const BORDER_PX: f64 = 14.0;
-/// Edges fray where they meet others: as much is cut off at each end.
+/// Length that is cut off at each end of an edge, because edges are distorted where they meet other edges.
 const TRIM_PX: f64 = 4.0;
-/// Bound of an end of the paper's segments, which states none: its filter moves edges by as much.
+/// Bound assumed for the ends of segments from the paper's chain, which states no bound: its filter moves edges by as much as this.
 const PRINTED_PX: f64 = 1.5;
-/// Shorter edges say nothing of a direction.
+/// Least length of an edge; shorter edges do not determine a direction.
 const SHORTEST_PX: f64 = 45.0;
 
-/// A straight edge whose two ends lie within their bound, across the edge, of the true image of one straight line.
+/// A straight edge in an image: across the edge, both of its ends lie within their bound of the true image of one straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeLine {
-    /// First and last point, `[u, v]`.
+    /// First and last point of the edge, each `[u, v]`.
     pub ends_px: [[f64; 2]; 2],
-    /// Bound of either end's distance across the edge.
+    /// Bound of the distance of either end of the edge from the true line, across the edge.
     pub bound_px: f64,
 }
 
-/// Straight edges by the paper's chain: those that its vanishing points stand on. `ray` gives the direction, in the camera's frame, in
-/// which a pixel looks.
+/// Straight edges found by the chain of paper 2: those that agree with its vanishing points. `ray` gives the direction
+/// in the camera frame in which a pixel looks.
 pub fn detect_as_printed(
     picture: &Picture,
     equalisation: Equalisation,
@@ -57,13 +57,13 @@ pub fn detect_as_printed(
     agreeing.iter().flatten().map(line).collect()
 }
 
-/// Straight edges by our chain.
+/// Straight edges found by this project's own chain.
 ///
-/// Noise is made even first, so that one threshold serves shadows and lamps; what is found in the filtered picture is measured again
-/// in the unfiltered one, because the filter moves edges.
+/// The noise is first made equal everywhere, so that one threshold serves for dark and bright areas. What is found in the filtered image is
+/// measured again in the unfiltered one, because the filter moves edges.
 pub fn detect(picture: &Picture) -> Vec<EdgeLine> {
     if picture.width.min(picture.height) as f64 <= 2.0 * BORDER_PX {
-        // All of it is border.
+        // The whole image is border, so that no edge can be found.
         return Vec::new();
     }
     let even = stabilise::stabilised(picture);
@@ -71,13 +71,13 @@ pub fn detect(picture: &Picture) -> Vec<EdgeLine> {
     refitted(&even, &long_segments(&filtered, picture))
 }
 
-/// A binned picture without what is smaller than an edge.
+/// The binned image after the rolling guidance filter, which removes what is smaller than an edge.
 pub fn guided(binned: &Picture) -> Picture {
-    // Binning four pixels halves the noise.
+    // Averaging blocks of four pixels halves the noise, so that the filter's range is 0.5.
     guidance_filter::rolling_guidance_at_speed(binned, GUIDANCE_PX, 0.5, ROUNDS)
 }
 
-/// Segments of the binned picture that are long enough in `whole`, without their ends, in pixels of that.
+/// Segments of the filtered half-resolution image, in pixels of the full image `whole`: without border and ends, and only those that are long enough.
 pub fn long_segments(filtered: &Picture, whole: &Picture) -> Vec<Segment> {
     segments::segments(filtered, segments::NOISE_FLOOR)
         .iter()
@@ -86,7 +86,7 @@ pub fn long_segments(filtered: &Picture, whole: &Picture) -> Vec<Segment> {
         .collect()
 }
 
-/// Segments measured again in the unfiltered picture, each edge once.
+/// Edges from segments that are measured again in the unfiltered image; of edges beside each other only one is kept.
 pub fn refitted(even: &Picture, segments: &[Segment]) -> Vec<EdgeLine> {
     let mut lines: Vec<EdgeLine> = segments.iter().filter_map(|segment| refit::refit(even, segment)).collect();
     refit::drop_repeats(&mut lines);

@@ -1,28 +1,29 @@
-//! Set-membership fit: every line that is near enough to most of the points, enclosed without a gap.
+//! Set-membership fit of a line to points: encloses all lines that are near enough to most of the points, without omitting any.
 
 mod level;
 
 use self::level::{Leaf, Level};
 
-/// The lines `{ p : n(φ)·(p − centroid) = offset }`, `n(φ) = (cos φ, sin φ)`, that are within bound of enough points.
+/// Set of the lines `{ p : n(φ)·(p − centroid) = offset }`, with `n(φ) = (cos φ, sin φ)`, that are within the bounds of enough points.
 ///
-/// Angles are on the real line around [`direction_rad`](Self::direction_rad); the same line at `φ + π` with the opposite
-/// offset is not listed twice.
+/// Angles are real numbers near [`direction_rad`](Self::direction_rad), not wrapped; the same line at `φ + π` with the
+/// opposite offset is not listed a second time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineSet {
-    /// Point about which offsets are counted, near the middle of the points.
+    /// Point from which the offsets of the fitted lines are counted, near the middle of the points.
     pub centroid_px: [f64; 2],
-    /// Best estimate of the normal's angle, in `(-π/2, π/2]`; the best estimate of the offset is 0.
+    /// Best estimate of the angle of the fitted line's normal, in `(-π/2, π/2]`; the best estimate of the offset is 0.
     pub direction_rad: f64,
-    /// Hull of the normal's angle over the set: `[least, greatest]`.
+    /// Hull of the normal's angle over all lines that fit the points: `[least, greatest]`.
     pub normal_angle_rad: [f64; 2],
-    /// Hull of the offset over the set: `[least, greatest]`.
+    /// Hull of the offset over all lines that fit the points: `[least, greatest]`.
     pub offset_px: [f64; 2],
-    /// Outer description of the set, by ascending angle.
+    /// Slices (ranges of angle and offset) that together enclose all lines that fit the points, by ascending angle.
     slices: Vec<Slice>,
 }
 
-/// Every line of the set whose normal angle lies in `angle_rad` has its offset in `offset_px`.
+/// A range of normal angles with a range of offsets: every line that fits the points and whose normal angle lies in
+/// `angle_rad` has its offset in `offset_px`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Slice {
     angle_rad: [f64; 2],
@@ -30,33 +31,32 @@ struct Slice {
 }
 
 impl LineSet {
-    /// Hull of the offset over the lines of the set whose normal angle lies in `[normal_angle_lo, normal_angle_hi]`;
-    /// `None` if there is none.
+    /// Hull of the offset over the lines that fit the points and whose normal angle lies in
+    /// `[normal_angle_lo, normal_angle_hi]`; `None` if there is no such line.
     pub fn offset_at(&self, normal_angle_lo: f64, normal_angle_hi: f64) -> Option<[f64; 2]> {
         let touches = |slice: &&Slice| slice.angle_rad[0] <= normal_angle_hi && slice.angle_rad[1] >= normal_angle_lo;
         self.slices.iter().filter(touches).map(|slice| slice.offset_px).reduce(hull)
     }
 }
 
-/// Tangent of the greatest angle between a line of the set and the best estimate. Points too short a line to bound it better
-/// have no use, and the smallness keeps the local coordinates honest.
+/// Tangent of the greatest angle between a line that fits the points and the best estimate. Points that span too short a line to bound the
+/// angle better are of no use; small angles also keep the local coordinates accurate.
 const SLOPE_MAX: f64 = 0.2;
-/// Widening of a slice's offsets that is worth another bisection.
+/// Widening of the lines' offsets above which a range of slopes is bisected once more.
 const SLACK_PX: f64 = 0.06;
-/// Absolute margin for rounding: coordinates below 10⁵ px have a spacing of 10⁻¹¹, and each goes through few operations.
+/// Absolute margin for rounding errors: coordinates below 10⁵ px have a spacing of 10⁻¹¹, and each passes through few operations.
 const ROUNDING: f64 = 1e-9;
 
 /// Encloses all lines that are within their bound of at least `n − ⌊share_wrong·n⌋` of the `n` points `[u, v, bound]`.
 ///
-/// In local coordinates, x along and y across a first estimate, a line `y = m·x + b` satisfies
-/// `|y_i − m·x_i − b| ≤ e_i·√(1 + m²)` for at least K points: the K-level of the arrangement of bounding lines. Over a
-/// small range of slopes each point allows one interval of `b`, so a sweep encloses what K of them allow; ranges of
-/// slopes are bisected, and dropped where nothing is left.
+/// In local coordinates, x along and y across a first estimate, such a line `y = m·x + b` satisfies `|y_i − m·x_i − b| ≤ e_i·√(1 + m²)` for at
+/// least K points; these lines form the K-level of the arrangement of bounding lines. Over a small range of slopes each point allows one interval
+/// of `b`, so that a sweep encloses the intercepts that K points allow; ranges of slopes are bisected, and dropped where no line is left.
 ///
-/// `None` if no line is near enough to so many points, or if they are too few or too short to bound the direction.
+/// `None` if no line is near enough to that many points, or if the points are too few or too close together to bound the direction.
 pub fn enclose(points: &[[f64; 3]], share_wrong: f64) -> Option<LineSet> {
     let count = points.len();
-    // A hair more than the product, so that rounding can only allow one more wrong point.
+    // The product is increased slightly, so that rounding can only allow one more wrong point, never one less.
     let wrong = (share_wrong * count as f64 + ROUNDING).floor() as usize;
     let needed = count.checked_sub(wrong)?;
     if count < 2 || needed < 2 || points.iter().flatten().any(|value| !value.is_finite()) {
@@ -77,7 +77,7 @@ pub fn enclose(points: &[[f64; 3]], share_wrong: f64) -> Option<LineSet> {
         point[2] = point[2] * widening + ROUNDING;
     }
     let leaves = Level::new(&local, needed).leaves([-slope_max, slope_max], SLACK_PX);
-    // A greater slope is a smaller angle of the normal.
+    // A greater slope of the line is a smaller angle of its normal, hence the reversed order.
     let slices: Vec<Slice> = leaves.iter().rev().map(|leaf| slice(leaf, direction_rad)).collect();
     let offset_px = slices.iter().map(|slice| slice.offset_px).reduce(hull)?;
     let normal_angle_rad = slices.iter().map(|slice| slice.angle_rad).reduce(hull)?;
@@ -88,7 +88,8 @@ fn hull(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
 
-/// Slopes `[m₀, m₁]` and intercepts `[b₀, b₁]` in local coordinates as angles and offsets: `φ = φ₀ − atan m`, `offset = b·cos(atan m)`.
+/// Converts slopes `[m₀, m₁]` and intercepts `[b₀, b₁]` from local coordinates to normal angles and offsets:
+/// `φ = φ₀ − atan m`, `offset = b·cos(atan m)`.
 fn slice(leaf: &Leaf, direction_rad: f64) -> Slice {
     let ([slope_from, slope_to], [low_px, high_px]) = (leaf.slope, leaf.intercept_px);
     let angle_rad =
@@ -99,11 +100,13 @@ fn slice(leaf: &Leaf, direction_rad: f64) -> Slice {
     Slice { angle_rad, offset_px }
 }
 
-/// Centroid and normal angle of a line near most points: the best of some pairs, then least squares through the nearest.
+/// Centroid and normal angle of a line near most points: the best line through one of some pairs of points, then least
+/// squares through the nearest points.
 fn estimate(points: &[[f64; 3]], needed: usize) -> Option<([f64; 2], f64)> {
     let count = points.len();
     let mut best: Option<(usize, [f64; 2], f64)> = None;
-    // Pairs half of the list apart are far apart in a list that runs along the line; ten of them meet two right points surely enough.
+    // Two points half of the list apart are far from each other if the list runs along the line. Ten such pairs almost
+    // certainly include one of two correct points.
     let stride = (count / 20).max(1);
     for first in (0..count - count / 2).step_by(stride) {
         let (a, b) = (points[first], points[first + count / 2]);
@@ -131,7 +134,7 @@ fn estimate(points: &[[f64; 3]], needed: usize) -> Option<([f64; 2], f64)> {
     Some((centre, folded_rad))
 }
 
-/// Mean, and angle of the direction of least spread.
+/// Mean of the points, and angle of the direction in which they spread least.
 fn principal(ranked: &[(f64, [f64; 3])]) -> ([f64; 2], f64) {
     let weight = 1.0 / ranked.len() as f64;
     let mean = [0, 1].map(|axis| ranked.iter().map(|(_, point)| point[axis]).sum::<f64>() * weight);
@@ -142,14 +145,14 @@ fn principal(ranked: &[(f64, [f64; 3])]) -> ([f64; 2], f64) {
         uv += u * v;
         vv += v * v;
     }
-    // Half of atan2(2·uv, uu − vv) is the direction of greatest spread; the normal is a quarter turn away.
+    // Half of atan2(2·uv, uu − vv) is the direction of greatest spread; the normal is a quarter turn away from it.
     (mean, 0.5 * (2.0 * uv).atan2(uu - vv) + std::f64::consts::FRAC_PI_2)
 }
 
-/// A slope that no line of the set exceeds, in local coordinates.
+/// An upper bound for the slope, in local coordinates, of every line that fits the points.
 ///
-/// Of the K points nearest to the estimate, any line of the set is near at least `2K − n`. Two of these are as far apart
-/// along the line as the shortest stretch that holds so many, and `|Δx·sin δ| ≤ |Δy| + e_i + e_j`.
+/// Of the K points nearest to the estimate, any such line is near at least `2K − n`. Two of these points are at least as far apart along
+/// the line as the shortest stretch that contains that many points, and `|Δx·sin δ| ≤ |Δy| + e_i + e_j`.
 fn greatest_slope(local: &[[f64; 3]], needed: usize) -> Option<f64> {
     let shared = (2 * needed).checked_sub(local.len()).filter(|&shared| shared >= 2)?;
     let mut core = local.to_vec();
@@ -170,7 +173,8 @@ mod tests {
     use super::*;
     use crate::vision::synthetic::Random;
 
-    /// Points about a line at an angle through a place, a share of them far off, the others within their bounds.
+    /// Random points about a line with a given normal angle through a given place: `wrong` of them up to 9 px from it,
+    /// the others within their bounds.
     fn scattered(
         random: &mut Random,
         count: usize,
@@ -189,7 +193,7 @@ mod tests {
                 [place[0] + across * cos - along * sin, place[1] + across * sin + along * cos, bound_px]
             })
             .collect();
-        // Wrong points anywhere in the list.
+        // The list of points is shuffled, so that wrong points are anywhere in it.
         for index in 0..count {
             points.swap(index, (random.unit() * count as f64) as usize);
         }
@@ -200,7 +204,7 @@ mod tests {
         enclose(points, share_wrong).unwrap_or_else(|| panic!("a line near the points is in the set"))
     }
 
-    /// Whether a line is near enough to enough points, straight from the definition.
+    /// Whether a line is within the bounds of enough points, computed directly from the definition.
     fn is_member(points: &[[f64; 3]], wrong: usize, centroid_px: [f64; 2], normal_rad: f64, offset_px: f64) -> bool {
         let (sin, cos) = normal_rad.sin_cos();
         let near = |point: &&[f64; 3]| {
@@ -209,7 +213,8 @@ mod tests {
         points.iter().filter(near).count() + wrong >= points.len()
     }
 
-    /// Ends of the members' offsets at one angle, by brute force: offsets change membership only where a bound is met.
+    /// By brute force, the ends of the offset intervals of the lines that fit the points at one angle: whether a line fits changes with the
+    /// offset only where a point's bound is met.
     fn members_at(points: &[[f64; 3]], wrong: usize, centroid_px: [f64; 2], normal_rad: f64) -> Vec<f64> {
         let (sin, cos) = normal_rad.sin_cos();
         let ends = points.iter().flat_map(|point| {
@@ -262,7 +267,7 @@ mod tests {
                     offsets = hull(offsets, [offset_px, offset_px]);
                 }
             }
-            // Twice the slack over the 250 px from the middle to an end is 0.5 mrad.
+            // Twice the slack over the 250 px from the middle to an end of the line is 0.5 mrad.
             assert!(set.normal_angle_rad[1] - set.normal_angle_rad[0] < angles[1] - angles[0] + 6e-4);
             assert!(set.offset_px[1] - set.offset_px[0] < offsets[1] - offsets[0] + 0.12);
         }
@@ -287,7 +292,7 @@ mod tests {
         let points: Vec<[f64; 3]> =
             (0..30).map(|_| [random.between(0.0, 600.0), random.between(0.0, 400.0), 0.5]).collect();
         assert_eq!(enclose(&points, 0.3), None);
-        // A cluster bounds no direction.
+        // A cluster of points does not bound the line's direction.
         let cluster: Vec<[f64; 3]> = (0..30).map(|_| [random.unit(), random.unit(), 0.5]).collect();
         assert_eq!(enclose(&cluster, 0.3), None);
         assert_eq!(enclose(&[], 0.3), None);
@@ -297,7 +302,7 @@ mod tests {
 
     #[test]
     fn two_points_enclose_the_lines_between_their_bounds() {
-        // By hand: ends at u = ±100 within ±1 px: angles ±atan-ish 0.01 rad, offsets ±1 px.
+        // By hand: both ends, at u = ±100, are within ±1 px, so that angles are within about ±0.01 rad and offsets within ±1 px.
         let set = enclosed(&[[-100.0, 5.0, 1.0], [100.0, 5.0, 1.0]], 0.0);
         let half_angle = 0.5 * (set.normal_angle_rad[1] - set.normal_angle_rad[0]);
         assert!((half_angle - 0.01).abs() < 2e-4, "half angle {half_angle}");

@@ -1,26 +1,26 @@
-//! Pose of a camera from three points (paper 5, Eqs. 10 to 15): all solutions.
+//! Pose of a camera from three points (P3P; paper 5, Eqs. 10 to 15): finds all solutions.
 //!
-//! Lambda Twist (M. Persson, K. Nordberg, ECCV 2018): the three quadrics λᵀMλ = a of Eq. (10) are reduced to a pair of planes by one real root of a
-//! cubic; each plane leaves a quadratic. Every solution is polished by Newton's method on Eq. (10) itself and kept only if it satisfies it, so
-//! that there are no wrong roots.
+//! The algorithm is Lambda Twist (M. Persson, K. Nordberg, ECCV 2018): by one real root of a cubic, the three quadrics λᵀMλ = a of Eq. (10)
+//! are reduced to a pair of planes; each plane leaves a quadratic equation. Every solution is refined by Newton's method on Eq. (10) itself
+//! and kept only if it satisfies that equation, so that there are no wrong roots.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// A rigid motion with `point_in_camera = rotation · point_in_world + translation_m` (Eq. 15).
+/// Pose of the camera as a rigid motion: `point_in_camera = rotation · point_in_world + translation_m` (Eq. 15).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraPose {
-    /// `camera_from_world`.
+    /// Rotation from the world frame to the camera frame (`camera_from_world`).
     pub rotation: Matrix3<f64>,
-    /// World origin in the camera frame.
+    /// Origin of the world in the camera frame.
     pub translation_m: Vector3<f64>,
 }
 
-/// Greatest residual of Eq. (10) that a solution may have, relative to the squared sides.
+/// Greatest residual of the P3P equations, Eq. (10), that a solution may have, relative to the squared sides of the triangle of points.
 const RESIDUAL: f64 = 1e-10;
-/// Newton's method converges quadratically but for double roots, where it halves the error.
+/// Greatest number of Newton steps. Newton's method converges quadratically, except at double roots, where each step only halves the error.
 const MOST_STEPS: usize = 24;
 
-/// The camera poses from which three points of the world are seen in the directions `rays` (any length); none if the points are in a line.
+/// All camera poses from which three points of the world are seen in the directions `rays` (of any length); none if the points lie on a line.
 pub fn solve(rays: &[Vector3<f64>; 3], points_m: &[Vector3<f64>; 3]) -> Vec<CameraPose> {
     let rays = rays.map(|ray| ray / ray.norm());
     let sides = [points_m[0] - points_m[1], points_m[0] - points_m[2], points_m[1] - points_m[2]];
@@ -41,14 +41,15 @@ pub fn solve(rays: &[Vector3<f64>; 3], points_m: &[Vector3<f64>; 3]) -> Vec<Came
     poses
 }
 
-/// What Eq. (10) knows: squared sides 12, 13, 23 and the cosines between the rays 12, 13, 23.
+/// Known quantities of the P3P equations, Eq. (10): the squared sides 12, 13, 23 of the triangle of points and the
+/// cosines of the angles between the rays 12, 13, 23.
 struct Triangle {
     squares: [f64; 3],
     cosines: [f64; 3],
 }
 
 impl Triangle {
-    /// All positive distances to the three points.
+    /// All solutions for the positive distances from the camera to the three points.
     fn distances(&self) -> Vec<Vector3<f64>> {
         let mut found: Vec<Vector3<f64>> = Vec::with_capacity(4);
         for ratio in self.sharpest_roots() {
@@ -59,7 +60,7 @@ impl Triangle {
                     found.push(distances);
                 }
             }
-            // Each real root of the cubic gives the same solutions; a second one is tried only where the first one gave none.
+            // Each real root of the cubic gives the same camera poses; another root is tried only if the previous one gave none.
             if !found.is_empty() {
                 break;
             }
@@ -67,7 +68,7 @@ impl Triangle {
         found
     }
 
-    /// Real roots g of det(D₁ + g D₂) = 0, that with the greatest slope first.
+    /// Real roots g of det(D₁ + g D₂) = 0, the cubic of the P3P solver, the root with the greatest slope first.
     fn sharpest_roots(&self) -> Vec<f64> {
         let ([a12, a13, a23], [c12, c13, c23]) = (self.squares, self.cosines);
         let blob = c12 * c23 * c13 - 1.0;
@@ -82,7 +83,7 @@ impl Triangle {
         roots
     }
 
-    /// Distances on the two planes into which the degenerate quadric D₁ + g D₂ falls apart.
+    /// Candidate distances of the three points on the two planes into which the degenerate quadric D₁ + g D₂ decomposes.
     fn on_planes(&self, g: f64) -> Vec<Vector3<f64>> {
         let ([a12, a13, a23], [c12, c13, c23]) = (self.squares, self.cosines);
         let (b12, b13, b23) = (-2.0 * c12, -2.0 * c13, -2.0 * c23);
@@ -97,10 +98,10 @@ impl Triangle {
         let slope = (-values[1] / values[0]).max(0.0).sqrt();
         let mut found = Vec::with_capacity(4);
         for s in [slope, -slope] {
-            // The plane (v₀ − s v₁)·λ = 0 gives λ₁ = w₀ λ₂ + w₁ λ₃.
+            // From the plane (v₀ − s v₁)·λ = 0 follows λ₁ = w₀ λ₂ + w₁ λ₃.
             let normal = vectors[0] - s * vectors[1];
             let (w0, w1) = (-normal[1] / normal[0], -normal[2] / normal[0]);
-            // With τ = λ₃/λ₂ the quadrics 12 and 13 together: a τ² + b τ + c = 0.
+            // With the ratio of distances τ = λ₃/λ₂, the quadrics 12 and 13 together give a τ² + b τ + c = 0.
             let a = (a13 - a12) * w1 * w1 - a12 * b13 * w1 - a12;
             let b = a13 * b12 * w1 - a12 * b13 * w0 - 2.0 * w0 * w1 * (a12 - a13);
             let c = (a13 - a12) * w0 * w0 + a13 * b12 * w0 + a13;
@@ -116,7 +117,7 @@ impl Triangle {
         found
     }
 
-    /// Newton's method on Eq. (10); `None` if it does not end in a positive solution.
+    /// Refines distances by Newton's method on Eq. (10); `None` if the iteration does not end in a positive solution.
     fn polished(&self, mut distances: Vector3<f64>) -> Option<Vector3<f64>> {
         let [c12, c13, c23] = self.cosines;
         let mut least = f64::INFINITY;
@@ -135,7 +136,7 @@ impl Triangle {
             if size < 1e-15 {
                 break;
             }
-            // Half of the Jacobian: rows 12, 13, 23.
+            // Half of the Jacobian matrix of the P3P equations, with rows for the pairs of points 12, 13 and 23.
             let (j11, j12) = (d1 - d2 * c12, d2 - d1 * c12);
             let (j21, j23) = (d1 - d3 * c13, d3 - d1 * c13);
             let (j32, j33) = (d2 - d3 * c23, d3 - d2 * c23);
@@ -144,7 +145,7 @@ impl Triangle {
                 break;
             }
             let half = 0.5 * residual / determinant;
-            // Cofactors of [[j11, j12, 0], [j21, 0, j23], [0, j32, j33]].
+            // The Newton step uses the cofactors of the matrix [[j11, j12, 0], [j21, 0, j23], [0, j32, j33]].
             let step = Vector3::new(
                 -j23 * j32 * half[0] - j12 * j33 * half[1] + j12 * j23 * half[2],
                 -j21 * j33 * half[0] + j11 * j33 * half[1] - j11 * j23 * half[2],
@@ -159,21 +160,21 @@ impl Triangle {
     }
 }
 
-/// Eigenvectors and eigenvalues of a symmetric matrix with determinant 0, without the zero one; the larger magnitude first.
+/// Eigenvectors and eigenvalues of a symmetric matrix with determinant 0, without the eigenvalue zero; the one with the larger magnitude first.
 fn eigen_with_zero(m: &Matrix3<f64>) -> Option<([Vector3<f64>; 2], [f64; 2])> {
-    // The eigenvector of 0 is the cross product of two rows: the longest is the surest.
+    // The eigenvector of the eigenvalue 0 is the cross product of two rows; the longest cross product is the most accurate.
     let rows = [m.row(0).transpose(), m.row(1).transpose(), m.row(2).transpose()];
     let crosses = [rows[0].cross(&rows[1]), rows[0].cross(&rows[2]), rows[1].cross(&rows[2])];
     let longest = crosses.into_iter().max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))?;
     let null = longest.try_normalize(0.0)?;
-    // In a basis of the plane across it, a 2 × 2 problem.
+    // In a basis of the plane orthogonal to that eigenvector, a 2 × 2 eigenvalue problem remains.
     let least = null.iamin();
     let first = null.cross(&Vector3::ith(least, 1.0)).normalize();
     let second = null.cross(&first);
     let (p, q, r) = ((m * first).dot(&first), (m * second).dot(&second), (m * first).dot(&second));
     let (mean, spread) = (0.5 * (p + q), (0.5 * (p - q)).hypot(r));
     let large = if mean > 0.0 { mean + spread } else { mean - spread };
-    // The product of the two is the determinant: no cancellation.
+    // The product of the two eigenvalues is the determinant; dividing it by the larger one avoids cancellation.
     let small = if large == 0.0 { 0.0 } else { (p * q - r * r) / large };
     let (u, v) = if (large - p).abs() > (large - q).abs() { (r, large - p) } else { (large - q, r) };
     let length = u.hypot(v);
@@ -181,10 +182,10 @@ fn eigen_with_zero(m: &Matrix3<f64>) -> Option<([Vector3<f64>; 2], [f64; 2])> {
     Some(([first * u + second * v, second * u - first * v], [large, small]))
 }
 
-/// Real roots of a x² + b x + c, a double one twice when it is one up to rounding.
+/// Real roots of a x² + b x + c. A double root is returned twice, also when rounding has made the discriminant slightly negative.
 fn quadratic_roots(a: f64, b: f64, c: f64) -> Vec<f64> {
     let discriminant = b * b - 4.0 * a * c;
-    // Just below 0 the two solutions have met but for rounding: Newton's method will tell.
+    // A discriminant just below 0 means two solutions that coincide but for rounding; Newton's method decides later whether they are solutions.
     if discriminant < -1e-7 * b * b {
         return Vec::new();
     }
@@ -193,14 +194,14 @@ fn quadratic_roots(a: f64, b: f64, c: f64) -> Vec<f64> {
     [q / a, c / q].into_iter().filter(|root| root.is_finite()).collect()
 }
 
-/// Real roots of a cubic, by trigonometry or radicals and then Newton's method.
+/// Real roots of a cubic, by the trigonometric formula or by radicals, then refined by Newton's method.
 fn real_roots(cubic: f64, square: f64, linear: f64, constant: f64) -> Vec<f64> {
     let scale = square.abs().max(linear.abs()).max(constant.abs());
     if cubic.abs() < 1e-14 * scale {
         return quadratic_roots(square, linear, constant);
     }
     let (b, c, d) = (square / cubic, linear / cubic, constant / cubic);
-    // x = t − b/3: t³ + p t + q = 0.
+    // With x = t − b/3 the cubic becomes t³ + p t + q = 0.
     let third = b / 3.0;
     let p = c - b * third;
     let q = (2.0 * third * third - c) * third + d;
@@ -238,7 +239,7 @@ mod tests {
     use super::*;
     use crate::vision::synthetic::Random;
 
-    /// A random pose with three random points before the camera, as Persson and Nordberg draw them.
+    /// A random camera pose with three random points in front of the camera, drawn as Persson and Nordberg do.
     fn problem(random: &mut Random) -> ([Vector3<f64>; 3], [Vector3<f64>; 3], CameraPose) {
         let mut normal = || Vector3::new(random.normal(), random.normal(), random.normal());
         let axis = Unit::new_normalize(normal());
@@ -281,7 +282,7 @@ mod tests {
         }
         println!("{rounds} problems: {missed} missed, {wrong} wrong, {repeated} repeated, solutions {counts:?}");
         assert_eq!(wrong, 0);
-        // 9 999 985 of 10⁷ are asked for: 1.5 in a million.
+        // Required is that 9 999 985 of 10⁷ problems are solved: 1.5 in a million may fail.
         assert!(missed as f64 <= (1.5e-6 * rounds as f64).max(1.0), "{missed} of {rounds}");
     }
 
@@ -300,7 +301,7 @@ mod tests {
             .collect();
         micros.sort_by(f64::total_cmp);
         println!("median {:.2} µs, best {:.2} µs", micros[micros.len() / 2], micros[0]);
-        // The best, because the machine may be busy; ten times what it takes on a quiet one.
+        // The best time is tested, because the machine may be busy; the limit is ten times what a quiet machine takes.
         assert!(micros[0] < 10.0);
     }
 

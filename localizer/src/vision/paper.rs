@@ -1,11 +1,11 @@
-//! The chain of paper 1 (Lv et al. 2019, section 3.1), step by step.
+//! The tile joint detection of paper 1 (Lv et al. 2019, section 3.1), step by step.
 //!
 //! ```text
 //! image ──> deblur ──> edges (Canny, closed) ──> thinning ──> pruning ──> Hough (11)–(13) ──> clustering (14) ──> FloorLines
 //! ```
 //!
-//! The paper leaves the rejection of lines that are no joints to odometry (20). So that its claims can be held against
-//! the direct chain's, lines that are neither parallel nor orthogonal to the strongest are dropped here already.
+//! The paper rejects lines that are no joints later, by odometry (20). Here, lines that are neither parallel nor orthogonal to the
+//! strongest line are dropped already, so that the claims of this chain can be compared with those of the direct chain.
 
 mod clustering;
 mod deblur;
@@ -21,7 +21,7 @@ use image::GrayImage;
 use self::hough::Peak;
 use super::{FloorLine, FloorLines, FloorView};
 
-/// White and black pixels, row-major, with a black frame one pixel wide.
+/// Binary image of white and black pixels, row-major, with a black frame one pixel wide.
 struct Binary {
     width: usize,
     height: usize,
@@ -39,7 +39,7 @@ impl Binary {
         Binary { width, height, pixels }
     }
 
-    /// Indices around a pixel inside of the frame, clockwise from the one above.
+    /// Indices of the eight pixels around a pixel inside of the frame, clockwise from the pixel above.
     fn around(&self, index: usize) -> [usize; 8] {
         let (up, down) = (index - self.width, index + self.width);
         [up, up + 1, index + 1, down + 1, down, down - 1, index - 1, up - 1]
@@ -54,21 +54,23 @@ impl Binary {
     }
 }
 
-/// Claimed distance of a line's points from the joint's centre line: quantisation of r and ϑ, roundoff of the skeleton and the
-/// pull of spurs. On 1100 lines of plain floors the greatest was 2.4 px.
+/// Claimed greatest distance of a line's points from the joint's centre line, for the quantisation of r and ϑ, rounding of the skeleton to
+/// pixels, and the pull of spurs. The greatest distance on 1100 lines of plain floors was 2.4 px.
 const BOUND_PX: f64 = 3.0;
-/// Growth of the bound per pixel of motion that turning adds at the picture's corners, which one point-spread function leaves in.
+/// Growth of the claimed bound per pixel of motion that rotation adds at the image's corners, because a single
+/// point-spread function does not remove that motion.
 const BOUND_PER_TURN: f64 = 0.25;
-/// Votes of a line, as a share of the picture's shorter side: fewer are a stretch of wire or the rim of a stain.
+/// Least number of Hough votes of a line, as a share of the image's shorter side; a stretch of wire or the rim of a stain has fewer.
 const VOTES_SHARE: f64 = 0.25;
-/// Pixels of the skeleton within this distance support a line: its bands wander by no more.
+/// Distance from a line within which pixels of the skeleton support that line: the skeletons of bands stray by no more.
 const SUPPORT_PX: f64 = 3.0;
-/// Angle to the strongest line's direction, or across it, beyond which a line is no joint of the same floor.
+/// Greatest angle between a line and the direction of the strongest line, or the direction across it, for tile joints of the same floor.
 const FAMILY_RAD: f64 = 0.035;
 
-/// Finds the joints in a picture of a tiled floor; arguments as of [`direct::detect`](super::direct::detect).
+/// Finds the joints in an image of a tiled floor by the chain of paper 1; the arguments are those of
+/// [`direct::detect`](super::direct::detect).
 ///
-/// The deconvolution has one point-spread function, that of the picture's centre: `turn_rad` widens the bounds instead.
+/// The deconvolution uses one point-spread function, that of the image's centre; the rotation `turn_rad` widens the bounds instead.
 pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: f64) -> FloorLines {
     let shorter_px = f64::from(image.width().min(image.height()));
     let border_px = deblur::taper_px(blur_px);
@@ -94,7 +96,7 @@ pub fn detect(image: &GrayImage, view: &FloorView, blur_px: [f64; 2], turn_rad: 
     result
 }
 
-/// The line through both ends of its support, as three points with the claimed bound.
+/// The line through both ends of its supporting pixels, as three points with the claimed bound of their distance from a tile joint.
 fn line(image: &GrayImage, ends: [[f64; 2]; 2], turn_rad: f64, family: u8) -> FloorLine {
     let reach_px = 0.5 * f64::from(image.width()).hypot(f64::from(image.height()));
     let bound_px = BOUND_PX + BOUND_PER_TURN * turn_rad.abs() * reach_px;
@@ -103,7 +105,8 @@ fn line(image: &GrayImage, ends: [[f64; 2]; 2], turn_rad: f64, family: u8) -> Fl
     FloorLine { points_px, share_wrong: 0.0, family }
 }
 
-/// Ends of the skeleton's pixels along a line, on the line; `None` if they cover less than half of the way between.
+/// First and last point on a line that pixels of the skeleton support; `None` if these pixels cover less than half of
+/// the distance between the two points.
 fn ends(skeleton: &Binary, peak: &Peak) -> Option<[[f64; 2]; 2]> {
     let (sin, cos) = peak.angle_rad.sin_cos();
     let mut along: Vec<f64> = (0..skeleton.pixels.len())
@@ -119,7 +122,8 @@ fn ends(skeleton: &Binary, peak: &Peak) -> Option<[[f64; 2]; 2]> {
     (covered > 0.5 * (to - from)).then(|| [point(from), point(to)])
 }
 
-/// Which of the two families a line belongs to, given the stronger ones; `None` if it fits to neither, or not at the pitch.
+/// Which of the two families of tile joints a line belongs to, given the stronger lines; `None` if it fits neither
+/// family, or does not lie at the pitch.
 fn family(peak: &Peak, kept: &[(Peak, u8)], view: &FloorView) -> Option<u8> {
     let Some((strongest, _)) = kept.first() else { return Some(0) };
     let quarter_turns = (peak.angle_rad - strongest.angle_rad) / FRAC_PI_2;
@@ -128,7 +132,7 @@ fn family(peak: &Peak, kept: &[(Peak, u8)], view: &FloorView) -> Option<u8> {
     let at_pitch = kept.iter().filter(|other| other.1 == family).all(|(other, _)| {
         let flipped = ((peak.angle_rad - other.angle_rad) / PI).round().rem_euclid(2.0) == 1.0;
         let apart_px = (if flipped { -peak.r_px } else { peak.r_px } - other.r_px).abs();
-        // Two lines askew by the tolerance drift apart by as much as a tenth of a pitch where their perpendiculars differ.
+        // Two lines that are askew by the tolerance differ in distance by up to a tenth of a pitch between the feet of their perpendiculars.
         view.edge_px.iter().any(|edge| (apart_px - (apart_px / edge).round().max(1.0) * edge).abs() < 0.1 * edge)
     });
     (askew_rad.abs() < FAMILY_RAD && at_pitch).then_some(family)

@@ -1,9 +1,10 @@
-//! The picture that a pinhole would take, resampled from the one behind a lens that bends.
+//! Straightens an image: resamples an image taken through a distorting lens to the image that a pinhole camera would take.
 //!
-//! Frames, both with u right, v down and (0, 0) the centre of the first pixel: `raw`, the picture as taken, and `pinhole`, that of a
-//! camera of the same size, focal length and principal point without distortion. Where one is known from the other, it is the
-//! raw place of a pinhole's pixel: Brown and Conrady's formula, without any inversion. Where rows are exposed one after the other, the
-//! straightened picture may besides be what the pinhole would show at the stamp, if the motion were what it is thought to be.
+//! There are two frames, both with u right, v down and (0, 0) the centre of the first pixel: `raw`, that of the image as taken, and
+//! `pinhole`, that of a camera of the same size, focal length and principal point without distortion. The raw position of a pinhole's pixel
+//! follows directly from Brown and Conrady's formula, and only this direction is used, so that nothing has to be inverted. For a rolling
+//! shutter, whose rows are exposed one after the other, the straightened image may also be corrected for motion to what the pinhole would
+//! show at the stamp, if the motion is as estimated.
 
 #[cfg(test)]
 #[allow(clippy::expect_used)]
@@ -14,57 +15,61 @@ use image::GrayImage;
 use super::{FloorLines, distortion};
 use interval::Interval;
 
-/// How far the pinhole's picture moves from one raw row's exposure to that of the next, as far as it is known.
+/// Estimated motion of the pinhole's image from the exposure of one raw row to that of the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RowMotion {
-    /// Right and down, at the middle.
+    /// Shift at the middle of the image from one row's exposure to that of the next, to the right and down.
     pub(crate) shift_px: [f64; 2],
-    /// Turn of the robot, counter-clockwise seen from above: the picture turns the other way.
+    /// Rotation of the robot from one row's exposure to that of the next, counter-clockwise as seen from above; the image turns the opposite way.
     pub(crate) turn_rad: f64,
 }
 
 impl RowMotion {
-    /// Greatest way of a pixel of a picture of this size.
+    /// Greatest motion, from row to row, of any pixel of an image of this size.
     fn most_px(&self, size_px: [u32; 2]) -> f64 {
         let reach_px = 0.5 * f64::from(size_px[0]).hypot(f64::from(size_px[1]));
         self.shift_px[0].hypot(self.shift_px[1]) + self.turn_rad.abs() * reach_px
     }
 }
 
-/// A lens whose principal point is the middle of the picture, with the source of every pixel of the straightened picture.
+/// Straightening of images of one size behind one lens, with the source of every pixel of the straightened image. The
+/// principal point is the middle of the image.
 ///
-/// A pincushion shows less than the pinhole would, and a polynomial may fold back far out. The straightened picture is therefore
-/// cut, alike on opposite sides, to the greatest rectangle of the same shape that the raw picture fills: no pixel is
-/// invented, and its border is a border like any other's.
+/// A lens with pincushion distortion shows less than the pinhole would, and a polynomial may fold back far from the middle. The
+/// straightened image is therefore cut, by the same amount on opposite sides, to the greatest rectangle of the same shape that the raw
+/// image fills: no pixel is invented, and the border of the straightened image needs no special treatment.
 #[derive(Clone, Debug)]
 pub(crate) struct Straightening {
     distortion: [f64; 5],
     focal_px: f64,
     rows: RowMotion,
     raw_size_px: [u32; 2],
-    /// Pixels of the pinhole's picture left out at the left and at the right, and above and below.
+    /// Number of pixels of the pinhole's image that are left out at the left and at the right, and at the top and at the bottom.
     inset_px: [u32; 2],
-    /// Row-major, `height × width` of the straightened picture.
+    /// Source of each pixel of the straightened image, row-major, `height × width`.
     sources: Vec<Source>,
 }
 
-/// Where a pixel comes from: between four raw ones.
+/// Source of a pixel of the straightened image: a position between four raw pixels.
 #[derive(Clone, Copy, Debug)]
 struct Source {
-    /// Index of the upper left one.
+    /// Index, in the row-major raw image, of the upper-left one of the four raw pixels from which a pixel of the straightened image is interpolated.
     corner: u32,
-    /// How far towards its right and its lower neighbour, in 256ths.
+    /// Position between four raw pixels from which a pixel is interpolated: distance from the upper-left one towards
+    /// its right and its lower neighbour, in 256ths of a pixel.
     towards: [u16; 2],
 }
 
-/// Least factor by which the lens may shrink what the straightened picture shows: beyond it the polynomial is about to fold back,
-/// and one raw pixel would be told to be five.
+/// Least factor by which the lens may shrink what the straightened image shows. Below it the polynomial is about to
+/// fold back, and one raw pixel would be spread over five.
 const LEAST_SLOPE: f64 = 0.2;
-/// Motion from row to row beyond which a picture is left as its rows took it: taken out, it would stretch the picture by as much.
+/// Greatest image motion from row to row of a rolling shutter that is corrected. An image with more motion is left as its rows were taken,
+/// because the correction would stretch the image by as much.
 const MOST_ROW_MOTION_PX: f64 = 0.1;
 
 impl Straightening {
-    /// For pictures of a size behind a lens with k1, k2, p1, p2, k3, taken row by row in motion; `None` where nothing is to be straightened.
+    /// Prepares the straightening of images of a given size behind a lens with coefficients k1, k2, p1, p2, k3, whose rows are taken one
+    /// after the other in motion; `None` where nothing needs to be straightened.
     pub(crate) fn new(raw_size_px: [u32; 2], focal_px: f64, distortion: [f64; 5], rows: RowMotion) -> Option<Self> {
         let rows = if rows.most_px(raw_size_px) < MOST_ROW_MOTION_PX { rows } else { RowMotion::default() };
         if distortion == [0.0; 5] && rows == RowMotion::default() {
@@ -79,17 +84,17 @@ impl Straightening {
         Some(lens)
     }
 
-    /// Pixels of the straightened picture row by row, in the pinhole's.
+    /// Pixels of the straightened image, row by row, in coordinates of the pinhole's image.
     fn pixels(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let [columns, rows] = [0, 1].map(|axis| self.inset_px[axis]..self.raw_size_px[axis] - self.inset_px[axis]);
         rows.flat_map(move |v| columns.clone().map(move |u| [f64::from(u), f64::from(v)]))
     }
 
-    /// What has to be cut so that every pixel left has a source.
+    /// Number of pixels to cut off at each side so that every remaining pixel has a source.
     fn inset(&self) -> [u32; 2] {
         let half_px = self.raw_size_px.map(|size| 0.5 * f64::from(size));
         let middle_px = self.middle_px();
-        // Distance from the middle in units of the rectangle's own half size.
+        // Distance of a pixel from the middle of the image, in units of the image's own half width or half height.
         let share = |axis: usize, at: f64| (at - middle_px[axis]).abs() / half_px[axis];
         let whole = Straightening { inset_px: [0, 0], sources: Vec::new(), ..*self };
         let without = whole.pixels().filter(|&pixel| !self.is_shown(pixel));
@@ -100,7 +105,7 @@ impl Straightening {
         })
     }
 
-    /// Whether the raw picture shows what a pinhole's pixel would, and the lens does not fold there.
+    /// Whether the raw image shows what a pinhole's pixel would show, and the lens does not fold there.
     fn is_shown(&self, pinhole_px: [f64; 2]) -> bool {
         let pinhole_px = self.at_row(pinhole_px);
         let [a, mixed, b] = distortion::slopes(self.distortion, self.in_focal_lengths(pinhole_px));
@@ -111,14 +116,15 @@ impl Straightening {
 
     fn source(&self, pinhole_px: [f64; 2]) -> Source {
         let raw_px = self.raw_px(self.at_row(pinhole_px));
-        // The last pixel has no neighbour beyond it: it is wholly towards that of the one before.
+        // A source position on the last raw pixel of a row or column has no neighbour beyond it; it is interpolated
+        // from the pixel before with full weight on the last one.
         let first = [0, 1].map(|axis| (raw_px[axis].max(0.0) as u32).min(self.raw_size_px[axis] - 2));
         let towards =
             [0, 1].map(|axis| (256.0 * (raw_px[axis] - f64::from(first[axis]))).round().clamp(0.0, 256.0) as u16);
         Source { corner: first[1] * self.raw_size_px[0] + first[0], towards }
     }
 
-    /// The straightened picture, interpolated bilinearly; an empty one for a picture of another size than the lens is for.
+    /// The straightened image, interpolated bilinearly; an empty image if the raw image has another size than the one prepared for.
     pub(crate) fn straight(&self, raw: &GrayImage) -> GrayImage {
         if [raw.width(), raw.height()] != self.raw_size_px {
             return GrayImage::default();
@@ -135,16 +141,17 @@ impl Straightening {
         GrayImage::from_raw(width, height, self.sources.iter().map(grey).collect()).unwrap_or_default()
     }
 
-    /// Where the pinhole's picture shows, when the raw row that shows it is exposed, what it shows here at the stamp.
+    /// Where the pinhole's image shows an object at the time at which its raw row is exposed, if it shows the object at `pinhole_px` at the stamp.
     ///
-    /// The motion from row to row is small beside a row, so that the row found for a place hardly moves it: three steps end below 0.01 px.
+    /// The motion from row to row is much less than a row, so that the result depends little on the row that is
+    /// assumed: three iterations end below 0.01 px.
     fn at_row(&self, pinhole_px: [f64; 2]) -> [f64; 2] {
         let (RowMotion { shift_px, turn_rad }, mut at) = (self.rows, pinhole_px);
         if self.rows == RowMotion::default() {
             return at;
         }
         let middle_px = self.middle_px();
-        // The floor turns by −ω in the frame of a robot that turns by ω: with v down, q from the middle moves by ω·(−v, u).
+        // In the frame of a robot that turns by ω, the floor turns by −ω: with v down, a point q relative to the middle moves by ω·(−v, u).
         let way_px = [
             shift_px[0] - turn_rad * (pinhole_px[1] - middle_px[1]),
             shift_px[1] + turn_rad * (pinhole_px[0] - middle_px[0]),
@@ -156,11 +163,13 @@ impl Straightening {
         at
     }
 
-    /// Lines found in the straightened picture in the pixels of the whole pinhole's, each point where that shows it when its row is exposed.
+    /// Converts lines found in the straightened image to coordinates of the whole pinhole image. Each point is placed
+    /// where that image shows it when its row is exposed.
     pub(crate) fn in_pinhole(&self, mut found: FloorLines) -> FloorLines {
         let [left, above] = self.inset_px.map(f64::from);
         let place = |u: f64, v: f64| self.at_row([u + left, v + above]);
-        // A row's motion is by how much neighbouring rows are pulled apart; twice that, for a lens that shows a row as more than one.
+        // Motion from row to row pulls neighbouring rows apart by that amount. Bounds are widened by twice that, for a
+        // lens that shows one row as more than one.
         let pull = 1.0 + 2.0 * self.rows.most_px(self.raw_size_px);
         for point in found.lines.iter_mut().flat_map(|line| &mut line.points_px) {
             let [u, v] = place(point[0], point[1]);
@@ -173,7 +182,7 @@ impl Straightening {
         found
     }
 
-    /// The pixel of the raw, distorted picture that shows what a picture without distortion shows at `pinhole_px`.
+    /// Pixel of the raw, distorted image that shows what an undistorted image shows at `pinhole_px`.
     pub(crate) fn raw_px(&self, pinhole_px: [f64; 2]) -> [f64; 2] {
         let at = self.in_focal_lengths(pinhole_px);
         let bent = distortion::bend(self.distortion, at);
@@ -181,7 +190,7 @@ impl Straightening {
         [0, 1].map(|axis| self.focal_px * (at[axis] + bent[axis]) + middle_px[axis])
     }
 
-    /// ∂D/∂x over a box of the pinhole's picture, as [`distortion::slopes`] gives it; `None` where the lens may fold in it.
+    /// Slopes ∂D/∂x of the lens over a box of the pinhole's image, as [`distortion::slopes`] gives them; `None` where the lens may fold in the box.
     pub(crate) fn slopes_over(&self, pinhole_px: [Interval; 2]) -> Option<[Interval; 3]> {
         let middle_px = self.middle_px();
         let at = [0, 1].map(|axis| (pinhole_px[axis] - middle_px[axis]) / self.focal_px);

@@ -1,4 +1,4 @@
-//! Pictures of tiled floors, synthesised without the localizer's own templates: the ground truth of this folder's tests.
+//! Synthetic images of tiled floors, made without the localizer's own templates: the ground truth of the tests in this folder.
 
 use std::sync::OnceLock;
 
@@ -6,7 +6,7 @@ use image::GrayImage;
 
 use super::FloorView;
 
-/// Small deterministic generator (splitmix64, Steele et al. 2014): tests need no statistics beyond it.
+/// Small deterministic random number generator (splitmix64, Steele et al. 2014); its statistics suffice for these tests.
 pub(crate) struct Random(u64);
 
 impl Random {
@@ -34,7 +34,7 @@ impl Random {
         self.unit() < probability
     }
 
-    /// Sum of four uniform numbers, scaled to unit variance: near enough to normal, and quick.
+    /// Approximately normal random number: the sum of four uniform numbers, scaled to unit variance, which is quick to compute.
     pub(crate) fn normal(&mut self) -> f64 {
         let bits = self.next();
         let sum: i64 = (0..4).map(|part| (bits >> (16 * part) & 0xFFFF) as i64).sum();
@@ -42,65 +42,65 @@ impl Random {
     }
 }
 
-/// What is printed on a tile.
+/// Pattern that is printed on the tiles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Pattern {
     Plain,
     Speckle,
     Marble,
-    /// Printed parallel stripes with a pitch in pixels and a contrast.
+    /// Parallel printed stripes with a pitch in pixels and a contrast.
     Stripes {
         pitch_px: f64,
         contrast: f64,
     },
 }
 
-/// A strip that is no joint: a wire or a tape through a point at an angle.
+/// A strip on the floor that is no tile joint: a wire or a tape, at a given offset and angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strip {
-    /// Sine and cosine of the normal's angle.
+    /// Sine and cosine of the angle of the normal of a wire or tape on the floor.
     pub(super) sin_cos: [f64; 2],
     pub(super) offset_px: f64,
     pub(super) width_px: f64,
     pub(super) albedo: f64,
-    /// Sine-shaped bend over the picture.
+    /// Amplitude of a sine-shaped bend of the wire or tape over the image.
     pub(super) bend_px: f64,
 }
 
-/// Everything that makes a picture. Frame: pixels from the picture's centre, u right, v down.
+/// Everything that a synthetic image of a floor is made from. Coordinates are pixels from the image's centre, u right, v down.
 #[derive(Clone, Debug)]
 pub(super) struct Floor {
     pub(super) size_px: [usize; 2],
     pub(super) edge_px: [f64; 2],
     pub(super) joint_width_px: f64,
-    /// Angle of family 0's normal.
+    /// Angle of the normal of the tile joints of family 0.
     pub(super) angle_rad: f64,
-    /// Offset of one joint of each family.
+    /// Offset of one tile joint of each family from the image's centre.
     pub(super) phase_px: [f64; 2],
     pub(super) tile_albedo: f64,
     pub(super) joint_albedo: f64,
-    /// Standard deviation of the tiles' albedo, relative, from tile to tile.
+    /// Greatest departure of a tile's albedo from that of all tiles, relative to it.
     pub(super) tile_spread: f64,
-    /// Relative amplitude of the surface's texture.
+    /// Relative amplitude of the floor surface's texture.
     pub(super) texture: f64,
     pub(super) pattern: Pattern,
-    /// Share of a joint's contrast that is worn off in places, 0 to 1.
+    /// Greatest share of a tile joint's contrast that is worn off in places, 0 to 1.
     pub(super) wear: f64,
     pub(super) strips: Vec<Strip>,
-    /// Relative darkness and normal angle of a soft shadow's edge through the picture.
+    /// Soft edge of a shadow through the image: the shadow's relative darkness and the angle of the edge's normal.
     pub(super) shadow: Option<(f64, f64)>,
-    /// Relative gradient of light over half of the picture.
+    /// Gradient of the light along u and v: logarithm of its change over half of the image's width.
     pub(super) gradient: [f64; 2],
-    /// Electrons of a pixel at mid grey (128).
+    /// Photoelectrons of a pixel at mid grey (grey level 128).
     pub(super) electrons: f64,
-    /// Grey level of a plain tile in mid light.
+    /// Grey level of a plain tile in mean light.
     pub(super) exposure_grey: f64,
-    /// Image motion over the exposure at the centre, and the robot's turn.
+    /// Motion of the image over the exposure at the image's centre, and rotation of the robot over the exposure.
     pub(super) blur_px: [f64; 2],
     pub(super) turn_rad: f64,
 }
 
-/// A random number of a lattice point, in [−1, 1], from a table for speed.
+/// Pseudo-random number of a point of an integer lattice, in `[−1, 1]`, taken from a table for speed.
 fn lattice(u: i64, v: i64, seed: u64) -> f64 {
     static TABLE: OnceLock<Vec<f64>> = OnceLock::new();
     let table = TABLE.get_or_init(|| {
@@ -113,7 +113,7 @@ fn lattice(u: i64, v: i64, seed: u64) -> f64 {
     table[(mixed >> 50) as usize]
 }
 
-/// Value noise of a given grain, in [−1, 1].
+/// Smooth random field (value noise) with structures of size `grain_px`, in `[−1, 1]`.
 fn value_noise(u: f64, v: f64, grain_px: f64, seed: u64) -> f64 {
     let (u, v) = (u / grain_px, v / grain_px);
     let (u0, v0) = (u.floor(), v.floor());
@@ -123,18 +123,19 @@ fn value_noise(u: f64, v: f64, grain_px: f64, seed: u64) -> f64 {
     (at(0, 0) * (1.0 - fu) + at(1, 0) * fu) * (1.0 - fv) + (at(0, 1) * (1.0 - fu) + at(1, 1) * fu) * fv
 }
 
-/// Share of a pixel that a strip covers, for a pixel box turned along the strip.
+/// Share of a pixel that a strip (tile joint, wire or tape) covers, for a square pixel aligned with the strip.
 fn coverage(distance_px: f64, width_px: f64) -> f64 {
     (0.5 * width_px - distance_px.abs() + 0.5).clamp(0.0, 1.0)
 }
 
 impl Floor {
-    /// Sine and cosine of family 0's normal: looked up once per picture.
+    /// Sine and cosine of the angle of the normal of tile joint family 0, computed once per image.
     fn axes(&self) -> [f64; 2] {
         [self.angle_rad.sin(), self.angle_rad.cos()]
     }
 
-    /// Distance along family `family`'s normal to the nearest joint's centre, its number, and the coordinate along the joint.
+    /// For a point and a family of tile joints: the distance along the family's normal from the nearest joint's centre, that
+    /// joint's number, and the coordinate along the joint.
     fn nearest_joint(&self, [sin, cos]: [f64; 2], family: usize, u: f64, v: f64) -> (f64, i64, f64) {
         let grid = [u * cos + v * sin, v * cos - u * sin];
         let coordinate = grid[family] - self.phase_px[family];
@@ -142,12 +143,12 @@ impl Floor {
         (coordinate - number * self.edge_px[family], number as i64, grid[1 - family])
     }
 
-    /// Albedo at a point.
+    /// Albedo of the floor at a point.
     fn albedo(&self, axes: [f64; 2], u: f64, v: f64) -> f64 {
         let joints = [0, 1].map(|family| self.nearest_joint(axes, family, u, v));
         let tile = [0, 1].map(|family| joints[family].1 + i64::from(joints[family].0 > 0.0));
         let mut albedo = self.tile_albedo * (1.0 + self.tile_spread * lattice(tile[0], tile[1], 11));
-        // Patterns are fixed to the tile, so they turn with the grid.
+        // Printed patterns are fixed to the tile, so that they turn with the grid.
         let [sin, cos] = axes;
         let (x, y) = (u * cos + v * sin, v * cos - u * sin);
         let seed = (tile[0] * 977 + tile[1] * 131) as u64;
@@ -195,12 +196,12 @@ impl Floor {
         light
     }
 
-    /// The picture: area-sampled, averaged over the motion, with shot and read noise, in 8 bits.
+    /// The image that the camera takes: area-sampled, averaged over the motion, with shot noise and read noise, in 8 bits.
     pub(super) fn picture(&self, random: &mut Random) -> GrayImage {
         let [width, height] = self.size_px;
         let centre = [0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0)];
         let motion = self.blur_px[0].hypot(self.blur_px[1]) + self.turn_rad.abs() * centre[0].hypot(centre[1]);
-        // Strips are area-sampled at each instant, so instants a pixel's motion apart blend into each other.
+        // Joints, wires and tapes are area-sampled at each instant, so that instants one pixel of motion apart blend into each other.
         let samples = if motion < 0.1 { 1 } else { (2.0 + motion).min(24.0) as usize };
         let axes = self.axes();
         let grey_per_albedo = self.exposure_grey / self.tile_albedo;
@@ -209,14 +210,14 @@ impl Floor {
             let (u, v) = (f64::from(column) - centre[0], f64::from(row) - centre[1]);
             let mut sum = 0.0;
             for sample in 0..samples {
-                // During the exposure the floor point under a pixel moves against the image motion.
+                // During the exposure, the floor point under a pixel moves opposite to the image motion.
                 let time = (sample as f64 + 0.5) / samples as f64 - 0.5;
                 let (sin, cos) = (-self.turn_rad * time).sin_cos();
                 let (a, b) = (u - self.blur_px[0] * time, v - self.blur_px[1] * time);
                 let (a, b) = (a * cos - b * sin, a * sin + b * cos);
                 sum += self.albedo(axes, a, b);
             }
-            // Texture is left out of the blur: more of it than in truth.
+            // The floor's texture is not blurred by motion, so that the image has more of it than a real one.
             let texture = 1.0 + self.texture * (value_noise(u, v, 3.0, 5) + value_noise(u, v, 11.0, 6));
             let grey = sum / samples as f64 * texture * grey_per_albedo * self.light(u, v);
             let electrons = grey * electrons_per_grey;
@@ -225,7 +226,7 @@ impl Floor {
         })
     }
 
-    /// What the localizer is told of the picture.
+    /// What the localizer is given about the image: declared values.
     pub(super) fn view(&self) -> FloorView {
         FloorView {
             pixels_per_m: self.edge_px[0] / 0.30,
@@ -239,20 +240,20 @@ impl Floor {
         [0, 1].map(|axis| point_px[axis] - 0.5 * (self.size_px[axis] as f64 - 1.0))
     }
 
-    /// Number of the joint of a family nearest to a point of the picture.
+    /// Number of the tile joint of a family that is nearest to a point of the image.
     pub(super) fn joint_number(&self, family: usize, point_px: [f64; 2]) -> i64 {
         let [u, v] = self.centred(point_px);
         self.nearest_joint(self.axes(), family, u, v).1
     }
 
-    /// Distance of a point of the picture from one joint, along the family's normal.
+    /// Distance of a point of the image from one tile joint, along the normal of the joint's family.
     pub(super) fn distance_to_joint_px(&self, family: usize, number: i64, point_px: [f64; 2]) -> f64 {
         let [u, v] = self.centred(point_px);
         let (sin, cos) = (self.angle_rad + family as f64 * std::f64::consts::FRAC_PI_2).sin_cos();
         u * cos + v * sin - self.phase_px[family] - number as f64 * self.edge_px[family]
     }
 
-    /// Longest visible part of a joint of a family, well inside of the picture.
+    /// Length of the longest visible tile joint of a family, counting only what lies at least 15 px inside of the image.
     pub(super) fn longest_chord_px(&self, family: usize) -> f64 {
         let (sin, cos) = (self.angle_rad + family as f64 * std::f64::consts::FRAC_PI_2).sin_cos();
         let half = self.size_px.map(|size| 0.5 * size as f64 - 15.0);

@@ -1,4 +1,4 @@
-//! Trials of a chain on synthetic floors: what it finds, what it claims, what is true.
+//! Trials of a tile-joint-detection chain on synthetic floors: compares what it finds and claims with what is true.
 
 use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
@@ -6,30 +6,31 @@ use std::time::Instant;
 use super::synthetic::{Floor, Pattern, Random, Strip};
 use super::{FloorLines, FloorView, line_fit};
 
-/// The chain under trial.
+/// Function type of the chain under trial: image, declared view, image motion and rotation over the exposure; returns the lines found.
 pub(super) type Chain = fn(&image::GrayImage, &FloorView, [f64; 2], f64) -> FloorLines;
 
-/// Pictures per kind of floor; a long trial sets `WHEREIN_VISION_FRAMES`.
+/// Number of images per kind of floor; the environment variable `WHEREIN_VISION_FRAMES` sets another number for a long trial.
 pub(super) fn frames(usual: usize) -> usize {
     std::env::var("WHEREIN_VISION_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
-/// What came of a number of pictures.
+/// Results of a tile-joint-detection chain over a number of synthetic images of tiled floors.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
     pub(super) frames: usize,
-    /// Frames with at least one line of each family of which enough is in view, and how many families that were.
+    /// Number of families of tile joints, summed over all images, of which a joint is visible over more than 200 px; and
+    /// number of those of which the chain found a joint.
     pub(super) families_in_view: usize,
     pub(super) families_found: usize,
     pub(super) lines: usize,
-    /// Lines that are no joint: most of their points are more than 2 px beyond their bound.
+    /// Number of lines that are no tile joint: most of their points are more than 2 px beyond their bound.
     pub(super) wrong_lines: usize,
-    /// Lines with more false points than claimed.
+    /// Number of lines with more false points (farther from the tile joint than their bound) than the line's claim allows.
     pub(super) false_claims: usize,
-    /// Lines whose set of lines misses the true one.
+    /// Number of fitted lines whose enclosing set of lines misses the true line.
     pub(super) missed_sets: usize,
     pub(super) points: usize,
-    /// Greatest distance of a point of a right line from its joint, in units of its bound.
+    /// Greatest distance of a point of a correct line from its tile joint, in units of the point's bound.
     pub(super) worst: f64,
     pub(super) false_points: usize,
     pub(super) psi_squares: f64,
@@ -56,7 +57,8 @@ impl Tally {
         );
     }
 
-    /// Runs a chain on a floor and judges it; answers whether everything it said is true.
+    /// Runs a chain on an image of a floor and compares the result with the truth. Returns the image, the lines found, and whether
+    /// everything that the chain reported is true.
     pub(super) fn add(
         &mut self,
         chain: Chain,
@@ -92,7 +94,7 @@ impl Tally {
                 .count()
         };
         let middle = line.points_px[line.points_px.len() / 2];
-        // The claim is about one joint: the one that most of the points are nearest to.
+        // A line's claim is about one tile joint: the one from which the fewest of its points are farther than their bound.
         let joints: Vec<(usize, i64)> = [0, 1]
             .into_iter()
             .flat_map(|family| {
@@ -125,7 +127,7 @@ impl Tally {
             self.worst = self.worst.max(distance.abs() / point[2]);
         }
         let Some(set) = line_fit::enclose(&line.points_px, line.share_wrong) else { return };
-        // The true line at the set's own centroid and on its branch of the angle.
+        // The true line is expressed relative to the fitted set's own centroid and with the angle nearest to the set's.
         let mut true_rad = floor.angle_rad + family as f64 * FRAC_PI_2;
         let half_turns = ((set.direction_rad - true_rad) / std::f64::consts::PI).round();
         true_rad += half_turns * std::f64::consts::PI;
@@ -140,7 +142,7 @@ impl Tally {
     }
 }
 
-/// A plain floor at a random place: the nominal scene of 0.30 m tiles under a camera of 1333 px/m.
+/// A plain floor at a random position: the nominal scene of 0.30 m tiles under a camera of 1333 px/m.
 pub(super) fn plain_floor(random: &mut Random) -> Floor {
     let edge_px = [400.0, 400.0];
     Floor {
@@ -165,7 +167,7 @@ pub(super) fn plain_floor(random: &mut Random) -> Floor {
     }
 }
 
-/// A floor with everything that the nominal scenes may hold, at random.
+/// A random floor with everything that the nominal scenes may contain.
 pub(super) fn realistic_floor(random: &mut Random) -> Floor {
     let mut floor = plain_floor(random);
     if random.chance(0.25) {
@@ -173,7 +175,7 @@ pub(super) fn realistic_floor(random: &mut Random) -> Floor {
         floor.phase_px[1] = random.between(0.0, 600.0);
     }
     floor.tile_albedo = random.between(0.35, 0.8);
-    // Darker joints mostly, lighter ones sometimes; never less than a fifth of contrast.
+    // Joints are mostly darker than the tiles, sometimes lighter; their contrast is never less than a fifth.
     floor.joint_albedo = if random.chance(0.8) {
         floor.tile_albedo * random.between(0.3, 0.75)
     } else {
@@ -201,7 +203,7 @@ pub(super) fn realistic_floor(random: &mut Random) -> Floor {
     floor
 }
 
-/// A wire or a tape, one time in four nearly parallel to the joints.
+/// A wire or a tape on the floor; one in four is nearly parallel to the joints.
 fn stray_strip(floor: &Floor, random: &mut Random) -> Strip {
     let wire = random.chance(0.5);
     let normal_rad =
@@ -215,7 +217,8 @@ fn stray_strip(floor: &Floor, random: &mut Random) -> Strip {
     }
 }
 
-/// Writes a picture with its lines (points white or black, rejected segments grey) to the folder named by `WHEREIN_VISION_SAVE`.
+/// Writes an image with the lines found (their points in the colour of their family, rejected segments in red) to the folder named by the
+/// environment variable `WHEREIN_VISION_SAVE`.
 pub(super) fn save(name: &str, picture: &image::GrayImage, found: &FloorLines, floor: &Floor) {
     let Ok(folder) = std::env::var("WHEREIN_VISION_SAVE") else { return };
     let mut canvas =

@@ -1,22 +1,22 @@
-//! Connected bright areas of a picture.
+//! Connected bright areas of an image, with their moments.
 
-/// A connected area (eight neighbours) with its first and second moments.
+/// A connected area of set pixels (with eight neighbours each), described by its first and second moments.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Component {
     pub(super) area_px: usize,
     pub(super) centre_px: [f64; 2],
-    /// Standard deviations along its long and its short axis.
+    /// Standard deviations of the area's pixels along its long and its short axis.
     pub(super) axes_px: [f64; 2],
 }
 
 impl Component {
-    /// Long over short axis; a single row of pixels counts as one pixel wide.
+    /// Ratio of the area's long axis to its short one; a single row of pixels counts as one pixel wide.
     pub(super) fn aspect(&self) -> f64 {
         self.axes_px[0].max(0.29) / self.axes_px[1].max(0.29)
     }
 }
 
-/// All connected areas of the set pixels; those larger than `most_px` are left out. Clears the mask.
+/// All connected areas of the set pixels of a binary mask, without areas of more than `most_px` pixels. Clears the mask.
 pub(super) fn components(mask: &mut [bool], width: usize, most_px: usize) -> Vec<Component> {
     let mut found = Vec::new();
     let mut stack = Vec::new();
@@ -51,7 +51,7 @@ pub(super) fn components(mask: &mut [bool], width: usize, most_px: usize) -> Vec
 struct Moments {
     count: usize,
     first: [f64; 2],
-    /// uu, vv, uv.
+    /// Sums of u², v² and u·v over the area's pixels.
     second: [f64; 3],
 }
 

@@ -1,36 +1,39 @@
-//! Bright dots with centroids below a tenth of a pixel.
+//! Detects bright marker dots in an infrared image and measures their centroids to less than a tenth of a pixel.
 
 use image::GrayImage;
 
 use super::components::{Component, components};
 use super::{CeilingView, Dot, PictureMotion};
 
-/// Width beyond the radius over which a dot's edge is soft; what little is beyond is beyond on all sides.
+/// Width of the soft edge of a marker dot's image beyond the dot's radius. The little light farther out lies on all
+/// sides alike and does not shift the centroid.
 const SOFT_PX: f64 = 1.8;
-/// Width of the ring around that, which tells the background.
+/// Width of the ring around a marker dot's soft edge, from which the background's grey level is estimated.
 const RING_PX: f64 = 1.8;
-/// Least step of grey level from the surroundings to a dot.
+/// Least difference of grey level between a bright marker dot and its surroundings.
 const LEAST_STEP: f64 = 14.0;
-/// A centroid less sure than this is none.
+/// A marker dot whose centroid has a greater error bound than this is discarded.
 const WORST_BOUND_PX: f64 = 0.5;
 
-/// Parts of a centroid's bound, in pixels where nothing else is said.
+/// Contributions to the error bound of a marker dot's centroid: a constant in pixels, and a multiple of the standard deviation of its noise.
 const FLOOR_PX: f64 = 0.008;
 const SIGMAS: f64 = 5.5;
-/// Per share of structure in the background, of the dot's level, and pixel of radius.
+/// Growth of the error bound of a dot's centroid with structure in the background: in pixels per pixel of the dot's
+/// radius, where structure is a share of the dot's grey level.
 const PER_STRUCTURE: f64 = 1.5;
-/// Per share of the dot's area that is clipped at white.
+/// Growth of the error bound of a dot's centroid in pixels, for a dot whose whole area is clipped at white.
 const PER_CLIPPED: f64 = 0.15;
-/// Per pixel of motion, and per pixel by which motion makes neighbours' soft edges meet.
+/// Growth of the error bound of a dot's centroid per pixel of image motion, and per pixel by which motion makes the
+/// soft edges of neighbouring dots overlap.
 const PER_MOTION: f64 = 0.006;
 const PER_OVERLAP: f64 = 0.03;
 
-/// All bright dots of about the expected size.
+/// Detects all bright dots of about the expected size in an image.
 pub fn detect(image: &GrayImage, view: &CeilingView, motion: &PictureMotion) -> Vec<Dot> {
     let width = image.width() as usize;
     let [least_px, most_px] = view.dot_radius_px;
     let noise = noise_grey(image);
-    // The window is about as wide as two pitches: a marker's own dots cover less than a quarter of it.
+    // The averaging window is about as wide as two pitches of a marker's grid, so that the marker's own dots cover less than a quarter of it.
     let half = (4.0 * 0.5 * (least_px + most_px)).round().max(5.0) as usize;
     let mut mask = brighter_than_surroundings(image, half, LEAST_STEP.max(5.0 * noise));
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
@@ -41,7 +44,7 @@ pub fn detect(image: &GrayImage, view: &CeilingView, motion: &PictureMotion) -> 
     let candidates = components(&mut mask, width, most_area as usize);
     let is_dot = |component: &&Component| {
         let radius_px = (component.area_px as f64 / std::f64::consts::PI).sqrt().max(1.0);
-        // A disc's standard deviation is half of its radius.
+        // The standard deviation of a disc along an axis is half of its radius.
         let motion = length(motion.at(component.centre_px));
         let longest = (0.25 * radius_px * radius_px + motion * motion / 12.0).sqrt() / (0.5 * radius_px);
         component.area_px as f64 >= least_area && component.aspect() <= 1.7 * longest
@@ -60,12 +63,12 @@ fn length([u, v]: [f64; 2]) -> f64 {
     u.hypot(v)
 }
 
-/// A dot before its bound is known, with what the bound is made from.
+/// A measured marker dot whose error bound is not known yet, with the quantities that the bound is computed from.
 struct Measured {
     dot: Dot,
-    /// Sum of squares and count of the background's residuals.
+    /// Sum of squares of the residuals of the background's grey level around a dot, and their number (in degrees of freedom).
     ring: [f64; 2],
-    /// Sum of the squared distances from the centroid along an axis, plain and weighted with the grey level.
+    /// Sum over the window around a dot of the squared distances from its centroid along an axis, without weights and weighted with the grey level.
     window_moment: f64,
     grey_moment: f64,
     clipped_share: f64,
@@ -74,14 +77,15 @@ struct Measured {
 impl Measured {
     fn with_bound(self, view: &CeilingView, motion: f64, ring_noise: f64) -> Dot {
         let dot = self.dot;
-        // The background's noise is measured; a dot adds that of its own photons.
+        // The noise of the background is measured in the image; the dot's own photons add shot noise.
         let variance = ring_noise * ring_noise * self.window_moment + self.grey_moment / view.electrons_per_grey;
         let noise_px = variance.sqrt() / dot.flux;
         let own_ring = (self.ring[0] / self.ring[1].max(1.0)).sqrt();
         let structure = (own_ring - 1.6 * ring_noise).max(0.0) / dot.level;
-        // Between two dots there are two radii.
+        // The rims of two neighbouring dots of a marker are two radii apart.
         let overlap = (2.0 * SOFT_PX + motion - 2.0 * view.dot_radius_px[0]).clamp(0.0, motion);
-        // The centre of an ellipse is not the image of the circle's centre: off by r²/f times the slope of the ray to the ceiling's normal.
+        // The centre of the ellipse as which a circle is seen is not the image of the circle's centre: they differ by r²/f times the slope
+        // of the ray against the ceiling's normal.
         let perspective_px = 1.2 * dot.radius_px * dot.radius_px / view.focal_px * view.lean;
         let bound_px = FLOOR_PX
             + SIGMAS * noise_px
@@ -94,10 +98,10 @@ impl Measured {
     }
 }
 
-/// All points within a radius of a segment through the origin: where a moving dot leaves its light.
+/// All points within a radius of a line segment through the origin: the area over which a moving dot spreads its light during the exposure.
 struct Track {
     radius_px: f64,
-    /// Half of the motion: its length and its direction.
+    /// Half of the dot's motion over the exposure: its length and its direction.
     half_px: f64,
     direction: [f64; 2],
 }
@@ -113,7 +117,7 @@ impl Track {
         Track { radius_px: self.radius_px + by_px, ..*self }
     }
 
-    /// First and last column and row of pixels that it touches about `centre_px`.
+    /// First and last column and row of the pixels that a moving dot's track covers when it is centred at `centre_px`.
     fn extent(&self, centre_px: [f64; 2]) -> [[f64; 2]; 2] {
         let reach = [0, 1].map(|axis| self.radius_px + self.half_px * self.direction[axis].abs());
         [
@@ -122,24 +126,24 @@ impl Track {
         ]
     }
 
-    /// Whether the picture holds all of it.
+    /// Whether the whole track of a moving dot lies within the image.
     fn is_within(&self, image: &GrayImage, centre_px: [f64; 2]) -> bool {
         let [low, high] = self.extent(centre_px);
         let size = [image.width(), image.height()].map(f64::from);
         (0..2).all(|axis| low[axis] >= 0.0 && high[axis] < size[axis])
     }
 
-    /// Distance beyond the edge; negative inside.
+    /// Distance of a point beyond the edge of a moving dot's track; negative inside of the track.
     fn outside_px(&self, du: f64, dv: f64) -> f64 {
         let along = (du * self.direction[0] + dv * self.direction[1]).clamp(-self.half_px, self.half_px);
         (du - along * self.direction[0]).hypot(dv - along * self.direction[1]) - self.radius_px
     }
 }
 
-/// Intensity-weighted centroid over a dot's track, above a plane through the ring around it.
+/// Measures the intensity-weighted centroid of a dot over its track. Intensities count from a plane through the ring of background around the track.
 fn measure(image: &GrayImage, component: &Component, view: &CeilingView, motion_px: [f64; 2]) -> Option<Measured> {
     let motion = motion_px[0].hypot(motion_px[1]);
-    // Area of a track: π r² + 2 r m.
+    // The area of the track of a dot of radius r with motion m is π r² + 2 r m.
     let area = component.area_px as f64;
     let radius_px = ((motion * motion + std::f64::consts::PI * area).sqrt() - motion) / std::f64::consts::PI;
     let radius_px = radius_px.clamp(view.dot_radius_px[0], view.dot_radius_px[1] + 0.5);
@@ -155,17 +159,17 @@ fn measure(image: &GrayImage, component: &Component, view: &CeilingView, motion_
     last
 }
 
-/// Grey level b + gu·du + gv·dv around a point.
+/// Background around a dot as a plane of grey levels, b + gu·du + gv·dv.
 struct Plane {
     coefficients: [f64; 3],
     squares: f64,
     count: f64,
 }
 
-/// The plane through the ring's grey levels, without those far from its median: neighbours' edges.
+/// Fits a plane to the grey levels of the ring around a dot. Pixels far from the ring's median are left out: they are edges of neighbouring dots.
 fn ring_plane(image: &GrayImage, centre_px: [f64; 2], window: &Track) -> Option<Plane> {
     let mut ring: Vec<[f64; 3]> = Vec::with_capacity(64);
-    // The picture's border may cut the ring.
+    // The ring of background around a dot may be cut off by the image's border.
     for_track(image, centre_px, &window.wider(RING_PX), |du, dv, grey| {
         if window.outside_px(du, dv) > 0.5 {
             ring.push([du, dv, grey]);
@@ -194,7 +198,7 @@ fn ring_plane(image: &GrayImage, centre_px: [f64; 2], window: &Track) -> Option<
     Some(Plane { coefficients, squares, count: ring.len() as f64 - 3.0 })
 }
 
-/// One step of the centroid about `centre_px`. The window's edge is soft, so that no pixel enters or leaves it at once.
+/// One iteration of the centroid, with the window centred at `centre_px`. The window's edge is soft, so that no pixel enters or leaves it abruptly.
 fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) -> Option<Measured> {
     let [base, slope_u, slope_v] = plane.coefficients;
     let (mut flux, mut first, mut clipped) = (0.0, [0.0; 2], 0.0);
@@ -231,7 +235,8 @@ fn weigh(image: &GrayImage, centre_px: [f64; 2], window: &Track, plane: &Plane) 
     Some(Measured { dot, ring: [plane.squares, plane.count], window_moment, grey_moment, clipped_share })
 }
 
-/// Visits the pixels of a track, as far as the picture goes, relative to its middle.
+/// Calls `visit` for all pixels of a moving dot's track that lie in the image, with their position relative to the
+/// track's middle and their grey level.
 fn for_track(image: &GrayImage, centre_px: [f64; 2], track: &Track, mut visit: impl FnMut(f64, f64, f64)) {
     let width = image.width() as usize;
     let size = [image.width(), image.height()].map(f64::from);
@@ -251,19 +256,20 @@ fn for_track(image: &GrayImage, centre_px: [f64; 2], track: &Track, mut visit: i
     }
 }
 
-/// Standard deviation from sums of squares and counts: from the median of the samples, so that a few disturbed ones do not matter.
+/// Standard deviation from several samples, each given as a sum of squares and a count. It takes the median of the
+/// samples, so that a few disturbed ones do not matter.
 fn pooled(samples: impl Iterator<Item = [f64; 2]>) -> f64 {
     let mut squares: Vec<f64> = samples.filter(|sample| sample[1] > 0.0).map(|sample| sample[0] / sample[1]).collect();
     squares.sort_by(f64::total_cmp);
     squares.get(squares.len() / 2).copied().unwrap_or(0.0).sqrt()
 }
 
-/// Standard deviation of the picture's noise, from differences of neighbouring pixels: a median, so that edges do not matter.
+/// Standard deviation of the image's noise, from differences of neighbouring pixels. It takes their median, so that edges do not matter.
 fn noise_grey(image: &GrayImage) -> f64 {
     let mut histogram = [0usize; 256];
     let pixels = image.as_raw();
     let mut count = 0;
-    // Every 37th pair is enough, and in step with no row.
+    // Every 37th pair of pixels suffices, and 37 does not divide the length of usual rows, so that no column is preferred.
     for pair in pixels.windows(2).step_by(37) {
         histogram[usize::from(pair[0].abs_diff(pair[1]))] += 1;
         count += 1;
@@ -273,15 +279,15 @@ fn noise_grey(image: &GrayImage) -> f64 {
         below += number;
         2 * below >= count
     });
-    // The median of |a − b| of two normal numbers is 0.954 of their standard deviation; half a step for the rounding.
+    // The median of |a − b| for two normally distributed numbers is 0.954 of their standard deviation; half a grey level is added for the rounding.
     (median.unwrap_or(0) as f64 + 0.5) / 0.954
 }
 
-/// Pixels brighter by `step` than the mean over the square of 2·half + 1 pixels around them.
+/// Marks the pixels that are brighter by `step` than the mean over the square of 2·half + 1 pixels' side around them.
 fn brighter_than_surroundings(image: &GrayImage, half: usize, step: f64) -> Vec<bool> {
     let (width, height) = (image.width() as usize, image.height() as usize);
     let pixels = image.as_raw();
-    // Running sums down the columns, then along the row: two additions a pixel.
+    // The sums over the squares are updated as running sums, down the columns and then along the row: two additions a pixel.
     let mut columns = vec![0u32; width];
     let add_row = |columns: &mut [u32], row: usize| {
         columns.iter_mut().zip(&pixels[row * width..]).for_each(|(sum, grey)| *sum += u32::from(*grey));

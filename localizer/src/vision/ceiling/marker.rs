@@ -1,7 +1,8 @@
-//! From dots to markers: corner triples, the grid they span, and what stands on it.
+//! Reads markers from dots: finds triples of corner dots, the grid that they span, and the dots on that grid.
 //!
-//! A marker is read only if nothing about it is doubtful: three corners at right angles, every bright thing on its grid, every empty place dark,
-//! equal dots, an identity of the code. Anything else is refused: a marker unread costs little, a wrong one costs the guarantee.
+//! A marker is read only if nothing about it is doubtful: three corners at right angles, every bright dot in the marker's area on its grid,
+//! every empty place dark, dots of equal brightness, and an identity that the code contains. Anything else is refused: a marker that is not
+//! read costs little, a wrong one costs the guarantee.
 
 use image::GrayImage;
 
@@ -9,22 +10,24 @@ use super::confidence::confidence;
 use super::{CeilingMarkers, CeilingView, Dot, SeenMarker};
 use crate::markers::{EMPTY_CORNER, GRID, GridPlace, MarkerId};
 
-/// Greatest distance of a dot from its place on the grid that the corners span, in pitches.
+/// Greatest distance, in pitches of the grid, of a dot from its place on the grid that a marker's corner dots span.
 const OFF_GRID: f64 = 0.2;
-/// A bright thing so far beyond the grid's edge, in pitches, still belongs to it.
+/// A dot counts as part of a marker up to this distance beyond the edge of the marker's grid, in pitches.
 const MARGIN: f64 = 0.6;
-/// Greatest relative difference of a dot's flux from the marker's median.
+/// Greatest relative difference of a marker dot's flux (summed grey levels) from the median flux of its marker's dots.
 const FLUX_SPREAD: f64 = 0.3;
-/// Up to this share, a difference of flux from the marker's median may be light that falls off; beyond, it is area that is missing.
+/// Up to this share, a difference of a dot's flux from the marker's median may come from light that falls off over the marker; a greater
+/// difference means that part of the dot's area is missing.
 const UNEVEN_FLUX: f64 = 0.04;
-/// Up to this share, a difference from what the other dots foretell is noise: of a radius of 4 pixels it is less than a hundredth of a pixel.
+/// Up to this share, a difference of a dot's flux from the flux that the marker's other dots predict is noise. For a radius of 4 pixels it
+/// shifts the centroid by less than a hundredth of a pixel.
 const FLUX_NOISE: f64 = 0.0015;
-/// An empty place brighter than this share of the dots' level is no empty place.
+/// A grid place without a dot must not be brighter, above its background, than this share of the dots' grey level.
 const EMPTY_LEVEL: f64 = 0.3;
-/// Greatest distance of a dot from the best affine grid, beyond the bounds and what perspective does.
+/// Greatest distance of a marker dot from the best-fitting affine grid, in addition to the dots' error bounds and the effect of perspective.
 const MISFIT_PX: f64 = 0.12;
 
-/// Reads every marker among the dots.
+/// Reads every marker that the detected dots form.
 pub fn read(image: &GrayImage, dots: &[Dot], view: &CeilingView, is_word: &[bool]) -> CeilingMarkers {
     let mut found = CeilingMarkers::default();
     let mut taken = vec![false; dots.len()];
@@ -32,7 +35,7 @@ pub fn read(image: &GrayImage, dots: &[Dot], view: &CeilingView, is_word: &[bool
         let [o, x, y] = corners.map(|index| dots[index].centre_px);
         match read_grid(image, dots, view, corners) {
             Some((marker, members)) if is_word.get(usize::from(marker.id.0)) == Some(&true) => {
-                // A dot in two markers is in neither.
+                // A dot that would belong to two markers is assigned to neither: both are rejected.
                 if members.iter().any(|index| taken[*index]) {
                     found.markers.retain(|other| !shares_dot(other, &marker));
                     found.rejected_px.push([x[0], x[1], y[0], y[1]]);
@@ -42,7 +45,8 @@ pub fn read(image: &GrayImage, dots: &[Dot], view: &CeilingView, is_word: &[bool
                 members.iter().for_each(|index| taken[*index] = true);
             }
             Some(_) => found.rejected_px.push([x[0], x[1], y[0], y[1]]),
-            // Most triples are no corners at all; one whose O lies between bright neighbours of the same size may be.
+            // Most triples of dots are no corners of a marker. A triple with a right angle at O may be a damaged
+            // marker, so it is recorded as rejected.
             None if is_square(o, x, y) => found.rejected_px.push([x[0], x[1], y[0], y[1]]),
             None => {}
         }
@@ -59,12 +63,12 @@ fn is_square(o: [f64; 2], x: [f64; 2], y: [f64; 2]) -> bool {
     (a[0] * b[0] + a[1] * b[1]).abs() < 0.1 * norm(a) * norm(b)
 }
 
-/// Dots O, X, Y whose sides are three pitches long and at right angles, as far as perspective allows.
+/// Triples of dots O, X, Y that may be the corners of a marker: both sides are three pitches long and at right angles, as far as perspective allows.
 ///
-/// Which of the two is X follows from the sense of turn: seen from below, X → Y is clockwise, a positive cross product with v down
-/// (where Eq. 4 of the paper is a coin flip, erratum I2).
+/// Which of the two dots is X follows from the sense of rotation: seen from below, the turn from X to Y is clockwise, which is a positive
+/// cross product with v down (Eq. 4 of the paper decides this at random, erratum I2).
 fn corner_triples(dots: &[Dot], view: &CeilingView) -> Vec<[usize; 3]> {
-    // A pitch is four radii; three pitches.
+    // A pitch of the marker's grid is four dot radii, and a side is three pitches long.
     let side_px = [0, 1].map(|end| 12.0 * view.dot_radius_px[end]);
     let mut triples = Vec::new();
     for o in 0..dots.len() {
@@ -88,7 +92,7 @@ fn corner_triples(dots: &[Dot], view: &CeilingView) -> Vec<[usize; 3]> {
     triples
 }
 
-/// The marker that has these corners, and the dots that make it; `None` if anything about it is doubtful.
+/// The marker that has these three corner dots, and the indices of the dots that form it; `None` if anything about it is doubtful.
 fn read_grid(
     image: &GrayImage,
     dots: &[Dot],
@@ -127,7 +131,7 @@ fn read_grid(
     for place in (0..GRID).flat_map(|i| (0..GRID).map(move |j| [i, j])) {
         let at =
             [0, 1].map(|axis| origin[axis] + f64::from(place[0]) * step[0][axis] + f64::from(place[1]) * step[1][axis]);
-        // The whole grid is in the picture, so that a dot beyond its edge is not taken for a missing one.
+        // The whole grid must lie in the image, so that a dot beyond the image's edge is not taken for one that is missing.
         let brightness = disc_mean(image, at, 0.6 * view.dot_radius_px[0])?;
         let surroundings = dots[o].level.min(median_level);
         if !seen(place) && brightness > background(image, at, step) + EMPTY_LEVEL * surroundings {
@@ -144,12 +148,12 @@ fn read_grid(
     Some((SeenMarker { id, dots: grown, confidence }, members.into_iter().map(|(_, index)| index).collect()))
 }
 
-/// The dots with bounds for area that may be missing: a dot that lacks a share s of its area may have its centroid off by as much as
-/// r·s/(1 − s), as no part is farther than r from the centre.
+/// Widens the bounds of a marker's dots for area that may be missing from them. A dot that lacks a share s of its area may have its
+/// centroid off by up to r·s/(1 − s), because no part of the dot is farther than r from its centre.
 ///
-/// Light falls off evenly over a marker, so that all other dots foretell by a plane what flux a whole dot has: with the residual e of
-/// the plane through all dots and the leverage h, it has e/(1 − h) more than they foretell. One spoilt dot is told in full, and makes
-/// the bounds of the others wider, never narrower.
+/// Light falls off evenly over a marker, so that a plane through the other dots' fluxes predicts the flux of a whole dot: with the residual
+/// e from the plane through all dots and the leverage h, the dot's flux differs by e/(1 − h) from that prediction. The deficit of a single
+/// damaged dot is found in full; such a dot makes the bounds of the other dots wider, never narrower.
 fn with_missing_area(dots: &[(GridPlace, Dot)]) -> Vec<(GridPlace, Dot)> {
     let row = |place: GridPlace| nalgebra::Vector3::new(1.0, f64::from(place[0]), f64::from(place[1]));
     let (mut normal, mut right) = (nalgebra::Matrix3::zeros(), nalgebra::Vector3::zeros());
@@ -162,13 +166,13 @@ fn with_missing_area(dots: &[(GridPlace, Dot)]) -> Vec<(GridPlace, Dot)> {
     let foretold = |place: GridPlace, flux: f64| {
         let row = row(place);
         let leverage = (row.transpose() * inverse * row)[0];
-        // Three dots determine a plane whatever they are: then only their median tells.
+        // A plane through three dots fits any fluxes, so that only the median flux can show a damaged dot.
         if leverage > 0.95 { None } else { Some(flux - (flux - row.dot(&plane)) / (1.0 - leverage)) }
     };
     let usual = median(dots.iter().map(|(_, dot)| dot.flux));
     let grown = |(place, dot): &(GridPlace, Dot)| {
         let whole = foretold(*place, dot.flux).filter(|flux| *flux > 0.0).unwrap_or(usual);
-        // Of a whole row of spoilt dots the plane knows nothing, but the median does.
+        // If a whole row of dots is damaged, the plane does not show it, but the median flux does.
         let from_usual = (1.0 - dot.flux / usual).abs();
         let unusual = if from_usual > UNEVEN_FLUX { from_usual } else { 0.0 };
         let share = ((1.0 - dot.flux / whole).abs() - FLUX_NOISE).max(unusual).clamp(0.0, 0.9);
@@ -177,7 +181,7 @@ fn with_missing_area(dots: &[(GridPlace, Dot)]) -> Vec<(GridPlace, Dot)> {
     dots.iter().map(grown).collect()
 }
 
-/// Whether the dots lie on one affine grid, but for their bounds and the perspective of a leaning camera.
+/// Whether the dots lie on one affine grid, within their error bounds and the perspective of a leaning camera.
 fn fits_grid(dots: &[(GridPlace, Dot)], view: &CeilingView) -> bool {
     if dots.len() == 3 {
         return true;
@@ -191,7 +195,7 @@ fn fits_grid(dots: &[(GridPlace, Dot)], view: &CeilingView) -> bool {
     }
     let Some(inverse) = normal.try_inverse() else { return false };
     let grid = inverse * right;
-    // Half a marker is 6 radii; perspective bends it by the square of that over the focal length.
+    // Half of a marker is 6 dot radii long; perspective bends its grid by the square of that over the focal length.
     let bend_px = (6.0 * view.dot_radius_px[1]).powi(2) / view.focal_px * (view.lean + 0.02) * 2.0;
     dots.iter().all(|(place, dot)| {
         let row = nalgebra::RowVector3::new(1.0, f64::from(place[0]), f64::from(place[1]));
@@ -200,7 +204,8 @@ fn fits_grid(dots: &[(GridPlace, Dot)], view: &CeilingView) -> bool {
     })
 }
 
-/// Mean grey level half-way to the four diagonal neighbours: as far from all dots as can be on the grid.
+/// Median of the mean grey levels half-way to the four diagonal neighbours of a grid place: these points are as far
+/// from all dots as is possible on the grid.
 fn background(image: &GrayImage, at: [f64; 2], step: [[f64; 2]; 2]) -> f64 {
     let mut greys: Vec<f64> = Vec::with_capacity(4);
     for (i, j) in [(0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)] {
@@ -224,7 +229,7 @@ fn disc_greys(image: &GrayImage, centre_px: [f64; 2], radius_px: f64) -> Vec<u8>
     greys
 }
 
-/// Mean grey level of a small disc; `None` if its centre is nearer to the picture's edge than its radius.
+/// Mean grey level of a small disc; `None` if the disc's centre is nearer to the image's edge than its radius.
 fn disc_mean(image: &GrayImage, centre_px: [f64; 2], radius_px: f64) -> Option<f64> {
     let inside = |at: f64, size: u32| at >= radius_px && at <= f64::from(size) - 1.0 - radius_px;
     if !inside(centre_px[0], image.width()) || !inside(centre_px[1], image.height()) {

@@ -1,6 +1,7 @@
-//! The paper's own chain: the marker nearest to the middle of the picture, read by distances and angles.
+//! Paper 5's own chain: reads the marker nearest to the middle of the image by distances and angles between its dots.
 //!
-//! Deviations, where the print cannot work: X and Y are told apart by the sign of a cross product (erratum I2), Q is the weight matrix (I1).
+//! It deviates from the paper where the printed formulas cannot work: X and Y are distinguished by the sign of a cross product (erratum
+//! I2), and the weight matrix is Q (erratum I1).
 
 use image::GrayImage;
 use imageproc::distance_transform::Norm;
@@ -10,43 +11,44 @@ use super::components::components;
 use super::confidence::{REFLECTIVE_GREY, confidence};
 use crate::markers::{GridPlace, MarkerId};
 
-/// Erosion parts dots that touch; more would remove dots of three pixels' radius.
+/// Radius of the erosion that separates dots which touch each other; a greater one would remove dots with a radius of three pixels.
 const EROSION_PX: u8 = 1;
 /// Greatest ratio of a bright blob's long axis to its short one with which it may be a dot of a marker; the image of a fluorescent tube has more.
 const LARGEST_ASPECT: f64 = 2.0;
-/// Tolerances of Eqs. (7) and (8) about 90° and about 1/3, 2/3, 1.
+/// Tolerances of Eqs. (7) and (8), by which marker dots are assigned to grid places: of the angle about 90°, and of the
+/// relative distance about 1/3, 2/3 and 1.
 const ANGLE_RAD: f64 = 0.2;
 const AMPLITUDE: f64 = 0.1;
 
-/// A marker as the paper reads it.
+/// A marker as the chain of paper 5 reads it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaperMarker {
-    /// Eq. (9).
+    /// Identity of the marker by Eq. (9).
     pub id: MarkerId,
-    /// Centroids of the direction dots X, O and Y.
+    /// Centroids of the marker's direction dots X, O and Y.
     pub direction_dots_px: [[f64; 2]; 3],
-    /// Centroids of all dots that are on the grid.
+    /// Places on the grid and centroids of all dots that lie on the marker's grid.
     pub dots_px: Vec<(GridPlace, [f64; 2])>,
-    /// P(S), Eq. (3).
+    /// Confidence P(S) of the marker, Eq. (3).
     pub confidence: f64,
 }
 
-/// Reads the marker nearest to the middle of the picture; `dot_radius_px` is a dot's expected radius.
+/// Reads the marker nearest to the middle of the image; `dot_radius_px` is the expected radius of a dot.
 pub fn detect(image: &GrayImage, dot_radius_px: f64) -> Option<PaperMarker> {
     let dots = Dots::new(image, dot_radius_px);
     read(image, &dots.of_region(dots.regions.first()?), dot_radius_px)
 }
 
-/// Reads every marker of the picture in the same way, the nearest to its middle first.
+/// Reads every marker of the image by the processing chain of paper 5, the one nearest to the image's middle first.
 pub fn detect_all(image: &GrayImage, dot_radius_px: f64) -> Vec<PaperMarker> {
     let dots = Dots::new(image, dot_radius_px);
     dots.regions.iter().filter_map(|region| read(image, &dots.of_region(region), dot_radius_px)).collect()
 }
 
-/// What may be dots, and the regions that they grow into; middles of both.
+/// Middles of the bright areas that may be dots, and of the regions that they grow into by dilation.
 struct Dots {
     centres_px: Vec<[f64; 2]>,
-    /// The nearest to the middle of the picture first.
+    /// Middles of the dilated regions, the one nearest to the middle of the image first.
     regions: Vec<[f64; 2]>,
 }
 
@@ -58,7 +60,7 @@ impl Dots {
         });
         let dots = without_clutter(&bright, dot_radius_px);
         let eroded = erode(&dots, Norm::LInf, EROSION_PX);
-        // Dots of a marker are up to three pitches apart; growing each by half of that joins them.
+        // Neighbouring dots of a marker are up to three pitches apart; growing each dot by half of that joins them into one region.
         let reach_px = (6.0 * dot_radius_px).ceil().min(255.0) as u8;
         let dilated = dilate(&eroded, Norm::LInf, reach_px);
         let middle = [0.5 * (f64::from(image.width()) - 1.0), 0.5 * (f64::from(image.height()) - 1.0)];
@@ -68,7 +70,7 @@ impl Dots {
         };
         let mut regions = centres(&dilated);
         regions.sort_by(|a, b| norm(minus(*a, middle)).total_cmp(&norm(minus(*b, middle))));
-        // "Image and": the dots whose growth is a region.
+        // The paper's step "image and": dots are assigned to the region that they have grown into.
         Dots { centres_px: centres(&eroded), regions }
     }
 
@@ -81,7 +83,7 @@ impl Dots {
     }
 }
 
-/// Reads the marker that these dots are of.
+/// Reads the marker that these dots belong to.
 fn read(image: &GrayImage, centres: &[[f64; 2]], dot_radius_px: f64) -> Option<PaperMarker> {
     let [x, o, y] = direction_dots(centres)?;
     let dots_px = places(centres, o, y, minus(x, o));
@@ -97,7 +99,7 @@ fn read(image: &GrayImage, centres: &[[f64; 2]], dot_radius_px: f64) -> Option<P
     Some(PaperMarker { id, direction_dots_px: [x, o, y], dots_px, confidence: confidence(greys) })
 }
 
-/// The binary picture without areas that are too large or too long for a dot.
+/// The binary image without areas that are too large or too long for a dot.
 fn without_clutter(bright: &GrayImage, dot_radius_px: f64) -> GrayImage {
     let width = bright.width() as usize;
     let most_px = std::f64::consts::PI * (1.5 * dot_radius_px + 1.0).powi(2);
@@ -116,7 +118,8 @@ fn without_clutter(bright: &GrayImage, dot_radius_px: f64) -> GrayImage {
     kept
 }
 
-/// A and B are the two dots farthest apart, O is the one farthest from their middle; X → Y turns clockwise in the picture.
+/// Finds the direction dots X, O and Y: A and B are the two dots farthest apart, and O is the dot farthest from their middle. X and Y are
+/// named so that the turn from X to Y is clockwise in the image.
 fn direction_dots(dots: &[[f64; 2]]) -> Option<[[f64; 2]; 3]> {
     let pairs = dots.iter().enumerate().flat_map(|(idx, a)| dots[..idx].iter().map(move |b| (*a, *b)));
     let (a, b) = pairs.max_by(|(a, b), (c, d)| norm(minus(*a, *b)).total_cmp(&norm(minus(*c, *d))))?;
@@ -126,7 +129,8 @@ fn direction_dots(dots: &[[f64; 2]]) -> Option<[[f64; 2]; 3]> {
     Some(if cross(minus(a, o), minus(b, o)) > 0.0 { [a, o, b] } else { [b, o, a] })
 }
 
-/// Eqs. (6) to (8): from each of O, M, N, Y look at a right angle to OY for dots a third, two thirds and a whole side away.
+/// Places of the dots on the grid by Eqs. (6) to (8): from each of the points O, M, N and Y, dots are searched at a right angle to OY, a
+/// third, two thirds and a whole side away.
 fn places(dots: &[[f64; 2]], o: [f64; 2], y: [f64; 2], ox: [f64; 2]) -> Vec<(GridPlace, [f64; 2])> {
     let oy = minus(y, o);
     let mut places = Vec::new();

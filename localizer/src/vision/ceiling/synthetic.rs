@@ -1,4 +1,4 @@
-//! Pictures of ceilings with markers, synthesised without the localizer's projection: the ground truth of this folder's tests.
+//! Synthetic images of ceilings with markers, made without the localizer's projection: the ground truth of the tests in this folder.
 
 use image::GrayImage;
 use nalgebra::{Rotation3, Vector3};
@@ -6,20 +6,20 @@ use nalgebra::{Rotation3, Vector3};
 use crate::markers::{GridPlace, MarkerId};
 use crate::vision::synthetic::Random;
 
-/// A true camera below a true ceiling. Frame `ceiling`: x and y as the world's, z up, origin on the floor.
+/// A true camera below a true ceiling. The frame `ceiling` has x and y as the world's, z up, and its origin on the floor.
 #[derive(Clone, Debug)]
 pub(crate) struct Eye {
     pub(crate) focal_px: [f64; 2],
     pub(crate) centre_px: [f64; 2],
-    /// Brown's k1, k2, p1, p2.
+    /// Coefficients k1, k2, p1, p2 of Brown's lens distortion.
     pub(crate) distortion: [f64; 4],
     pub(crate) place_m: Vector3<f64>,
-    /// Columns: image right, image down and the optical axis in the ceiling frame.
+    /// Rotation of the camera. Its columns are image right, image down and the optical axis in the ceiling frame.
     pub(crate) world_from_camera: Rotation3<f64>,
 }
 
 impl Eye {
-    /// The paper's K, looking straight up from the origin, image up along `heading_rad`.
+    /// A camera with the paper's matrix K that looks straight up from the origin; image up points along `heading_rad`.
     pub(crate) fn upright(heading_rad: f64) -> Eye {
         let (sin, cos) = heading_rad.sin_cos();
         let forward = Vector3::new(cos, sin, 0.0);
@@ -34,7 +34,7 @@ impl Eye {
         }
     }
 
-    /// Where a point is seen, in or out of the picture; `None` behind the camera.
+    /// Pixel at which a point is seen, inside or outside of the image; `None` for a point behind the camera.
     pub(crate) fn project(&self, point_m: Vector3<f64>) -> Option<[f64; 2]> {
         let seen = self.world_from_camera.inverse() * (point_m - self.place_m);
         if seen.z <= 1e-6 {
@@ -52,19 +52,19 @@ impl Eye {
     }
 }
 
-/// One marker as pasted.
+/// A marker as it is pasted on the ceiling.
 #[derive(Clone, Debug)]
 pub(crate) struct Pasted {
     pub(crate) id: MarkerId,
     pub(crate) centre_m: [f64; 2],
     pub(crate) rotation_rad: f64,
     pub(crate) height_m: f64,
-    /// Mirrored, as printed on the wrong side of the film.
+    /// Whether the marker is mirrored, as if printed on the wrong side of the film.
     pub(crate) is_mirrored: bool,
-    /// Dots that are gone, and dots of which a share is scratched off at the right.
+    /// Dots that are missing, and dots of which a share of the width is scratched off at the right.
     pub(crate) missing: Vec<GridPlace>,
     pub(crate) scratched: Vec<(GridPlace, f64)>,
-    /// Grey levels of its dots above the background; more than the picture holds is clipped.
+    /// Grey level of the marker's dots above the background; grey levels above white are clipped.
     pub(crate) level: f64,
 }
 
@@ -74,7 +74,7 @@ impl Pasted {
         Pasted { id, centre_m, rotation_rad, height_m, is_mirrored: false, missing, scratched, level: 215.0 }
     }
 
-    /// A point of the marker frame on the ceiling.
+    /// Point of the ceiling at which a point of the marker frame lies.
     fn at(&self, [mut x, y]: [f64; 2]) -> Vector3<f64> {
         if self.is_mirrored {
             x = -x;
@@ -87,7 +87,7 @@ impl Pasted {
         self.at([0, 1].map(|axis| 0.04 * (f64::from(place[axis]) - 1.5) + offset[axis]))
     }
 
-    /// Where the eye sees the centre of a dot.
+    /// Pixel at which the camera sees the centre of a dot.
     pub(crate) fn dot_px(&self, place: GridPlace, eye: &Eye) -> Option<[f64; 2]> {
         eye.project(self.dot(place, [0.0; 2]))
     }
@@ -97,27 +97,27 @@ impl Pasted {
     }
 }
 
-/// Something bright that is no marker: a four-cornered patch of the ceiling (tube, window), or a round one.
+/// Something bright that is no marker: a four-cornered patch (a fluorescent tube, a window) or a round one.
 #[derive(Clone, Debug)]
 pub(crate) enum Clutter {
     Patch { corners_px: [[f64; 2]; 4], grey: f64 },
     Disc { centre_px: [f64; 2], radius_px: f64, grey: f64 },
 }
 
-/// Everything that makes a picture.
+/// Everything that a synthetic image of a ceiling is made from.
 #[derive(Clone, Debug)]
 pub(crate) struct Ceiling {
     pub(crate) size_px: [usize; 2],
     pub(crate) markers: Vec<Pasted>,
     pub(crate) clutter: Vec<Clutter>,
-    /// Grey level of the ceiling, and its relative change over half of the picture.
+    /// Grey level of the ceiling, and its relative change from the middle of the image to its edge, along u and v.
     pub(crate) background: f64,
     pub(crate) gradient: [f64; 2],
-    /// Width of the lens's blur.
+    /// Standard deviation of the lens's blur.
     pub(crate) sigma_px: f64,
-    /// Motion of the picture over the exposure.
+    /// Motion of the image over the exposure.
     pub(crate) motion_px: [f64; 2],
-    /// Electrons of a pixel at mid grey (128).
+    /// Photoelectrons of a pixel at mid grey (grey level 128).
     pub(crate) electrons: f64,
 }
 
@@ -135,7 +135,7 @@ impl Ceiling {
         }
     }
 
-    /// The picture: area-sampled, blurred by lens and motion, with shot and read noise, in 8 bits.
+    /// The image that the camera takes: area-sampled, blurred by lens and motion, with shot noise and read noise, in 8 bits.
     pub(crate) fn picture(&self, eye: &Eye, random: &mut Random) -> GrayImage {
         let [width, height] = self.size_px;
         let mut grey = vec![0.0f32; width * height];
@@ -157,7 +157,7 @@ impl Ceiling {
         })
     }
 
-    /// One dot as a cloud of equal parts of its area, each blurred to a Gaussian: exact in all but the grain of the cloud.
+    /// Adds one dot as a cloud of points of equal area, each blurred to a Gaussian. It is exact but for the finite number of points.
     fn add_dot(&self, marker: &Pasted, place: GridPlace, eye: &Eye, grey: &mut [f32]) {
         let cut = marker
             .scratched
@@ -172,7 +172,7 @@ impl Ceiling {
         }
         let blur = self.motion_px[0].hypot(self.motion_px[1]);
         let n_times = if blur < 0.1 { 1 } else { (2.0 * blur).ceil() as usize + 2 };
-        // Rings of equal area, and points of equal angle on each: a fine and symmetric cloud.
+        // The cloud has rings of equal area with points at equal angles on each, which makes it fine and symmetric.
         let (n_rings, n_angles) = (10, 40);
         let mut samples = Vec::new();
         for ring in 0..n_rings {
@@ -185,7 +185,7 @@ impl Ceiling {
                 }
             }
         }
-        // Grey level times area in pixels of the whole dot, spread over the samples of the whole dot.
+        // The dot's light is its grey level times its whole area in pixels, divided by the number of points of a whole dot.
         let area_px = dot_area_px(marker, place, eye);
         let weight = marker.level * area_px / (n_rings * n_angles * n_times) as f64;
         let reach = (3.5 * self.sigma_px + 1.0).ceil();
@@ -210,7 +210,7 @@ impl Ceiling {
     }
 }
 
-/// Area of a whole dot's image, by the images of the ends of two of its diameters.
+/// Area of a whole dot's image, from the images of the ends of two of its diameters.
 fn dot_area_px(marker: &Pasted, place: GridPlace, eye: &Eye) -> f64 {
     let at = |offset: [f64; 2]| eye.project(marker.dot(place, offset)).unwrap_or([0.0; 2]);
     let (right, left, up, down) = (at([0.01, 0.0]), at([-0.01, 0.0]), at([0.0, 0.01]), at([0.0, -0.01]));
@@ -218,7 +218,7 @@ fn dot_area_px(marker: &Pasted, place: GridPlace, eye: &Eye) -> f64 {
     std::f64::consts::PI * 0.25 * (a[0] * b[1] - a[1] * b[0]).abs()
 }
 
-/// Adds a Gaussian of unit volume times `weight`, integrated over each pixel.
+/// Adds a Gaussian of volume `weight`, integrated over each pixel.
 fn splat(patch: &mut [f64], side: usize, at: [f64; 2], weight: f64, sigma: f64) {
     const MOST: usize = 24;
     let reach = (3.5 * sigma + 1.0).ceil() as i64;
@@ -244,7 +244,8 @@ fn splat(patch: &mut [f64], side: usize, at: [f64; 2], weight: f64, sigma: f64) 
     }
 }
 
-/// The normal distribution's integral, up to 2e-4: its logistic approximation with a cubic term (E. Page, Applied Statistics 26, 1977).
+/// Distribution function of the standard normal distribution to within 2e-4: the logistic approximation with a cubic
+/// term (E. Page, Applied Statistics 26, 1977).
 fn smooth_step(x: f64) -> f64 {
     1.0 / (1.0 + (-(1.5976 * x + 0.07056 * x * x * x)).exp())
 }
@@ -259,7 +260,7 @@ impl Clutter {
                 }
                 Clutter::Patch { corners_px, grey } => (outside_px(corners_px, at), *grey),
             };
-            // An edge as soft as the lens's, and a halo that light in a lens has.
+            // The edge of a bright area is as soft as the lens makes it, with a halo of stray light around it.
             if distance < 30.0 {
                 let halo = if distance > 0.0 { 0.04 * (-distance / 8.0).exp() } else { 0.0 };
                 *value += (level * ((0.5 - distance / 1.5).clamp(0.0, 1.0) + halo)) as f32;
@@ -268,7 +269,7 @@ impl Clutter {
     }
 }
 
-/// Distance outside of a convex polygon with clockwise corners in the picture; negative inside.
+/// Distance of a point from a convex polygon whose corners run clockwise in the image; negative inside of the polygon.
 fn outside_px(corners: &[[f64; 2]; 4], at: [f64; 2]) -> f64 {
     (0..4)
         .map(|corner| {

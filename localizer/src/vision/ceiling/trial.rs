@@ -1,4 +1,4 @@
-//! Trials of the chains on synthetic ceilings: what is read, what is claimed, what is true.
+//! Trials of the marker chains on synthetic ceilings: compares what is read and claimed with what is true.
 
 use std::time::Instant;
 
@@ -9,29 +9,29 @@ use super::{CeilingView, PictureMotion, detect, paper};
 use crate::markers::{Coding, GridPlace, MarkerId};
 use crate::vision::synthetic::Random;
 
-/// Pictures of a trial; a long one sets `WHEREIN_CEILING_FRAMES`.
+/// Number of images of a trial; the environment variable `WHEREIN_CEILING_FRAMES` sets another number for a long trial.
 pub(crate) fn frames(usual: usize) -> usize {
     std::env::var("WHEREIN_CEILING_FRAMES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
-/// Seed of a trial; tuning and checking use different ones.
+/// Random seed of a trial, or that of the environment variable `WHEREIN_CEILING_SEED`; tuning and checking use different seeds.
 pub(crate) fn seed(usual: u64) -> u64 {
     std::env::var("WHEREIN_CEILING_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
-/// What came of a number of pictures.
+/// Results of a marker-reading chain over a number of synthetic images.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) frames: usize,
-    /// Markers wholly in view, and those of them that were read right.
+    /// Number of markers that were wholly in view, and number of those that were read correctly.
     pub(crate) in_view: usize,
     pub(crate) read: usize,
-    /// Identities reported where no such marker is.
+    /// Number of identities that were reported where no marker of that identity is.
     pub(crate) misread: usize,
     pub(crate) dots: usize,
-    /// Dots outside of their bound.
+    /// Number of dots whose error is greater than their bound.
     pub(crate) false_dots: usize,
-    /// Greatest error in units of its bound; sums of squared errors and of bounds.
+    /// Greatest error of a dot in units of its bound; sums of the squared errors and of the bounds.
     pub(crate) worst: f64,
     pub(crate) squares: f64,
     pub(crate) bounds: f64,
@@ -58,7 +58,8 @@ impl Tally {
         );
     }
 
-    /// Reads a picture and judges it; answers whether all is read, and truly.
+    /// Makes an image, reads its markers and compares them with the truth. Returns whether all markers in view were
+    /// read and everything reported is true.
     pub(crate) fn add(
         &mut self,
         ceiling: &Ceiling,
@@ -110,7 +111,7 @@ impl Tally {
     }
 }
 
-/// Whether a whole marker is in the picture, its dots two radii from the edge.
+/// Whether a whole marker is in the image: the centres of its corner dots are at least three dot radii and 4 px from the image's edge.
 fn is_in_view(pasted: &Pasted, eye: &Eye, ceiling: &Ceiling) -> bool {
     [[0, 0], [3, 0], [0, 3], [3, 3]].into_iter().all(|corner| {
         let margin_px = 3.0 * eye.focal_px[0] * 0.01 / (pasted.height_m - eye.place_m.z) + 4.0;
@@ -120,7 +121,7 @@ fn is_in_view(pasted: &Pasted, eye: &Eye, ceiling: &Ceiling) -> bool {
     })
 }
 
-/// Writes a picture with what was read to the folder named by `WHEREIN_CEILING_SAVE`.
+/// Writes an image with the dots that were read to the folder named by the environment variable `WHEREIN_CEILING_SAVE`.
 pub(crate) fn save(name: &str, picture: &image::GrayImage, found: &super::CeilingMarkers) {
     let Ok(folder) = std::env::var("WHEREIN_CEILING_SAVE") else { return };
     let mut canvas =
@@ -136,7 +137,7 @@ pub(crate) fn save(name: &str, picture: &image::GrayImage, found: &super::Ceilin
     let _ = canvas.save(format!("{folder}/{name}.png"));
 }
 
-/// A camera at a random place and posture under a ceiling, `distance_m` below it.
+/// A camera at a random position and orientation, `distance_m` below the ceiling.
 pub(crate) fn random_eye(distance_m: f64, lean_rad: f64, random: &mut Random) -> Eye {
     let mut eye = Eye::upright(random.between(-20.0, 20.0));
     let course = random.between(0.0, std::f64::consts::TAU);
@@ -146,7 +147,7 @@ pub(crate) fn random_eye(distance_m: f64, lean_rad: f64, random: &mut Random) ->
     eye
 }
 
-/// One to four different markers in view of an eye, apart from each other by at least three grids.
+/// One to four markers of different identities in the camera's view, their centres more than 0.4 m apart (about three widths of a grid).
 pub(crate) fn random_markers(eye: &Eye, words: &[MarkerId], random: &mut Random) -> Vec<Pasted> {
     let mut markers: Vec<Pasted> = Vec::new();
     let count = 1 + (random.unit() * 4.0) as usize;
@@ -170,7 +171,7 @@ pub(crate) fn random_markers(eye: &Eye, words: &[MarkerId], random: &mut Random)
     markers
 }
 
-/// Tubes, windows, round lamps and small lights, none of them over a marker.
+/// Random tubes, windows, round lamps and small lights, none of which covers a marker.
 pub(crate) fn random_clutter(ceiling: &Ceiling, eye: &Eye, random: &mut Random) -> Vec<Clutter> {
     let free = |at: [f64; 2], reach_px: f64| {
         ceiling.markers.iter().all(|pasted| {
@@ -209,7 +210,7 @@ pub(crate) fn random_clutter(ceiling: &Ceiling, eye: &Eye, random: &mut Random) 
     clutter
 }
 
-/// A ceiling with everything that the nominal scenes may hold.
+/// A random ceiling with everything that the nominal scenes may contain.
 pub(crate) fn random_ceiling(eye: &Eye, coding: Coding, random: &mut Random) -> Ceiling {
     let words = coding.identities();
     let hundred = &words[..words.len().min(100)];
@@ -226,7 +227,7 @@ pub(crate) fn random_ceiling(eye: &Eye, coding: Coding, random: &mut Random) -> 
     ceiling
 }
 
-/// What is declared of a picture by a camera so far below the ceiling.
+/// Declared view of a camera that is this far below the ceiling.
 pub(crate) fn declared_view(distance_m: f64, lean: f64, ceiling: &Ceiling) -> CeilingView {
     CeilingView::new(755.0, [distance_m - 0.02, distance_m + 0.02], lean, ceiling.electrons / 128.0)
 }
@@ -266,7 +267,8 @@ mod tests {
         assert!(tally.read as f64 >= 0.999 * tally.in_view as f64);
     }
 
-    /// A marker in the middle of a picture, spoilt, and whether it was read as what; panics if a dot claimed is not where it is claimed.
+    /// Reads an image of one damaged marker in its middle. Returns the marker's true identity and the one that was
+    /// read. Panics if a reported dot lies outside of its bound.
     fn read_spoilt(random: &mut Random, spoil: impl FnOnce(&mut Pasted, &mut Random)) -> (MarkerId, Option<MarkerId>) {
         let eye = random_eye(2.2, 0.005, random);
         let words = Coding::Hexads.identities();
@@ -321,7 +323,7 @@ mod tests {
     fn half_covered_markers_are_refused() {
         let mut random = Random::new(seed(105));
         for _ in 0..60 {
-            // A dark cover from the side, its edge anywhere over the outer columns.
+            // A dark cover hides the marker from one side; the cover's edge lies anywhere over the outer columns of dots.
             let edge = random.between(-1.2, 1.6);
             let (_, read) = read_spoilt(&mut random, |pasted, _| {
                 for place in pasted.id.dots() {
@@ -366,7 +368,8 @@ mod tests {
             right += usize::from(found.map(|marker| marker.id) == ceiling.markers.first().map(|pasted| pasted.id));
         }
         println!("paper's chain: {right} of {n_frames}");
-        // The paper reads 192 of 200. Dilated regions of one marker may fall apart, and their middle is not that of the grid.
+        // The paper reads 192 markers of 200. Here, the dilated regions of one marker may fall apart, and the middle of
+        // a region is not that of the marker's grid.
         assert!(right as f64 >= 0.9 * n_frames as f64, "{right} of {n_frames}");
     }
 }

@@ -1,28 +1,30 @@
-//! Agreement of a grid: joints are parallel or orthogonal, and parallel ones are whole pitches apart. Accidents are not.
+//! Selects the tile joints that agree with each other as a grid: true joints are parallel or orthogonal, and parallel joints are whole pitches
+//! apart. Lines that are no joints rarely fit this.
 
 use std::f64::consts::FRAC_PI_2;
 
 use super::measure::Joint;
 use crate::vision::FloorView;
 
-/// Joints that agree with each other, and the weight of their evidence.
+/// Tile joints that agree with each other, and the weight of the evidence for them.
 #[derive(Debug, Default)]
 pub(super) struct Grid {
     joints: Vec<Joint>,
     evidence: f64,
 }
 
-/// Angle between true joints beyond their measured scatter: each may be laid half a millimetre askew over one tile.
+/// Greatest angle between true tile joints beyond the scatter of their measurement: each joint may be laid half a millimetre askew over one tile.
 const LAID_ASKEW_RAD: f64 = 0.007;
-/// Error of the distance between two true joints: laying of both, in pixels at the usual 1–1.5 px/mm, and of the scale.
+/// Greatest error of the distance between two true tile joints: a constant for the laying of both, in pixels at the usual
+/// 1–1.5 px/mm, and a share for the error of the scale.
 const PITCH_ERROR_PX: f64 = 2.0;
 const PITCH_ERROR_RATIO: f64 = 0.004;
-/// Ratio of contrast between joints of one floor: worn ones are fainter, black wires are more than that stronger.
+/// Greatest ratio of contrast between joints of one floor: worn joints are fainter, but black wires are stronger by more than this ratio.
 const DEPTH_RATIO: f64 = 2.5;
-/// A rival with this share of the evidence leaves it open which of the two is a joint.
+/// If a competing line has at least this share of the evidence, it stays undecided which of the two lines is a tile joint, and both are dropped.
 const RIVAL_SHARE: f64 = 0.4;
 
-/// The joints of one angle that agree, without those that a rival leaves in doubt.
+/// The tile joints found at one angle that agree with each other, without those that competing lines leave in doubt.
 pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
     joints.sort_by(|a, b| b.span_px.total_cmp(&a.span_px));
     let mut distinct: Vec<Joint> = Vec::new();
@@ -43,13 +45,14 @@ pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
     let (winners, winner) = heaviest(0);
     let mut kept = winner;
     for rival in (0..distinct.len()).filter(|index| winner >> index & 1 == 0) {
-        // A worn joint is too faint to count as one of them, but stands where a joint should: it speaks against none.
+        // A worn tile joint is too faint to agree with the others in contrast, but lies where a joint should be, so
+        // that it does not count against them.
         let members = (0..distinct.len()).filter(|index| winner >> index & 1 == 1);
         if members.into_iter().all(|member| fits(&distinct[member], &distinct[rival], winners.edge_px)) {
             continue;
         }
         let (others, other) = heaviest(1 << rival);
-        // What both have in common speaks for neither.
+        // Tile joints that belong to both of two competing sets count for neither of them.
         let common = winner & other;
         let (lost, gained) =
             (winners.weights[winner] - winners.weights[common], others.weights[other] - others.weights[common]);
@@ -66,7 +69,7 @@ pub(super) fn grid(mut joints: Vec<Joint>, view: &FloorView) -> Grid {
     Grid { joints, evidence }
 }
 
-/// The grid with the most evidence; nothing if another at another angle comes close.
+/// The tile joints of the grid with the most evidence; none if another grid at another angle has nearly as much evidence.
 pub(super) fn best(mut grids: Vec<Grid>) -> Vec<Joint> {
     grids.retain(|grid| !grid.joints.is_empty());
     grids.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -75,20 +78,20 @@ pub(super) fn best(mut grids: Vec<Grid>) -> Vec<Joint> {
     best.map_or_else(Vec::new, |best| best.joints)
 }
 
-/// Distance from joint `a`'s line to the middle of joint `b`, along the normal of `a`; both in one family.
+/// Distance from the line of tile joint `a` to the middle of joint `b`, along the normal of `a`; both joints belong to one family.
 fn distance_px(a: &Joint, b: &Joint) -> f64 {
     let (sin, cos) = a.line.normal_rad.sin_cos();
     b.middle_px[0] * cos + b.middle_px[1] * sin - a.line.offset_px
 }
 
-/// Whether two joints can be of one grid whose families have these pitches: in their places, and of one kind.
+/// Whether two tile joints can belong to one grid with these pitches, by their positions and by their contrast.
 fn agree(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
-    // One floor has one colour of joints, but wear takes some of it.
+    // The tile joints of a floor have one colour, but wear takes away some of their contrast.
     let alike = a.line.dark == b.line.dark && (1.0 / DEPTH_RATIO..DEPTH_RATIO).contains(&(a.depth / b.depth));
     alike && fits(a, b, edge_px)
 }
 
-/// Whether two joints stand to each other as those of one grid do.
+/// Whether the angle and the distance between two lines fit two tile joints of one grid.
 fn fits(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
     let quarter_turns = f64::from(b.line.family) - f64::from(a.line.family);
     let askew_rad = b.line.normal_rad - a.line.normal_rad - quarter_turns * FRAC_PI_2;
@@ -100,7 +103,7 @@ fn fits(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
         return true;
     }
     let edge_px = edge_px[usize::from(a.line.family)];
-    // The mean of both ways of measuring halves the effect of their angle.
+    // The mean of the distances measured from either of the two tile joints is used: it halves the effect of the angle between them.
     let apart_px = 0.5 * (distance_px(a, b).abs() + distance_px(b, a).abs());
     let pitches = (apart_px / edge_px).round();
     let sideways_px = (a.middle_px[0] - b.middle_px[0]).hypot(a.middle_px[1] - b.middle_px[1]);
@@ -108,25 +111,25 @@ fn fits(a: &Joint, b: &Joint, edge_px: [f64; 2]) -> bool {
     pitches >= 1.0 && (apart_px - pitches * edge_px).abs() < error_px
 }
 
-/// Joints looked at together: all their subsets are tried.
+/// Greatest number of tile joints that are examined together, because all their subsets are tried.
 const MOST_JOINTS: usize = 12;
-/// Likeness that needs no further support: contrasts within a factor of 1.8.
+/// A likeness of two tile joints above this needs no further support: their contrasts are within a factor of 1.8.
 const LIKENESS_MIN: f64 = 0.3;
-/// Share of its visible length that a line unlike its partners must show.
+/// Least share of its visible length over which a tile joint must be found if it does not look like any orthogonal joint.
 const COVER_MIN: f64 = 0.75;
-/// What a line counts without an orthogonal one of its kind, relative to one with it.
+/// Weight of a tile joint without an orthogonal joint of similar contrast, relative to one that has such a partner.
 const WITHOUT_PARTNER: f64 = 0.25;
 
-/// How much alike two joints look, up to 1: one floor has one colour of joints, and stripes and wires seldom match it.
+/// Similarity of the contrast of two tile joints, at most 1: one floor has joints of one colour, and stripes and wires seldom match it.
 fn likeness(a: &Joint, b: &Joint) -> f64 {
-    // The square of the ratio: half the contrast leaves a quarter.
+    // The square of the ratio of contrasts is used: half the contrast leaves a likeness of a quarter.
     let ratio = a.depth.min(b.depth) / a.depth.max(b.depth);
     ratio * ratio
 }
 
-/// Whether a member of a set looks like an orthogonal partner, or is at least as long as the picture lets it be.
+/// Whether a tile joint of a set looks like an orthogonal joint of the set, or is found over most of its visible length.
 ///
-/// A printed stripe ends with its tile, and is fainter than a joint; a worn joint is fainter too, but goes on.
+/// A printed stripe ends with its tile and is fainter than a joint; a worn joint is fainter, too, but continues across the image.
 fn is_supported(joints: &[Joint], set: usize, index: usize) -> bool {
     let joint = &joints[index];
     let partners = joints.iter().enumerate().filter(|(other, _)| set >> other & 1 == 1);
@@ -136,11 +139,11 @@ fn is_supported(joints: &[Joint], set: usize, index: usize) -> bool {
     alike || joint.cover > COVER_MIN
 }
 
-/// Sets of joints, as bits.
+/// All subsets of the tile joints, as bit masks, with the evidence for each of them.
 struct Cliques {
-    /// Pitches of the two families.
+    /// Pitches of the two families of tile joints.
     edge_px: [f64; 2],
-    /// Evidence of each set, negative where two of its members disagree; indexed by the bits.
+    /// Evidence of each subset of the tile joints, indexed by the subset's bit mask; negative if two joints of the subset disagree.
     weights: Vec<f64>,
 }
 
@@ -164,14 +167,14 @@ impl Cliques {
         Cliques { edge_px, weights: weights.collect() }
     }
 
-    /// The heaviest set that contains these members.
+    /// The subset of tile joints with the most evidence among the subsets that contain the given joints.
     fn heaviest(&self, containing: usize) -> usize {
         let sets = (0..self.weights.len()).filter(|set| set & containing == containing);
         sets.max_by(|&a, &b| self.weights[a].total_cmp(&self.weights[b])).unwrap_or(0)
     }
 }
 
-/// Evidence of a set: the lengths of its members, each as far as it looks like its orthogonal partners.
+/// Evidence of a set of tile joints: the sum of their lengths, each weighted by the joint's similarity to its most similar orthogonal partner.
 fn evidence(joints: &[Joint], set: usize) -> f64 {
     let members = || joints.iter().enumerate().filter(|(index, _)| set >> index & 1 == 1).map(|(_, joint)| joint);
     members()
@@ -219,7 +222,7 @@ mod tests {
 
     #[test]
     fn one_pitch_cannot_serve_both_families_when_they_differ() {
-        // 400 px between the lines of either family, on tiles of 400 × 600 px: one pair of them is no pair of joints.
+        // The lines of both families are 400 px apart, on tiles of 400 × 600 px: one of the two pairs cannot be a pair of joints.
         let across = 0.2 + FRAC_PI_2;
         let joints = vec![
             joint(0, 0.2, -150.0, 0.8),
@@ -241,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_worn_joint_in_its_place_does_not_speak_against_the_others() {
-        // Two joints a pitch apart, and an orthogonal one whose contrast has faded to a quarter.
+        // Set-up: two tile joints a pitch apart, and an orthogonal joint whose contrast has faded to a quarter.
         let joints = vec![joint(0, 0.0, -150.0, 0.8), joint(0, 0.0, 250.0, 0.8), joint(1, FRAC_PI_2, -50.0, 0.19)];
         assert_eq!(kept(joints), [(0, -150.0), (0, 250.0)]);
     }

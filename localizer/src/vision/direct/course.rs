@@ -1,22 +1,24 @@
-//! The straight course of a joint through its sightings, found against outliers.
+//! Fits the straight course of a tile joint through the positions measured along it, in spite of outliers.
 
 use super::measure::Sighting;
 
-/// `across = slope·along + intercept`, both in pixels, relative to the voted line.
+/// Fitted straight course of a tile joint relative to its candidate line: `across = slope·along + intercept`, both in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
     pub(super) slope: f64,
     pub(super) intercept_px: f64,
 }
 
-/// Greatest error of the voted direction: ±4 px at the ends of a long line, several times the vote's scatter.
+/// Greatest slope of a tile joint's fitted course against its candidate line: the error of the line is at most ±4 px at
+/// the ends of a long line, several times its scatter.
 const SLOPE_REACH: f64 = 0.014;
 const SLOPE_STEPS: i32 = 14;
-/// Width of a bin of the vote on intercepts: stations that agree scatter by less.
+/// Width of a bin in the vote on the intercept of a line through measured positions; positions that agree scatter by less.
 const INTERCEPT_BIN_PX: f64 = 0.5;
 
 impl Course {
-    /// The course most sightings agree on: a vote on slope and intercept, then two straight fits to what lies near.
+    /// Finds the straight line that most of the measured positions agree on: a vote on slope and intercept, then two
+    /// straight fits to the positions near the result.
     pub(super) fn through(sightings: &[Sighting]) -> Option<Course> {
         const BINS: usize = 64;
         let mut best = (0, Course { slope: 0.0, intercept_px: 0.0 });
@@ -44,7 +46,8 @@ impl Course {
         Some(course)
     }
 
-    /// Least squares through the sightings that are nearer than their reach.
+    /// Fits a straight line by least squares to the measured positions that are nearer to this line than the distance
+    /// that `reach_px` gives for each of them.
     pub(super) fn refitted(&self, sightings: &[Sighting], reach_px: impl Fn(&Sighting) -> f64) -> Option<Course> {
         let (mut n, mut x, mut y, mut xx, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for sighting in sightings.iter().filter(|sighting| self.distance_px(sighting).abs() < reach_px(sighting)) {
@@ -63,12 +66,12 @@ impl Course {
         Some(Course { slope, intercept_px: (y - slope * x) / n })
     }
 
-    /// Distance of the course from the voted line.
+    /// Distance of the fitted line from the candidate line, at a position along the candidate line.
     pub(super) fn across_px(&self, along_px: f64) -> f64 {
         self.slope * along_px + self.intercept_px
     }
 
-    /// Distance of a sighting from the course.
+    /// Distance of a measured position from the fitted line.
     pub(super) fn distance_px(&self, sighting: &Sighting) -> f64 {
         f64::from(sighting.fit.shift_px) - self.across_px(sighting.along_px)
     }

@@ -1,62 +1,64 @@
-//! The matched filter of a joint: a blurred strip of known width, whatever the level, the slope and the step under it.
+//! Matched filter for a joint: a blurred strip of known width, independent of the level, the slope and the step of the background.
 //!
-//! A profile across a joint between two tiles is modelled as
-//! `y(x) = a + b·x + c·step(x − s) + d·strip(x − s)`, with `E` the blurred unit edge, `w` the joint's width,
-//! `step = (E(x + w/2) + E(x − w/2) − 1)/2·2` (half of the way from tile to tile happens at each edge of the joint) and
-//! `strip = E(x + w/2) − E(x − w/2)`. For every shift `s` the four coefficients are a linear fit; the best shift is the
-//! one that leaves the least.
+//! A profile across a joint between two tiles is modelled as `y(x) = a + b·x + c·step(x − s) + d·strip(x − s)`, where
+//! `E` is the blurred unit edge, `w` the joint's width, `step = (E(x + w/2) + E(x − w/2) − 1)/2` (half of the step from
+//! tile to tile happens at each edge of the joint) and `strip = E(x + w/2) − E(x − w/2)`. For every shift `s` the four
+//! coefficients are a linear fit; the best shift is the one with the smallest residual.
 
-/// Shifts tried per pixel: the residual is a parabola over half a pixel because the sharpest edge is wider than that.
+/// Number of shifts of the matched filter tried per pixel: within half a pixel the residual is a parabola of the shift,
+/// because even the sharpest edge is wider than that.
 const SHIFTS_PER_PX: usize = 2;
-/// Undisturbed tile on either side of the farthest joint: enough to tell level, slope and step from the strip.
+/// Width of undisturbed tile on either side of the joint at its greatest shift: enough to separate level, slope and
+/// step of the background from the strip.
 const SURROUND_PX: f64 = 5.0;
-/// Standard deviation of an edge's blur without motion: pixel aperture, interpolation and lens together.
+/// Standard deviation of the blur of an edge in the image without motion, from pixel aperture, interpolation and lens together.
 const EDGE_SIGMA_PX: f64 = 0.65;
 
-/// Filters for one width, one blur and shifts within a reach.
+/// Matched filters for one width of tile joint and one blur, for all shifts within a given distance.
 pub(super) struct JointFilter {
-    /// Samples are taken at `-half..=half` pixels.
+    /// Half width of the matched filter: samples are taken at `-half..=half` pixels.
     pub(super) half: usize,
-    /// Greatest shift in either direction.
+    /// Greatest shift of the tile joint, in either direction, for which there is a filter.
     reach_px: f64,
-    /// Orthonormal basis of level and slope.
+    /// Orthonormal basis of the background's level and slope.
     ground: [Vec<f32>; 2],
     shifts: Vec<Shift>,
-    /// Norm of what a unit strip's derivative leaves outside of the four-dimensional model: position sd = noise / (depth · this).
+    /// Norm of the part of the strip's derivative that the other parameters of the filter's model (level, slope, step, depth) cannot
+    /// represent. The standard deviation of a tile joint's measured position is noise / (depth · this norm).
     position_gain: f32,
 }
 
-/// Basis vectors of one shift, orthonormal together with the ground's.
+/// Basis vectors (step and strip) of the matched filter for one shift, orthonormal to each other and to the basis of level and slope.
 struct Shift {
     step: Vec<f32>,
     strip: Vec<f32>,
-    /// Norms before normalisation: depth = projection / norm.
+    /// Norms of the filter's basis vectors step and strip before normalisation: depth = projection / norm.
     step_norm: f32,
     strip_norm: f32,
-    /// What a strip of unit depth has in common with the unit step.
+    /// Projection of a strip of unit depth on the normalised step, two basis vectors of the matched filter.
     strip_on_step: f32,
 }
 
-/// Best fit of one profile.
+/// Best fit of the matched filter to one profile across a tile joint.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
-    /// Position of the joint's centre relative to the middle sample.
+    /// Position of the tile joint's centre relative to the middle sample of the profile.
     pub(super) shift_px: f32,
-    /// Height of the strip in units of the profile: negative where the joint is darker.
+    /// Height of a tile joint's strip in units of the profile; negative where the joint is darker than the tiles.
     pub(super) depth: f32,
-    /// Height of the step from the tile on one side to that on the other.
+    /// Height of the step from the tile on one side of the joint to the tile on the other side.
     pub(super) step: f32,
-    /// Root mean square of what the model leaves, per degree of freedom.
+    /// Root mean square of what the fitted model leaves of the profile, per degree of freedom.
     pub(super) residual: f32,
 }
 
 impl JointFilter {
-    /// Samples needed on either side of the middle.
+    /// Number of samples that a matched filter needs on either side of the middle one.
     pub(super) fn half_for(width_px: f64, blur_px: f64, reach_px: f64) -> usize {
         (0.5 * (width_px + blur_px) + reach_px + SURROUND_PX).ceil() as usize
     }
 
-    /// The filters for joints of a width under a blur, at shifts within a reach, on `2·half + 1` samples.
+    /// The filters for tile joints of a given width under a given blur, for shifts up to `reach_px`, on `2·half + 1` samples.
     pub(super) fn new(width_px: f64, blur_px: f64, reach_px: f64, half: usize) -> Self {
         let xs = || (0..=2 * half).map(|sample| sample as f64 - half as f64);
         let mut ground = [vec![1.0; 2 * half + 1], xs().map(|x| x as f32).collect()];
@@ -90,13 +92,13 @@ impl JointFilter {
         JointFilter { half, reach_px, ground, shifts, position_gain }
     }
 
-    /// Standard deviation of a position measured with this depth under this noise per sample.
+    /// Standard deviation of a tile joint's measured position, for a joint of this depth of contrast under this noise per sample.
     pub(super) fn position_sd_px(&self, depth: f32, noise: f32) -> f32 {
         noise / (depth.abs() * self.position_gain).max(1e-6)
     }
 
-    /// Fits a profile of at least `2·half + 1` samples, of which the middle ones are used, at shifts within
-    /// `within_px` of `around_px`. `None` where no such shift shows a strip of the wanted polarity inside of its neighbours.
+    /// Fits the model of a tile joint to a profile of at least `2·half + 1` samples, of which the middle ones are used, at shifts within `within_px`
+    /// of `around_px`. `None` if no shift strictly inside of that range is the best one and shows a strip of the wanted polarity (dark or light).
     pub(super) fn fit(&self, profile: &[f32], dark: bool, around_px: f32, within_px: f32) -> Option<Fit> {
         let margin = profile.len() / 2 - self.half;
         let mut y = [0f32; MAX_SAMPLES];
@@ -120,7 +122,7 @@ impl JointFilter {
                 best_step = (step - depth * shift.strip_on_step) / shift.step_norm;
             }
         }
-        // A maximum at either end of the search is no maximum.
+        // The best shift is not accepted if it lies at either end of the searched range.
         let best = best.filter(|&index| index > from && index < to)?;
         let [before, here, after] = [best - 1, best, best + 1].map(|index| explained[index]);
         let bend = 2.0 * here - before - after;
@@ -138,12 +140,12 @@ impl JointFilter {
     }
 }
 
-/// Room for the widest profile: a joint of 16 px under 24 px of blur.
+/// Greatest number of samples of a profile across a tile joint: enough for a joint of 16 px under 24 px of blur.
 pub(super) const MAX_SAMPLES: usize = 96;
-/// Room for shifts within ±12 px.
+/// Greatest number of shifts of a matched filter: enough for shifts within ±12 px.
 const MAX_SHIFTS: usize = 64;
 
-/// A unit edge after motion over `blur_px` and the optics' blur, 0 far left, 1 far right.
+/// Brightness profile of an edge of unit height, blurred by uniform motion over `blur_px` and by the optics: 0 far to the left, 1 far to the right.
 fn blurred_edge(x: f64, blur_px: f64) -> f64 {
     let z = x / EDGE_SIGMA_PX;
     if blur_px < 0.05 {
@@ -153,19 +155,20 @@ fn blurred_edge(x: f64, blur_px: f64) -> f64 {
     (normal_cdf_integral(z + half) - normal_cdf_integral(z - half)) / (2.0 * half)
 }
 
-/// Normal distribution function to 2·10⁻⁴ (Page 1977), odd about one half, so that templates stay symmetric.
+/// Normal distribution function to within 2·10⁻⁴ (Page 1977). The approximation is point-symmetric about one half, so
+/// that filter templates stay symmetric.
 fn normal_cdf(z: f64) -> f64 {
     0.5 * (1.0 + (0.797_884_560_8 * (z + 0.044_715 * z * z * z)).tanh())
 }
 
-/// ∫ of the normal distribution function from −∞: `z·Φ(z) + φ(z)`.
+/// Integral of the normal distribution function from −∞: `z·Φ(z) + φ(z)`.
 fn normal_cdf_integral(z: f64) -> f64 {
     z * normal_cdf(z) + 0.398_942_280_4 * (-0.5 * z * z).exp()
 }
 
 #[inline]
 fn dot(a: &[f32], b: &[f32]) -> f32 {
-    // Eight running sums let the compiler use vector registers; a single one forces an order of addition.
+    // Eight running sums let the compiler use vector registers; a single sum would prescribe the order of the additions.
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
     let tail: f32 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();
     let mut sums = [0f32; 8];
@@ -177,7 +180,7 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums.iter().sum::<f32>() + tail
 }
 
-/// Subtracts the projections on orthonormal vectors.
+/// Subtracts from a vector its projections on orthonormal vectors.
 fn remove<const N: usize>(vector: &mut [f32], basis: [&[f32]; N]) {
     for direction in basis {
         let share = dot(vector, direction);
@@ -185,7 +188,7 @@ fn remove<const N: usize>(vector: &mut [f32], basis: [&[f32]; N]) {
     }
 }
 
-/// Scales to unit length and answers with the length it had.
+/// Scales a vector to unit length and returns the length that it had.
 fn normalise(vector: &mut [f32]) -> f32 {
     let length = dot(vector, vector).sqrt().max(1e-12);
     vector.iter_mut().for_each(|value| *value /= length);
@@ -196,7 +199,8 @@ fn normalise(vector: &mut [f32]) -> f32 {
 mod tests {
     use super::*;
 
-    /// A strip of 5 px at a place on a slope, with half of a step to another tile at each edge: pixels average what they cover.
+    /// Profile across a strip 5 px wide on a sloping background, with half of a step to another tile at each edge; each
+    /// pixel averages the area that it covers.
     fn profile(half: usize, centre_px: f64, depth: f64, step: f64) -> Vec<f32> {
         let left_of = |x: f64, edge: f64| (edge - x + 0.5).clamp(0.0, 1.0);
         (0..=2 * half)
@@ -232,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_single_edge_shows_as_a_step_twice_as_high_as_the_strip_is_deep() {
-        // Half of the step at either edge of the strip, and a strip that takes one half back: that is a single edge.
+        // A single brightness edge equals half of a step at either edge of a strip, plus a strip that takes one half back.
         let half = JointFilter::half_for(5.0, 0.0, 4.0);
         let filter = JointFilter::new(5.0, 0.0, 4.0, half);
         let edge: Vec<f32> = (0..=2 * half).map(|sample| if sample < half { 4.0 } else { 4.5 }).collect();

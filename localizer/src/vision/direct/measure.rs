@@ -1,4 +1,4 @@
-//! A candidate under the lens: is it a joint, where exactly, and which of its points are to be trusted?
+//! Measures a candidate line at full resolution: decides whether it is a tile joint, where exactly it lies, and which of its points can be trusted.
 
 use super::Picture;
 use super::course::Course;
@@ -6,64 +6,69 @@ use super::joint_filter::{Fit, JointFilter};
 use super::profile::{Profiles, profiles};
 use super::vote::Candidate;
 
-/// A candidate that looks like a joint all along, with the positions measured on it.
+/// A candidate line that looks like a tile joint over its whole length, with the positions measured on it.
 #[derive(Clone, Debug)]
 pub(super) struct Joint {
-    /// The refined line, relative to the picture's centre.
+    /// The tile joint's refined line, relative to the centre of the image.
     pub(super) line: Candidate,
-    /// Points on the joint's centre line with their bounds, picture coordinates: `[u, v, bound]`.
+    /// Points on the tile joint's centre line with their bounds, in image coordinates: `[u, v, bound]`.
     pub(super) points_px: Vec<[f64; 3]>,
-    /// Logarithmic contrast, positive whatever the polarity.
+    /// Contrast of the tile joint, as a difference of logarithms of grey levels; positive for dark and for light joints.
     pub(super) depth: f64,
-    /// Standard deviation of the line's direction that its points imply.
+    /// Standard deviation of the direction of a line in the image, computed from the scatter of its points.
     pub(super) direction_sd_rad: f64,
-    /// Middle between its first and last point, relative to the picture's centre.
+    /// Middle between the tile joint's first and last point, relative to the centre of the image.
     pub(super) middle_px: [f64; 2],
-    /// Length between its first and last point.
+    /// Distance between the tile joint's first and last point.
     pub(super) span_px: f64,
-    /// Share of the line's visible length that lies between its first and last point.
+    /// Share of the line's visible length that lies between the first and the last point measured on the tile joint.
     pub(super) cover: f64,
-    /// Whether its width is that of a joint rather than only not unlike it.
+    /// Whether the line's measured width is that of a tile joint, rather than only one of the two neighbouring widths that are still accepted.
     pub(super) width_is_sure: bool,
 }
 
-/// Claimed bound of a point without blur. Three times the scatter of points that pass the gates at the noise they allow.
+/// Reference bound, without blur, of a point's distance from its line, in whose multiples the checks of a tile joint's points are expressed:
+/// three times the scatter of points that pass these checks at the greatest noise that they allow.
 pub(super) const POINT_BOUND_PX: f64 = 0.30;
-/// Growth of the bound per pixel of motion across the line: the edges get flatter by that much.
+/// Relative growth of a point's bounds per pixel of motion across the line, by which the tile joint's edges get flatter.
 pub(super) const BOUND_PER_BLUR: f64 = 0.28;
-/// Motion across a joint beyond which its strip is too faint and too wide to be told from a shadow.
+/// Motion across a tile joint beyond which its strip is too faint and too wide to be distinguished from a shadow.
 const BLUR_MAX_PX: f64 = 20.0;
-/// Distance to either side of the voted line within which the joint is looked for: the error of the vote at the line's ends.
+/// Distance to either side of a candidate line within which the tile joint is searched: the error of the candidate line at its ends.
 const REACH_PX: f64 = 4.0;
-/// Points on a line and pixels between its ends below which neither direction nor identity is certain.
+/// Least number of points on a tile joint, and least length in pixels between its ends; below either, neither its
+/// direction nor that it is a joint is certain.
 const LEAST_POINTS: usize = 10;
 const LEAST_SPAN_PX: f64 = 90.0;
-/// Scatter wanted of a point, in units of its bound: 0.3 of the points may be wrong, at this scatter 0.02 are.
+/// Wanted scatter of the points of a line, in units of their reference bound: at this scatter 0.02 of the points lie outside of that bound,
+/// and `SHARE_WRONG` allows ten times as many.
 const SCATTER_WANTED: f64 = 0.42;
-/// Scatter that the points of a joint have at most, in units of their bound: bends and noise together.
+/// Greatest scatter of the points of a tile joint, in units of their reference bound, from bends and noise together.
 const SCATTER_ALLOWED: f64 = 0.6;
-/// What is claimed of a point without blur and without scatter: three times the bias that a lopsided joint or a shadow gives a
-/// whole line, which no scatter shows.
+/// Claimed bound of a point of a line without blur and without scatter: three times the bias that a lopsided tile joint or a shadow gives
+/// to a whole line, which no scatter reveals.
 const CLAIM_FLOOR_PX: f64 = 0.12;
-/// What is claimed besides, in units of the line's scatter: one point in eighty lies outside by chance.
+/// Part of the claimed bound of a line's points that grows with their scatter, in units of that scatter: one point in eighty lies outside by chance.
 const CLAIM_PER_SCATTER: f64 = 2.5;
-/// Stations averaged at most into one point: more would leave too few points of a line.
+/// Greatest number of neighbouring positions along a line that are averaged into one point; more would leave too few points on the line.
 const GROUP_MAX: usize = 8;
-/// Share of the stations between a line's ends that must agree: worn joints lose some, accidents have fewer.
+/// Least share of the positions along a line at which the tile joint must be found: worn joints are missing at some of
+/// them, accidental structures at more.
 const LEAST_AGREEMENT: f64 = 0.5;
-/// Pixels added to either side of the profiles, so that a strip twice as wide as a joint can be told from one.
+/// Pixels that are added to either side of the profiles, so that a strip twice as wide as a tile joint can be distinguished from a joint.
 const LOOK_PX: usize = 4;
-/// Shifts tried on mean profiles, which the course has already centred.
+/// Greatest shift tried on a mean profile across a tile joint, which is already centred on the joint.
 const LOOK_REACH_PX: f64 = 1.5;
-/// Residual of a third's mean profile in units of its depth: 99 of 100 joints leave less than 0.13, what is printed beside
-/// some of them more.
+/// Greatest residual of the mean profile across a third of a tile joint, in units of the profile's depth: 99 of 100 joints leave less than
+/// 0.13, while patterns printed beside a joint leave more for some of them.
 const RESIDUAL_ALLOWED: f32 = 0.12;
-/// Step from tile to tile in units of the strip's depth: at 2 the strip is one side of a single edge, of a tape or a shadow.
+/// Greatest step of brightness from tile to tile, in units of the depth of the joint's strip: at 2, the strip is one
+/// side of a single edge of a tape or a shadow.
 const STEP_ALLOWED: f32 = 1.3;
-/// Widths tried on the mean profile, in units of the joint's.
+/// Widths that are tried on the mean profile across a line, in units of the tile joint's declared width.
 const WIDTHS: [f64; 5] = [0.45, 0.7, 1.0, 1.4, 2.1];
 
-/// Filters by blur in whole pixels: building one costs as much as forty fits.
+/// Matched filters, by motion blur in whole pixels. They are kept because building one costs as much as forty fits.
 pub(super) struct Filters {
     width_px: f64,
     by_blur: Vec<Option<JointFilter>>,
@@ -84,7 +89,7 @@ impl Filters {
     }
 }
 
-/// One station of the line: where the strip was found there.
+/// A sighting: the fit of a tile joint's profile at one position along a line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sighting {
     pub(super) along_px: f64,
@@ -98,21 +103,21 @@ impl Sighting {
     }
 }
 
-/// Claimed bound of a point under motion across its line.
+/// Reference bound of a point's distance from its line, for a given image motion across that line.
 fn bound_px(blur_px: f64) -> f64 {
     POINT_BOUND_PX * (1.0 + BOUND_PER_BLUR * blur_px)
 }
 
-/// Claimed distance of a point from its joint: the line's bias and its scatter.
+/// Claimed greatest distance of a point from its tile joint: a term for the bias of the whole line and one for its scatter.
 fn claimed_px(blur_px: f64, scatter_px: f64) -> f64 {
     CLAIM_FLOOR_PX * (1.0 + BOUND_PER_BLUR * blur_px) + CLAIM_PER_SCATTER * scatter_px
 }
 
-/// Measures a candidate; `None` if it does not look like a joint all along.
+/// Measures a candidate line; `None` if it does not look like a tile joint over its whole length.
 pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate) -> Option<Joint> {
     let reach_px = picture.centre_px[0].hypot(picture.centre_px[1]);
     let blur_at = |along_px: f64| picture.blur_across_px(line, along_px);
-    // Motion across a line is linear along it, so its greatest amount is at an end.
+    // The image motion across a line varies linearly along it, so that it is greatest at one of its ends.
     let blur_max_px = blur_at(-reach_px).max(blur_at(reach_px)).min(BLUR_MAX_PX);
     let half = JointFilter::half_for(filters.width_px, blur_max_px, REACH_PX) + LOOK_PX;
     let mut profiles = profiles(picture, line, half);
@@ -121,7 +126,7 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
     let (depth, noise) = depth_and_noise(&sightings, &course)?;
     let middle_px = 0.5 * (profiles.along_px.first()? + profiles.along_px.last()?);
     let middle_blur_px = blur_at(middle_px);
-    // Faint joints: average neighbouring stations until the scatter is what the claim needs.
+    // For faint tile joints, profiles at neighbouring positions are averaged until the scatter is as small as the claimed bound requires.
     let scatter = f64::from(filters.with_blur(middle_blur_px).position_sd_px(depth, noise)) / bound_px(middle_blur_px);
     let group = (scatter / SCATTER_WANTED).powi(2).ceil().max(1.0) as usize;
     if group > GROUP_MAX {
@@ -150,7 +155,7 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
     let middle_px = picture.point_px(line, middle_along_px, course.across_px(middle_along_px));
     let middle_px = [0, 1].map(|axis| middle_px[axis] - picture.centre_px[axis]);
     Some(Joint {
-        // across = slope·along + intercept: the normal turns by −atan(slope).
+        // Since across = slope·along + intercept in the fit, the line's normal turns by −atan(slope).
         line: Candidate {
             normal_rad: line.normal_rad - turn_rad,
             offset_px: (line.offset_px + course.intercept_px) * turn_rad.cos(),
@@ -164,7 +169,7 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
             })
             .collect(),
         depth: f64::from(depth.abs()),
-        // A straight fit to n even points: sd(slope) = √12·sd/(span·√n).
+        // For a straight fit to n evenly spaced points, sd(slope) = √12·sd/(span·√n).
         direction_sd_rad: 3.5 * scatter_px.max(0.05) / (span_px * (accepted.len() as f64).sqrt()),
         middle_px,
         span_px,
@@ -173,7 +178,7 @@ pub(super) fn measure(picture: &Picture, filters: &mut Filters, line: &Candidate
     })
 }
 
-/// Fits every station, anywhere within reach or near a course.
+/// Fits the profile of a tile joint at every position along a line, either anywhere within reach of the line or only near a given course.
 fn sight(
     profiles: &Profiles,
     filters: &mut Filters,
@@ -195,7 +200,7 @@ fn sight(
     sightings
 }
 
-/// Medians of depth and of noise among the sightings near the course.
+/// Medians of the depth and of the noise over the measured positions near the fitted line.
 fn depth_and_noise(sightings: &[Sighting], course: &Course) -> Option<(f32, f32)> {
     let near: Vec<&Sighting> =
         sightings.iter().filter(|sighting| course.distance_px(sighting).abs() < 2.0 * sighting.bound_px()).collect();
@@ -212,7 +217,8 @@ fn median(values: &mut [f32]) -> Option<f32> {
     Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-/// Sightings to be trusted: as deep and as clean as most, and near the course; the course is fitted to them again.
+/// The measured positions that can be trusted: about as deep in contrast and as clean as most, and near the fitted
+/// line. The line is fitted to them again.
 fn accept(sightings: &[Sighting], course: &mut Course, depth: f32, noise: f32) -> Option<Vec<Sighting>> {
     let noise_max = 2.5 * noise.max(0.02 * depth.abs());
     let sound: Vec<Sighting> = sightings
@@ -220,21 +226,22 @@ fn accept(sightings: &[Sighting], course: &mut Course, depth: f32, noise: f32) -
         .filter(|sighting| (0.4..2.5).contains(&(sighting.fit.depth / depth)) && sighting.fit.residual < noise_max)
         .copied()
         .collect();
-    // Twice the bound holds every true point of a joint that bends as much as laying allows, and keeps neighbours' ghosts out.
+    // Twice the reference bound includes every true point of a tile joint that bends as much as laying allows, and
+    // excludes weaker parallel structures beside it.
     for _ in 0..2 {
         *course = course.refitted(&sound, |sighting| 2.0 * sighting.bound_px())?;
     }
     Some(sound.into_iter().filter(|sighting| course.distance_px(sighting).abs() < 2.0 * sighting.bound_px()).collect())
 }
 
-/// Root mean square distance from the course.
+/// Root mean square distance of the accepted positions from the fitted line.
 fn scatter_px(accepted: &[Sighting], course: &Course) -> f64 {
     let squares: f64 = accepted.iter().map(|sighting| course.distance_px(sighting).powi(2)).sum();
-    // The course took two degrees of freedom.
+    // The fit of the line has used two degrees of freedom.
     (squares / (accepted.len() as f64 - 2.0).max(1.0)).sqrt()
 }
 
-/// Mean profiles along the found course.
+/// Inputs for the examination of the mean profiles across a line, along its fitted course.
 struct Look<'a> {
     profiles: &'a Profiles,
     course: &'a Course,
@@ -244,7 +251,8 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Whether each third of the line shows the strip in its place, and the strip has the width of a joint: `Some(sure of the width)`.
+    /// Whether each third of the line shows a strip at its place, and the strip is as wide as a tile joint. `None` if
+    /// not; otherwise whether the width is certain.
     fn is_a_joint(&self, width_px: f64, span: [f64; 2]) -> Option<bool> {
         let third_px = (span[1] - span[0]) / 3.0;
         let half = self.profiles.half - REACH_PX as usize;
@@ -275,7 +283,7 @@ impl Look<'_> {
         }
     }
 
-    /// Mean of the profiles in a range, each moved so that the course passes through its middle.
+    /// Mean of the grey-level profiles in a range along a line, each shifted so that the fitted course passes through its middle.
     fn mean_profile(&self, range: [f64; 2]) -> Option<Vec<f32>> {
         let half = self.profiles.half - REACH_PX as usize;
         let (mut sum, mut count) = (vec![0f32; 2 * half + 1], 0);

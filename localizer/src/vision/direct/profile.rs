@@ -1,31 +1,31 @@
-//! Profiles across a line at full resolution: one every few pixels along it.
+//! Profiles of grey level across a line at full resolution, one every few pixels along the line.
 
 use super::Picture;
 use super::joint_filter::MAX_SAMPLES;
 use super::vote::Candidate;
 
-/// Pixels along the line that are averaged into one profile.
+/// Length along a line, in pixels, over which grey levels are averaged into one profile across the line.
 pub(super) const STATION_PX: f64 = 8.0;
 
-/// Mean logarithmic profiles across a line, one per station, in order along it.
+/// Mean logarithmic grey-level profiles across a line, one per position, in their order along the line.
 pub(super) struct Profiles {
-    /// Samples on either side of the line; a profile has `2·half + 1`, one pixel apart, along the normal.
+    /// Number of samples of a profile on either side of the line. A profile has `2·half + 1` samples along the normal, one pixel apart.
     pub(super) half: usize,
-    /// Position of each station along the line, from the foot of the perpendicular from the picture's centre.
+    /// Position of each profile along the line, counted from the foot of the perpendicular from the image's centre.
     pub(super) along_px: Vec<f64>,
-    /// Profiles one after the other; empty light is `NaN` in the first sample.
+    /// Samples of the grey-level profiles, one profile after the other; a profile that is black or clipped has `NaN` as its first sample.
     samples: Vec<f32>,
 }
 
 impl Profiles {
-    /// Samples of one station, or `None` where the sensor was black or clipped.
+    /// Samples of one grey-level profile, or `None` where the sensor was black or clipped.
     pub(super) fn get(&self, station: usize) -> Option<&[f32]> {
         let length = 2 * self.half + 1;
         let profile = &self.samples[station * length..(station + 1) * length];
         profile[0].is_finite().then_some(profile)
     }
 
-    /// Replaces every `group` neighbouring stations by their mean: less noise, fewer points.
+    /// Replaces every `group` neighbouring profiles by their mean, which leaves less noise and fewer points.
     pub(super) fn merged(&self, group: usize) -> Profiles {
         let length = 2 * self.half + 1;
         let (mut along_px, mut samples) = (Vec::new(), Vec::new());
@@ -47,17 +47,17 @@ impl Profiles {
     }
 }
 
-/// Grey levels between which a profile is trusted: below, eight bits are too coarse for a logarithm; above, the sensor clips.
+/// Range of grey levels in which a profile across a line is trusted: below it, eight bits are too coarse for a logarithm; above it, the sensor clips.
 const USABLE_GREY: [f32; 2] = [3.0, 248.0];
 
-/// Reads the profiles of a line wherever the whole window lies in the picture.
+/// Reads the grey-level profiles across a line, wherever the whole width of a profile lies in the image.
 pub(super) fn profiles(picture: &Picture, line: &Candidate, half: usize) -> Profiles {
     let half = half.min((MAX_SAMPLES - 1) / 2);
     let normal = [line.normal_rad.cos(), line.normal_rad.sin()];
     let along = [-normal[1], normal[0]];
     let (from_px, to_px) = visible_range(picture, normal, line.offset_px, half as f64);
     let count = ((to_px - from_px) / STATION_PX).floor().max(0.0) as usize;
-    // The stations sit in the middle of the visible part.
+    // The positions of the profiles are centred on the visible part of the line.
     let first_px = 0.5 * (from_px + to_px) - 0.5 * count as f64 * STATION_PX;
     let mut result =
         Profiles { half, along_px: Vec::with_capacity(count), samples: Vec::with_capacity(count * (2 * half + 1)) };
@@ -81,12 +81,12 @@ pub(super) fn profiles(picture: &Picture, line: &Candidate, half: usize) -> Prof
     result
 }
 
-/// Range of positions along a line whose windows, `half_px` to either side, lie in the picture; empty if `to < from`.
+/// Range of positions along a line at which a profile reaching `half_px` to either side lies in the image; empty if `to < from`.
 fn visible_range(picture: &Picture, normal: [f64; 2], offset_px: f64, half_px: f64) -> (f64, f64) {
     let along = [-normal[1], normal[0]];
     let (mut from, mut to) = (-1e9_f64, 1e9_f64);
     for axis in 0..2 {
-        // One pixel less than the picture leaves bilinear interpolation its neighbour.
+        // The border of the image is left out by one pixel, so that bilinear interpolation has a neighbour for each pixel.
         let room = picture.centre_px[axis] - 1.0 - half_px * normal[axis].abs();
         let foot = offset_px * normal[axis];
         if along[axis].abs() < 1e-9 {
@@ -102,7 +102,7 @@ fn visible_range(picture: &Picture, normal: [f64; 2], offset_px: f64, half_px: f
     (from, to)
 }
 
-/// Mean grey level of the pixels from a point onwards, one per pixel of length, interpolated bilinearly in 1/256 px.
+/// Mean grey level along a line from a start point, with one sample per pixel of length, each interpolated bilinearly to 1/256 px.
 #[inline]
 fn mean_along(picture: &Picture, start_px: [f64; 2], along: [f64; 2]) -> f32 {
     const ONE: f64 = 65_536.0;
@@ -112,7 +112,7 @@ fn mean_along(picture: &Picture, start_px: [f64; 2], along: [f64; 2]) -> f32 {
     for _ in 0..STATION_PX as usize {
         let corner = (v >> 16) as usize * picture.stride + (u >> 16) as usize;
         let (right, down) = (((u >> 8) & 255) as u32, ((v >> 8) & 255) as u32);
-        // The visible range keeps the corner inside; the fallback costs nothing and cannot be reached.
+        // The visible range keeps all sampled pixels inside of the image; the check costs nothing, and its other case cannot occur.
         if let (Some(&[a, b]), Some(&[c, d])) = (
             picture.pixels.get(corner..corner + 2).and_then(as_pair),
             picture.pixels.get(corner + picture.stride..corner + picture.stride + 2).and_then(as_pair),

@@ -1,10 +1,10 @@
-//! Ridge points: where a binned, logarithmic picture is darkest or lightest across a thin structure.
+//! Ridge points: places where a binned, logarithmic image is darkest or lightest across a thin structure.
 
 use std::f32::consts::FRAC_PI_2;
 
 use image::GrayImage;
 
-/// A picture of floating-point values, row-major, `height × width`.
+/// An image of floating-point values, row-major, `height × width`.
 pub(super) struct Plane {
     pub(super) width: usize,
     pub(super) height: usize,
@@ -12,30 +12,30 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// The row above, the row itself and the row below.
+    /// The row of the image above a given row, the row itself and the row below.
     fn three_rows(&self, row: usize) -> [&[f32]; 3] {
         [row - 1, row, row + 1].map(|row| &self.values[row * self.width..(row + 1) * self.width])
     }
 }
 
-/// A point on the centre of a thin dark or light structure, to a fraction of a cell.
+/// A point on the centre line of a thin dark or light structure, to a fraction of a cell of the binned image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RidgePoint {
-    /// Position relative to the centre of the picture, full-resolution pixels.
+    /// Position of a ridge point relative to the centre of the image, in pixels of full resolution.
     pub(super) position_px: [f32; 2],
-    /// Angle of the structure's normal, known modulo a half turn.
+    /// Angle of the normal of a thin structure in the image, known modulo half a turn.
     pub(super) normal_rad: f32,
-    /// Second derivative across, in units of the detection threshold: at least 1, capped.
+    /// Second derivative of brightness across a thin structure, in units of the detection threshold: at least 1, and limited to `WEIGHT_CAP`.
     pub(super) weight: f32,
-    /// Whether the structure is darker than its surroundings.
+    /// Whether the thin structure in the image is darker than its surroundings.
     pub(super) dark: bool,
 }
 
-/// Mean grey level below which eight bits leave no contrast to measure, and above which the sensor clips.
+/// Usable range of the mean grey level of a cell of pixels: below it, eight bits leave no contrast to measure; above it, the sensor clips.
 const USABLE_GREY: [f32; 2] = [5.0, 250.0];
 
-/// Averages `bin × bin` pixels and takes the logarithm: uneven light becomes an additive, slowly varying term, so that a
-/// joint has the same contrast in the light and in the dark. `None` when half of the picture is black or clipped.
+/// Averages blocks of `bin × bin` pixels and takes the logarithm. Uneven light becomes an additive, slowly varying term, so that a tile joint
+/// has the same contrast in bright and in dark areas. `None` when at least half of the image is black or clipped.
 pub(super) fn binned_log(image: &GrayImage, bin: usize) -> Option<Plane> {
     let (width, height) = (image.width() as usize / bin, image.height() as usize / bin);
     if width < 8 || height < 8 {
@@ -55,14 +55,15 @@ pub(super) fn binned_log(image: &GrayImage, bin: usize) -> Option<Plane> {
         for cell in sums.chunks_exact(bin) {
             let grey = cell.iter().map(|&sum| u32::from(sum)).sum::<u32>() as f32 * per_cell;
             unusable += usize::from(!(USABLE_GREY[0]..USABLE_GREY[1]).contains(&grey));
-            // One grey level added keeps the logarithm of a black cell finite.
+            // One grey level is added, so that the logarithm of a black pixel cell stays finite.
             values.push((grey + 1.0).ln());
         }
     }
     (2 * unusable < width * height).then_some(Plane { width, height, values })
 }
 
-/// Binomial smoothing `[1 4 6 4 1]/16` along rows, then along columns; the two outermost cells are left as they are.
+/// The image after binomial smoothing `[1 4 6 4 1]/16` along rows and along columns; the two outermost cells at each
+/// border are not smoothed across that border.
 fn smoothed(plane: &Plane) -> Plane {
     let (width, height) = (plane.width, plane.height);
     let mut across = plane.values.clone();
@@ -82,12 +83,12 @@ fn smoothed(plane: &Plane) -> Plane {
     Plane { width, height, values }
 }
 
-/// Cells at the border that smoothing and second differences cannot serve.
+/// Width of the binned image's border, in cells, where smoothing and second differences are not available.
 const BORDER_CELLS: usize = 3;
 
-/// Ridge points of the picture: cells where the curvature across dominates and whose extremum lies inside the cell.
+/// Ridge points of the image: cells where the curvature in one direction dominates and whose extremum lies inside the cell.
 ///
-/// Points weaker than `strong_share` of the picture's strong ridges are left out.
+/// Points weaker than `strong_share` of the image's strong ridges are left out.
 pub(super) fn ridge_points(plane: &Plane, bin: usize, image_size_px: [f32; 2], strong_share: f32) -> Vec<RidgePoint> {
     let smooth = smoothed(plane);
     let width = smooth.width;
@@ -125,28 +126,29 @@ pub(super) fn ridge_points(plane: &Plane, bin: usize, image_size_px: [f32; 2], s
     points
 }
 
-/// Way from the middle of a cell to the extremum across a ridge, and the ridge's normal angle; `None` if the extremum
-/// lies in another cell or nothing straight is there. `across` is the Hessian's eigenvalue of greatest size.
+/// Offset from the middle of a cell to the extremum across a ridge, and the angle of the ridge's normal; `None` if the extremum lies in
+/// another cell or the structure is not line-shaped. `across` is the Hessian's eigenvalue with the greatest magnitude.
 fn extremum(near: [&[f32]; 3], column: usize, across: f32) -> Option<([f32; 2], f32)> {
     let (uu, vv, uv) = hessian(near, column);
-    // A blob or a crossing curves both ways: its direction means nothing.
+    // A blob or a crossing in the image is curved in both directions, so that its direction has no meaning.
     if (uu + vv - across).abs() > 0.5 * across.abs() {
         return None;
     }
-    // Half of this angle is the direction of greatest second derivative: the normal of a dark ridge, the course of a light one.
+    // Half of the angle atan2(2·uv, uu − vv) is the direction of the greatest second derivative: the normal of a dark
+    // ridge, the direction along a light one.
     let normal_rad = 0.5 * (2.0 * uv).atan2(uu - vv) + if across > 0.0 { 0.0 } else { FRAC_PI_2 };
     let (sin, cos) = normal_rad.sin_cos();
     let [above, here, below] = near;
     let slope = 0.5 * ((here[column + 1] - here[column - 1]) * cos + (below[column] - above[column]) * sin);
     let step = [-slope / across * cos, -slope / across * sin];
-    // A tenth of a cell of overlap loses no extremum at the seam.
+    // Neighbouring cells overlap by a tenth of a cell on each side, so that no extremum is lost between them.
     (step[0].abs() <= 0.6 && step[1].abs() <= 0.6).then_some((step, normal_rad))
 }
 
-/// No point votes for more than this many weak ones: a lamp's reflection must not outvote a joint.
+/// Greatest weight of a ridge point in the vote, in units of the weakest point's: the reflection of a lamp must not outvote a tile joint.
 const WEIGHT_CAP: f32 = 4.0;
 
-/// Second differences of three neighbouring rows at a column: uu, vv, uv.
+/// Second differences uu, vv, uv at a column of three neighbouring rows.
 #[inline(always)]
 fn hessian([above, here, below]: [&[f32]; 3], column: usize) -> (f32, f32, f32) {
     let uu = here[column + 1] - 2.0 * here[column] + here[column - 1];
@@ -155,15 +157,14 @@ fn hessian([above, here, below]: [&[f32]; 3], column: usize) -> (f32, f32, f32) 
     (uu, vv, uv)
 }
 
-/// Curvature that counts as a ridge: three times the median of the picture (noise and texture), a share of its strong
-/// ridges (else their side lobes count), and no less than 1 % of contrast, below which eight-bit steps in a dark picture
-/// make ridges of their own.
+/// Least curvature of a ridge: three times the median of the image (noise and texture), but at least a share of its strong ridges (else
+/// their side lobes would count) and at least 1 % of contrast, below which the steps of eight bits in a dark image form ridges of their own.
 fn threshold(curvature: &[f32], width: usize, strong_share: f32) -> f32 {
-    // Every seventh cell tells the quantiles; seven divides no usual width, so that columns take turns.
+    // Every seventh cell is enough for the quantiles of the image's curvature; seven divides no usual width, so that all columns are sampled in turn.
     let mut sample: Vec<f32> = curvature[BORDER_CELLS * width..].iter().step_by(7).map(|value| value.abs()).collect();
     let count = sample.len();
     let (_, &mut median, _) = sample.select_nth_unstable_by(count / 2, f32::total_cmp);
-    // One joint across a picture fills about one per cent of its cells.
+    // One tile joint across an image fills about one per cent of its cells.
     let (_, &mut strong, _) = sample.select_nth_unstable_by(count * 98 / 100, f32::total_cmp);
     (3.0 * median).max(strong_share * strong).max(0.01)
 }

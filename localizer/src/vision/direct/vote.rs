@@ -1,29 +1,30 @@
-//! The vote: ridge points of two orthogonal families agree on one angle modulo 90°, and on few offsets.
+//! Vote of the ridge points: those of two orthogonal families of tile joints agree on one angle modulo 90° and on a few offsets.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use super::ridge::RidgePoint;
 
-/// A straight structure worth a closer look: `{ p : n·p = offset }` with `n` at the normal angle, `p` relative to the picture's centre.
+/// A straight structure that is to be examined more closely: the line `{ p : n·p = offset }`, where `n` is the unit vector at the normal
+/// angle and `p` is relative to the image's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Candidate {
     pub(super) normal_rad: f64,
     pub(super) offset_px: f64,
-    /// 0 or 1: whose normal is near the hypothesis' angle, or a right angle further.
+    /// Family of the line, 0 or 1: its normal is near the assumed angle of the tile grid, or a right angle further.
     pub(super) family: u8,
     pub(super) dark: bool,
-    /// Sum of the weights of the ridge points on it.
+    /// Sum of the weights of the ridge points that lie on the candidate line.
     pub(super) support: f32,
 }
 
-/// Half-degree steps of the folded histogram.
+/// Number of bins of the histogram of ridge directions, folded to 90°: steps of half a degree.
 const ANGLE_BINS: usize = 180;
-/// Orientation error of a single ridge point: points farther than this from the angle do not vote.
+/// Greatest orientation error of a single ridge point: points whose normal differs by more than this from the grid's angle do not vote.
 const ORIENTATION_RAD: f32 = 0.2;
-/// Structures looked at per family: two joints at most are in view, the rest is room for what must be rejected.
+/// Greatest number of candidates examined per family: at most two tile joints are in view, and the rest leaves room for lines that must be rejected.
 const CANDIDATES_PER_FAMILY: usize = 6;
 
-/// The structures along and across the angle that most ridge points agree on; none if there is nothing straight.
+/// Straight structures along and across the angle that most ridge points agree on; none if the image shows nothing straight.
 pub(super) fn candidates(points: &[RidgePoint], cell_px: f32, size_px: [f32; 2]) -> Vec<Candidate> {
     let angle_rad = peak_angle(points);
     let families = [0.0, FRAC_PI_2].map(|turn| family_points(points, angle_rad + turn));
@@ -38,7 +39,8 @@ pub(super) fn candidates(points: &[RidgePoint], cell_px: f32, size_px: [f32; 2])
         found.sort_by(|a, b| b.support.total_cmp(&a.support));
         let mut distinct: Vec<Candidate> = Vec::new();
         for candidate in found {
-            // A strong ridge has weak ones of the other polarity beside it, and may have been found twice.
+            // A strong ridge in the image has weak ridges of the opposite polarity (light or dark) beside it, and the
+            // same ridge may have been found twice.
             let beside = |known: &Candidate| {
                 (known.offset_px - candidate.offset_px).abs()
                     < f64::from(if known.dark == candidate.dark { cell_px } else { 4.0 * cell_px })
@@ -52,21 +54,21 @@ pub(super) fn candidates(points: &[RidgePoint], cell_px: f32, size_px: [f32; 2])
     candidates
 }
 
-/// Takes the points near a candidate out of the vote.
+/// Removes the ridge points near a candidate line from the vote.
 pub(super) fn remove(points: &mut Vec<RidgePoint>, candidate: &Candidate, reach_px: f32) {
     let (sin, cos) = (candidate.normal_rad as f32).sin_cos();
     let offset_px = candidate.offset_px as f32;
     points.retain(|point| (point.position_px[0] * cos + point.position_px[1] * sin - offset_px).abs() > reach_px);
 }
 
-/// Peak of the histogram of the normals' angles modulo 90°.
+/// Peak of the histogram of the ridge points' normal angles modulo 90°.
 fn peak_angle(points: &[RidgePoint]) -> f32 {
     let mut histogram = [0f32; ANGLE_BINS];
     for point in points {
         let turn = point.normal_rad.rem_euclid(FRAC_PI_2) / FRAC_PI_2;
         histogram[((turn * ANGLE_BINS as f32) as usize).min(ANGLE_BINS - 1)] += point.weight;
     }
-    // A triangle of ±3° is as wide as the orientation error of the points that matter.
+    // The triangle of ±3° that smooths the histogram of angles is as wide as the orientation error of the points that matter.
     const REACH: i32 = 6;
     let smooth = |bin: usize| -> f32 {
         (-REACH..=REACH)
@@ -78,7 +80,7 @@ fn peak_angle(points: &[RidgePoint]) -> f32 {
     (peak as f32 + 0.5) * FRAC_PI_2 / ANGLE_BINS as f32
 }
 
-/// Weights of ridge points by offset, for one family and one polarity.
+/// Histogram of the ridge points of one family of parallel lines and one polarity (light or dark): the points' weights by offset.
 struct OffsetHistogram {
     weights: Vec<f32>,
     bin_px: f32,
@@ -98,7 +100,7 @@ impl OffsetHistogram {
         }
     }
 
-    /// Support of a line between bins `bin` and `bin + 1`.
+    /// Weight of the ridge points that support a line whose offset lies between bins `bin` and `bin + 1`.
     fn pair(&self, bin: usize) -> f32 {
         self.weights[bin] + self.weights[bin + 1]
     }
@@ -107,24 +109,24 @@ impl OffsetHistogram {
         (0..self.weights.len() - 1).map(|bin| self.pair(bin) * self.pair(bin)).sum()
     }
 
-    /// Offset of the middle of the pair of bins that begins at `bin`.
+    /// Offset, in the histogram of lines, of the middle of the two bins that begin with `bin`.
     fn offset_px(&self, bin: usize) -> f32 {
         (bin + 1) as f32 * self.bin_px - self.reach_px
     }
 }
 
-/// Angle between a point's normal and an angle, both known modulo a half turn: in `[0, π/2]`.
+/// Angle between a point's normal and a given angle, both known modulo half a turn; it lies in `[0, π/2]`.
 fn between(normal_rad: f32, angle_rad: f32) -> f32 {
     let difference = (normal_rad - angle_rad).rem_euclid(PI);
     difference.min(PI - difference)
 }
 
-/// Points that may belong to a family with this normal angle.
+/// Ridge points that may belong to the family of parallel lines with this normal angle.
 fn family_points(points: &[RidgePoint], normal_rad: f32) -> Vec<RidgePoint> {
     points.iter().filter(|point| between(point.normal_rad, normal_rad) < ORIENTATION_RAD).copied().collect()
 }
 
-/// Offsets of one family seen along its normal, by polarity: `[light, dark]`.
+/// Histograms of the offsets of one family's ridge points along the family's normal, by polarity: `[light, dark]`.
 fn offsets(family: &[RidgePoint], normal_rad: f32, cell_px: f32, size_px: [f32; 2]) -> [OffsetHistogram; 2] {
     let (sin, cos) = normal_rad.sin_cos();
     let mut histograms = [(); 2].map(|()| OffsetHistogram::new(size_px, 0.75 * cell_px));
@@ -134,25 +136,25 @@ fn offsets(family: &[RidgePoint], normal_rad: f32, cell_px: f32, size_px: [f32; 
     histograms
 }
 
-/// The angle near `angle_rad` at which the offsets of both families are most concentrated.
+/// Angle near `angle_rad` at which the offsets of both families of ridge points are most concentrated.
 fn sharpened(families: &[Vec<RidgePoint>; 2], angle_rad: f32, cell_px: f32, size_px: [f32; 2]) -> f32 {
     let energy = |angle_rad: f32| -> f32 {
         let of_family =
             |family: usize| offsets(&families[family], angle_rad + family as f32 * FRAC_PI_2, cell_px, size_px);
         [0, 1].into_iter().flat_map(of_family).map(|histogram| histogram.energy()).sum()
     };
-    // A line across the whole picture stays within one bin for half a degree: steps of 0.4° cannot jump over the peak.
+    // A line across the whole image stays within one bin of offsets for half a degree, so that steps of 0.4° cannot jump over the peak.
     let tried: Vec<(f32, f32)> =
         (-8..=8).map(|step| angle_rad + 0.007 * step as f32).map(|angle_rad| (angle_rad, energy(angle_rad))).collect();
     tried.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(angle_rad, |best| best.0)
 }
 
-/// Share of the cells along a line's chord that must have voted for it, each with the least weight.
+/// Least share of the image cells along a line's visible part that must have voted for the line, if each has the least weight.
 const LEAST_COVER: f32 = 0.3;
-/// A chord shorter than this many cells cuts a corner off the picture and tells no direction.
+/// Least length of a line's visible part, in image cells: a shorter line cuts a corner of the image and does not determine a direction.
 const LEAST_CELLS: f32 = 12.0;
 
-/// Local maxima with enough support for their length in the picture, each refined by a straight fit to its points.
+/// Local maxima of the offset histogram with enough support for their length in the image, each refined by a straight fit to its points.
 fn peaks(
     histogram: &OffsetHistogram,
     points: &[RidgePoint],
@@ -188,7 +190,7 @@ fn peaks(
     found
 }
 
-/// Length of the part of a line that lies in the picture.
+/// Length of the part of a line that lies in the image.
 fn chord_px(normal_rad: f32, offset_px: f32, size_px: [f32; 2]) -> f32 {
     let (sin, cos) = normal_rad.sin_cos();
     let (mut from, mut to) = (-f32::MAX, f32::MAX);
@@ -206,7 +208,7 @@ fn chord_px(normal_rad: f32, offset_px: f32, size_px: [f32; 2]) -> f32 {
     (to - from).max(0.0)
 }
 
-/// Weighted straight fit to the points near a line, twice, each time to those nearer: `(normal angle, offset)`.
+/// Weighted straight fit to the points near a line, made twice, the second time to nearer points only; returns `(normal angle, offset)`.
 fn fit(points: &[RidgePoint], mut normal_rad: f32, mut offset_px: f32, dark: bool, cell_px: f32) -> Option<(f32, f32)> {
     for reach_px in [1.5 * cell_px, cell_px] {
         let (sin, cos) = normal_rad.sin_cos();
@@ -228,7 +230,7 @@ fn fit(points: &[RidgePoint], mut normal_rad: f32, mut offset_px: f32, dark: boo
         }
         let slope = (xy * w - x * y) / spread;
         let intercept = (y - slope * x) / w;
-        // across = slope·along + intercept, so the normal turns by −atan(slope).
+        // Since across = slope·along + intercept in the fit, the line's normal turns by −atan(slope).
         normal_rad -= slope.atan();
         offset_px = (offset_px + intercept) * slope.atan().cos();
     }

@@ -1,4 +1,4 @@
-//! Numbers that are the same in each run, for samples and patterns: Marsaglia's 64-bit xorshift.
+//! Pseudo-random numbers that are the same in each run, for RANSAC samples and descriptor patterns: Marsaglia's 64-bit xorshift.
 
 pub(super) struct Draws(u64);
 
@@ -7,7 +7,7 @@ impl Draws {
         Draws(0x9E37_79B9_7F4A_7C15)
     }
 
-    /// A whole number from 0 to below the bound.
+    /// A random whole number from 0 up to, but without, `bound`.
     pub(super) fn below(&mut self, bound: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

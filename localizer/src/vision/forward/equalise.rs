@@ -1,18 +1,18 @@
-//! Histogram equalisation, and the same within limits and tiles (CLAHE; Zuiderveld, Graphics Gems IV, 1994).
+//! Histogram equalisation, over the whole image or by tiles with limited contrast (CLAHE; Zuiderveld, Graphics Gems IV, 1994).
 
 use super::Picture;
 
-/// Grey levels of the answer.
+/// Number of grey levels that the equalisation distinguishes.
 const LEVELS: usize = 256;
 
-/// Every value replaced by the share of darker pixels, 0 to 255.
+/// Equalises an image: every value is replaced by the share of pixels that are not brighter, scaled to 0 to 255.
 pub fn equalised(picture: &Picture) -> Picture {
     let scale = Scale::of(picture);
     let ranks = ranks(picture.values.iter().map(|&value| scale.level(value)), f64::INFINITY);
     picture.map(|value| ranks[scale.level(value)])
 }
 
-/// The same tile by tile, with counts cut at `limit` times their mean and answers interpolated between tiles.
+/// Equalises an image tile by tile, with the histogram's counts limited to `limit` times their mean; results are interpolated between tiles.
 pub fn equalised_by_tiles(picture: &Picture, tiles: [usize; 2], limit: f64) -> Picture {
     let scale = Scale::of(picture);
     let (wide, high) = (picture.width.div_ceil(tiles[0]), picture.height.div_ceil(tiles[1]));
@@ -42,14 +42,14 @@ pub fn equalised_by_tiles(picture: &Picture, tiles: [usize; 2], limit: f64) -> P
     Picture { values, ..*picture }
 }
 
-/// The tiles before and after a pixel, by their middles, and the share of the latter.
+/// The two tiles whose middles lie before and after a pixel, and the weight of the second one in the interpolation.
 fn between(at: usize, size: usize, tiles: usize) -> [f32; 3] {
     let place = ((at as f32 + 0.5) / size as f32 - 0.5).clamp(0.0, tiles as f32 - 1.0);
     let first = place.floor();
     [first, (first + 1.0).min(tiles as f32 - 1.0), place - first]
 }
 
-/// Which level a value falls into.
+/// Mapping of an image's values to the grey levels of the histogram.
 struct Scale {
     least: f32,
     levels_per_value: f32,
@@ -59,7 +59,7 @@ impl Scale {
     fn of(picture: &Picture) -> Scale {
         let least = picture.values.iter().copied().fold(f32::INFINITY, f32::min);
         let greatest = picture.values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        // Values that are levels already keep theirs.
+        // If the image's values span no more than the grey levels, their spacing is not changed.
         let levels_per_value =
             if greatest - least < LEVELS as f32 { 1.0 } else { (LEVELS - 1) as f32 / (greatest - least) };
         Scale { least, levels_per_value }
@@ -70,7 +70,8 @@ impl Scale {
     }
 }
 
-/// For each level 255 times the share of pixels up to it, counts cut at `limit` times their mean and the cut spread evenly.
+/// For each grey level, 255 times the share of pixels up to that level. Counts are limited to `limit` times their mean, and what exceeds
+/// the limit is spread evenly over all levels.
 fn ranks(levels: impl Iterator<Item = usize>, limit: f64) -> Vec<f32> {
     let mut counts = vec![0.0_f64; LEVELS];
     levels.for_each(|level| counts[level] += 1.0);

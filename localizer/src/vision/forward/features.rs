@@ -1,4 +1,4 @@
-//! Corners and their descriptors, matched between two pictures: what paper 2's Fig. 1 shows to fail in the dark.
+//! Corner features with binary descriptors, matched between two images: the method that fails in the dark in Fig. 1 of paper 2.
 
 use image::GrayImage;
 use imageproc::{
@@ -12,18 +12,19 @@ use imageproc::{
 
 use super::draws::Draws;
 
-/// Contrast of a corner by FAST, in grey levels, as OpenCV's ORB has it.
+/// Least contrast of a FAST corner, in grey levels; the value that OpenCV's ORB uses.
 const CONTRAST: u8 = 20;
-/// As many of the strongest corners are described.
+/// Greatest number of corners in an image that get a descriptor, the strongest ones first.
 const CORNERS: usize = 500;
-/// Bits of a descriptor.
+/// Number of bits of a descriptor.
 const BITS: usize = 256;
-/// Bits in which matched descriptors differ at most.
+/// Greatest number of bits in which two matched descriptors may differ.
 const DIFFERING_BITS: u32 = 64;
-/// Distance to the border that a descriptor's patch needs.
+/// Distance of a corner from the image's border that the patch of its descriptor needs.
 const PATCH_PX: u32 = 16;
 
-/// Places of FAST corners whose BRIEF descriptors are each other's nearest: `[u, v]` in the first and in the second picture.
+/// Matches FAST corners of two images whose BRIEF descriptors are each other's nearest: their positions `[u, v]` in the
+/// first and in the second image.
 pub fn matches(first: &GrayImage, second: &GrayImage) -> Vec<[[u32; 2]; 2]> {
     let (a, b) = (corners(first), corners(second));
     let pattern = pattern();
@@ -41,7 +42,8 @@ pub fn matches(first: &GrayImage, second: &GrayImage) -> Vec<[[u32; 2]; 2]> {
     a.iter().enumerate().filter_map(pair).collect()
 }
 
-/// Pairs of places in a patch of 31 × 31, nearer to its middle than not: the mean of four even draws stands for the normal distribution.
+/// Test pattern of a BRIEF descriptor: random pairs of points in a patch of 31 × 31 pixels, denser near its middle. The mean of four
+/// uniform random numbers approximates a normal distribution.
 fn pattern() -> Vec<TestPair> {
     let mut draws = Draws::new();
     let mut place = || ((0..4).map(|_| draws.below(31)).sum::<usize>() / 4) as u32;

@@ -1,16 +1,18 @@
-//! Rolling guidance filter (Zhang, Shen, Xu and Jia, ECCV 2014): takes away what is smaller than its scale and keeps edges.
+//! Rolling guidance filter (Zhang, Shen, Xu and Jia, ECCV 2014): it removes structures smaller than its scale and keeps edges.
 //!
-//! Round 1 is a Gaussian blur; each further round filters the *input*, guided by what the last round gave (their Eq. 4). Rows
-//! and columns are filtered one after the other, which is exact for the Gaussian and close to it for the guided rounds.
+//! The first round is a Gaussian blur; each further round filters the *input*, guided by the result of the previous round (Eq. 4 there).
+//! Rows and columns are filtered one after the other, which is exact for the Gaussian and close to exact for the guided rounds.
 
 use super::Picture;
 
-/// The filter with a spatial standard deviation in pixels, a range standard deviation in the picture's values, and rounds.
+/// Rolling guidance filter of an image: `spatial_px` is the spatial standard deviation in pixels, `range` the standard deviation in the
+/// image's values, and `rounds` the number of rounds.
 pub fn rolling_guidance(input: &Picture, spatial_px: f32, range: f32, rounds: usize) -> Picture {
     filtered(input, spatial_px, range, rounds, |off| (-0.5 * off * off).exp())
 }
 
-/// The same with range weights (1 − d²/16)⁸ in place of exp(−d²/2): within 0.04 of them, and several at a time on every processor.
+/// Rolling guidance filter with range weights (1 − d²/16)⁸ instead of exp(−d²/2). They differ by at most 0.04, and any
+/// processor computes several of them at a time.
 pub fn rolling_guidance_at_speed(input: &Picture, spatial_px: f32, range: f32, rounds: usize) -> Picture {
     filtered(input, spatial_px, range, rounds, |off| {
         let base = (1.0 - off * off * (1.0 / 16.0)).max(0.0);
@@ -30,7 +32,7 @@ fn filtered(
     let taps: Vec<f32> = (0..=(2.0 * spatial_px).ceil() as usize)
         .map(|distance| (-0.5 * (distance as f32 / spatial_px).powi(2)).exp())
         .collect();
-    // A constant guide makes every range weight 1.
+    // With a constant guide every range weight is 1, so that the first round is a Gaussian blur.
     let mut guide = Picture::filled(input.width, input.height, 0.0);
     for _ in 0..rounds {
         let rows = along_rows(input, &guide, &taps, |off| range_weight(off / range));
@@ -78,7 +80,7 @@ fn along_columns(input: &Picture, guide: &Picture, taps: &[f32], weighed: impl F
     Picture { values: sum.iter().zip(&total).map(|(sum, total)| sum / total).collect(), ..*input }
 }
 
-/// Adds each source value by its weight, and the weight to the total.
+/// Adds each source value times its weight to the sum, and the weight to the total of weights.
 fn add(sum: &mut [f32], total: &mut [f32], weights: &[f32], source: &[f32]) {
     for (((sum, total), weight), source) in sum.iter_mut().zip(total).zip(weights).zip(source) {
         *sum += weight * source;

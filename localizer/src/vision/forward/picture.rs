@@ -1,37 +1,37 @@
-//! A picture of real numbers.
+//! An image whose pixels are real numbers.
 
 use image::GrayImage;
 
-/// Values of pixels, row-major, height × width.
+/// An image as an array of pixel values, row-major, height × width.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Pixels in a row.
+    /// Number of pixels in a row of the image.
     pub width: usize,
-    /// Rows.
+    /// Number of rows of the image.
     pub height: usize,
-    /// All rows, the top one first.
+    /// Pixel values of all rows, the top row first.
     pub values: Vec<f32>,
 }
 
 impl Picture {
-    /// A picture of one value.
+    /// An image with the same value everywhere.
     pub fn filled(width: usize, height: usize, value: f32) -> Picture {
         Picture { width, height, values: vec![value; width * height] }
     }
 
-    /// The value of a pixel.
+    /// The value of the pixel in column `u` and row `v`.
     pub fn at(&self, u: usize, v: usize) -> f32 {
         self.values[v * self.width + u]
     }
 
-    /// Every value replaced.
+    /// The image with a function applied to every value.
     pub fn map(&self, change: impl Fn(f32) -> f32) -> Picture {
         Picture { values: self.values.iter().map(|&value| change(value)).collect(), ..*self }
     }
 
-    /// The mean of each 2 × 2 block; an odd last row or column is left out.
+    /// The image at half resolution: the mean of each 2 × 2 block. An odd last row or column is left out.
     ///
-    /// Pixel (u, v) of the answer lies at (2u + ½, 2v + ½).
+    /// Pixel (u, v) of the result lies at (2u + ½, 2v + ½) of this image.
     pub fn binned(&self) -> Picture {
         let (width, height) = (self.width / 2, self.height / 2);
         let mut values = Vec::with_capacity(width * height);
@@ -42,7 +42,8 @@ impl Picture {
         Picture { width, height, values }
     }
 
-    /// The value between pixels, bilinear; the border's outside of the picture, and 0 where there is no pixel at all.
+    /// Value at a position between pixels, interpolated bilinearly. Outside of the image it is the value at the nearest point of the
+    /// border, and 0 if the image has no pixels.
     pub fn between(&self, u_px: f64, v_px: f64) -> f64 {
         if self.values.is_empty() {
             return 0.0;

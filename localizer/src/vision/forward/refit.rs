@@ -1,47 +1,49 @@
-//! Where a straight edge runs in the unfiltered picture, and how well that is known.
+//! Measures where a straight edge runs in the unfiltered image, and how accurately that is known.
 //!
-//! The edge is moved and turned until the gradient across it, summed along it, is greatest: for a step in even noise that is the
-//! place of greatest likelihood.
+//! The edge is moved and turned until the gradient across it, summed along it, is greatest: for a step in homogeneous
+//! noise this is the position of maximum likelihood.
 
 use std::ops::Range;
 
 use super::{EdgeLine, Picture, Segment};
 
-/// Half the width of the band that is looked at.
+/// Half of the width of the derivative filter's window across an edge.
 const BAND_PX: f64 = 5.0;
-/// An edge is moved by no more at either end.
+/// Greatest distance by which an edge is moved at either end.
 const MOVED_PX: f64 = 3.0;
-/// Offsets are tried in such steps, and the last fraction comes from a parabola.
+/// Step between the offsets that are tried for an edge's ends; the remaining fraction comes from a parabola.
 const STEP_PX: f64 = 0.5;
-/// Slices along the edge.
+/// Number of slices into which an edge is divided along its length.
 const SLICES: usize = 16;
-/// Standard deviation of the derivative of a Gaussian that is laid across.
+/// Standard deviation of the Gaussian whose derivative is the filter laid across an edge in the image.
 const ACROSS_PX: f64 = 1.2;
-/// What an edge departs from a straight line without any noise: pixels, lens map, rounded arrises. Of 254 edges with noise below
-/// 0.04 px in rendered rooms, 98 % were within 0.11 px.
+/// Departure of a real edge from a straight line without any noise, caused by pixels, the lens map and rounded corners of walls. Of 254
+/// edges with noise below 0.04 px in rendered rooms, 98 % were within 0.11 px.
 const SYSTEMATIC_PX: f64 = 0.1;
-/// Standard deviations of noise in a bound.
+/// Number of standard deviations of noise in the bound of an edge's ends.
 const DEVIATIONS: f64 = 2.5;
-/// No fourth of a straight edge is farther from it than this,
+/// Greatest distance of any quarter of an edge from the straight line through the whole edge, to which the allowance for noise is added.
 const STRAIGHT_PX: f64 = 0.15;
-/// and so many standard deviations of noise: a hill in a painting is.
+/// Allowance for noise in the straightness test of an edge's quarters, in standard deviations. The outline of a hill in a painting exceeds
+/// the distance and the allowance together.
 const BENT_DEVIATIONS: f64 = 3.0;
-/// Fourths.
+/// Number of parts of an edge (quarters) that are tested for straightness.
 const PARTS: usize = 4;
-/// Wider bounds are of no use.
+/// Edges whose error bound is greater than this are discarded, because they are of no use.
 const WIDEST_PX: f64 = 2.0;
 
-/// The segment measured in a picture of noise 1; `None` where no edge stands out or it leaves its band.
+/// Measures a segment again in an image whose noise has standard deviation 1; `None` if no edge stands out near the segment, the edge
+/// leaves the searched band, or it is not straight.
 pub fn refit(picture: &Picture, segment: &Segment) -> Option<EdgeLine> {
     let profiles = responses(picture, segment);
     let (at_ends, response) = steepest(&profiles)?;
-    // A step of height A, seen by the filter, answers with A times the Gaussian's peak.
+    // The edge filter answers to a step of brightness of height A with A times the Gaussian's peak.
     let step = response.abs() * ACROSS_PX * (2.0 * std::f64::consts::PI).sqrt();
-    // Cramér–Rao: along a pixel of edge that a Gaussian of s blurs, a place is known to 2√π·s/A²; at an end of a straight line,
-    // four times the variance of its middle.
+    // Cramér–Rao bound: one pixel of the length of an edge that is blurred by a Gaussian of standard deviation s determines the edge's
+    // position with variance 2√π·s/A². At an end of a straight line the variance is four times that of its middle.
     let variance = 4.0 * 2.0 * std::f64::consts::PI.sqrt() * ACROSS_PX / (step * step * segment.length_px());
     let bound_px = SYSTEMATIC_PX + DEVIATIONS * variance.sqrt();
-    // The middle of a fourth of the edge is known as well as an end of the whole.
+    // The middle of a quarter of an edge is known as accurately as an end of the whole edge.
     if bound_px > WIDEST_PX || bend_px(&profiles, at_ends) > STRAIGHT_PX + BENT_DEVIATIONS * variance.sqrt() {
         return None;
     }
@@ -53,9 +55,9 @@ pub fn refit(picture: &Picture, segment: &Segment) -> Option<EdgeLine> {
     Some(EdgeLine { ends_px: moved, bound_px })
 }
 
-/// Keeps one of two edges that run beside each other: a frame's two sides are one line with one chance to be wrong.
+/// Of edges that run beside each other keeps only the longest: the two sides of a door frame count as one line, with one chance to be wrong.
 pub fn drop_repeats(lines: &mut Vec<EdgeLine>) {
-    /// Sides of one frame or skirting lie closer.
+    /// Distance between two edges below which they count as sides of the same frame or skirting board.
     const BESIDE_PX: f64 = 10.0;
     lines.sort_by(|a, b| length(b).total_cmp(&length(a)));
     let mut kept: Vec<EdgeLine> = Vec::new();
@@ -67,12 +69,12 @@ pub fn drop_repeats(lines: &mut Vec<EdgeLine>) {
     *lines = kept;
 }
 
-/// Offsets from the band's middle at which responses are known.
+/// Number of offsets across the edge at which the gradient filter's responses are computed.
 fn offsets() -> usize {
     (2.0 * MOVED_PX / STEP_PX) as usize + 1
 }
 
-/// For each slice along the edge, the gradient across it at each offset from −`MOVED_PX` on, averaged over the slice.
+/// For each slice along the edge, the gradient across the edge at each offset from −`MOVED_PX` upwards, averaged over the slice.
 fn responses(picture: &Picture, segment: &Segment) -> Vec<Vec<f64>> {
     let (along, length) = (segment.along(), segment.length_px());
     let samples = ((length / SLICES as f64).round() as usize).max(1);
@@ -103,11 +105,11 @@ fn responses(picture: &Picture, segment: &Segment) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Offsets of the two ends with the steepest mean gradient, and that gradient; `None` at the edge of what was tried.
+/// Offsets of the edge's two ends with the steepest mean gradient, and that gradient; `None` if the best offsets lie at the limit of the tried range.
 fn steepest(profiles: &[Vec<f64>]) -> Option<([f64; 2], f64)> {
     let last = offsets() - 1;
     let mean = |first: f64, end: f64| mean_along(profiles, 0..SLICES, first, end);
-    // The sign is that of the segment as found, in the middle of the band.
+    // The gradient's sign is that across the segment as it was found, in the middle of the searched band.
     let sign = mean(last as f64 / 2.0, last as f64 / 2.0).signum();
     let mut best = (0, 0, f64::NEG_INFINITY);
     for first in 0..=last {
@@ -123,14 +125,15 @@ fn steepest(profiles: &[Vec<f64>]) -> Option<([f64; 2], f64)> {
         return None;
     }
     let (x, y) = (first as f64, end as f64);
-    // The two ends' offsets hardly depend on each other in their sum and difference.
+    // The sum and the difference of the two ends' offsets hardly depend on each other, so that each of them is refined alone.
     let common = vertex(|by| sign * mean(x + by, y + by));
     let turned = vertex(|by| sign * mean(x + by, y - by));
     let px = |steps: f64| steps * STEP_PX - MOVED_PX;
     Some(([px(x + common + turned), px(y + common - turned)], sign * value))
 }
 
-/// Greatest distance from the line with its ends at these offsets of the steepest place of a fourth of the edge, up to `STEP_PX`.
+/// Greatest distance, over the quarters of the edge, between the place where a quarter is steepest and the straight
+/// line with its ends at the given offsets; at most `STEP_PX`.
 fn bend_px(profiles: &[Vec<f64>], at_ends_px: [f64; 2]) -> f64 {
     let [first, end] = at_ends_px.map(|at_px| (at_px + MOVED_PX) / STEP_PX);
     let sign = mean_along(profiles, 0..SLICES, first, end).signum();
@@ -140,7 +143,8 @@ fn bend_px(profiles: &[Vec<f64>], at_ends_px: [f64; 2]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Mean response of some of the slices on the line from one offset to another, in steps.
+/// Mean response of some of the slices along the straight line from one offset at the first end to another at the last
+/// end; offsets are counted in steps.
 fn mean_along(profiles: &[Vec<f64>], slices: Range<usize>, first: f64, end: f64) -> f64 {
     let last = offsets() - 1;
     let n_slices = slices.len() as f64;
@@ -154,7 +158,7 @@ fn mean_along(profiles: &[Vec<f64>], slices: Range<usize>, first: f64, end: f64)
     responses.sum::<f64>() / n_slices
 }
 
-/// Where the parabola through the values one step below, at, and above has its vertex, within one step.
+/// Position of the vertex of the parabola through the values one step below, at, and one step above; limited to one step.
 fn vertex(value: impl Fn(f64) -> f64) -> f64 {
     let [below, at, above] = [value(-1.0), value(0.0), value(1.0)];
     let bend = below - 2.0 * at + above;
@@ -165,7 +169,7 @@ fn length(line: &EdgeLine) -> f64 {
     Segment { ends_px: line.ends_px }.length_px()
 }
 
-/// Distance of a point from the straight line through another edge, where that edge runs beside it; infinite elsewhere.
+/// Distance of a point from the straight line through another edge, if that edge runs beside the point; infinite otherwise.
 fn distance(point: [f64; 2], line: &EdgeLine) -> f64 {
     let segment = Segment { ends_px: line.ends_px };
     let ([u, v], along) = (line.ends_px[0], segment.along());

@@ -1,44 +1,44 @@
-//! Straight edges as regions of pixels whose gradients point alike, after LSD (Grompone von Gioi et al., PAMI 2010).
+//! Finds straight edges as regions of pixels whose gradients have similar directions, after LSD (Grompone von Gioi et al., PAMI 2010).
 //!
-//! Their test for meaningful regions is replaced by a threshold on the gradient, which even noise allows.
+//! LSD's test for meaningful regions is replaced by a threshold on the gradient, which is possible because the noise is the same everywhere.
 
 use super::Picture;
 
-/// Least gradient, per pixel, of a stabilised and filtered picture that is no noise.
+/// Least gradient, per pixel, of a stabilised and filtered image that is not caused by noise.
 pub const NOISE_FLOOR: f32 = 0.08;
-/// Cosine of what gradients of a region differ by at most, LSD's value: 22.5°.
+/// Cosine of the greatest difference between the gradient directions of a region: 22.5°, the value of LSD.
 const ANGLE_TOLERANCE_COS: f32 = 0.923_879_5;
-/// Fewer pixels make no region.
+/// Least number of pixels of a region that can become a segment.
 const FEWEST_PIXELS: usize = 14;
-/// Regions are at least as many times longer than wide.
+/// Least ratio of a region's length to its width.
 const ELONGATION: f64 = 4.0;
 
-/// A straight edge.
+/// A straight edge found in an image, as a line segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// First and last point, `[u, v]`.
+    /// First and last point of the segment, each `[u, v]`.
     pub ends_px: [[f64; 2]; 2],
 }
 
 impl Segment {
-    /// Distance of the ends.
+    /// Length of the segment: the distance between its ends.
     pub fn length_px(&self) -> f64 {
         let [a, b] = self.ends_px;
         (b[0] - a[0]).hypot(b[1] - a[1])
     }
 
-    /// Unit vector from the first end to the last.
+    /// Unit vector from the segment's first end to its last.
     pub fn along(&self) -> [f64; 2] {
         let ([a, b], length) = (self.ends_px, self.length_px());
         [(b[0] - a[0]) / length, (b[1] - a[1]) / length]
     }
 
-    /// The segment of a binned picture in the picture before it was binned.
+    /// The segment, found in an image at half resolution, in the pixels of the image at full resolution.
     pub fn unbinned(&self) -> Segment {
         Segment { ends_px: self.ends_px.map(|end| end.map(|at| 2.0 * at + 0.5)) }
     }
 
-    /// Without as much at either end; `None` when nothing is left.
+    /// The segment shortened by `by_px` at either end; `None` when nothing is left of it.
     pub fn trimmed(&self, by_px: f64) -> Option<Segment> {
         let ([a, b], along) = (self.ends_px, self.along());
         (self.length_px() > 2.0 * by_px).then(|| Segment {
@@ -49,7 +49,7 @@ impl Segment {
         })
     }
 
-    /// The part that keeps a distance to the picture's border; `None` when there is none.
+    /// The part of the segment that keeps a distance of `border_px` from the image's border; `None` when there is no such part.
     pub fn within(&self, width: usize, height: usize, border_px: f64) -> Option<Segment> {
         let [a, b] = self.ends_px;
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -71,7 +71,7 @@ impl Segment {
     }
 }
 
-/// All segments whose gradient exceeds `least_gradient`, strongest seeds first.
+/// All segments of an image whose gradient exceeds `least_gradient`; regions grow from the pixels with the strongest gradient first.
 pub fn segments(picture: &Picture, least_gradient: f32) -> Vec<Segment> {
     let field = Gradients::of(picture);
     let mut seeds: Vec<u32> =
@@ -91,11 +91,11 @@ pub fn segments(picture: &Picture, least_gradient: f32) -> Vec<Segment> {
     found
 }
 
-/// Gradients of 2 × 2 blocks; block (u, v) is centred at (u + ½, v + ½).
+/// Gradients of 2 × 2 blocks of pixels; block (u, v) is centred at (u + ½, v + ½).
 struct Gradients {
     width: usize,
     strength: Vec<f32>,
-    /// Along u and v.
+    /// Gradient of each block along u and v.
     gradient: Vec<[f32; 2]>,
 }
 
@@ -114,7 +114,7 @@ impl Gradients {
         Gradients { width, strength, gradient }
     }
 
-    /// Neighbours of the seed, and theirs, whose gradient points as the region's does.
+    /// Grows a region from a seed pixel: neighbours, and neighbours of these, are added if their gradient has about the direction of the region's.
     fn grow(&self, seed: usize, taken: &mut [bool]) -> Vec<usize> {
         let mut region = vec![seed];
         taken[seed] = true;
@@ -146,7 +146,8 @@ impl Gradients {
         region
     }
 
-    /// The main axis of a region, weighted by the gradient, from its first pixel to its last; `None` for a blob.
+    /// Fits a segment to a region: along its main axis, weighted by the gradient, from its first pixel to its last.
+    /// `None` for a region that is not elongated.
     fn fit(&self, region: &[usize]) -> Option<Segment> {
         let place = |at: usize| [(at % self.width) as f64 + 0.5, (at / self.width) as f64 + 0.5];
         let (mut total, mut mean) = (0.0, [0.0; 2]);

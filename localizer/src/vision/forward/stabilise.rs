@@ -1,24 +1,24 @@
-//! Noise of one size everywhere: the generalised Anscombe transform, its gain and offset read off the picture itself.
+//! Makes an image's noise equal everywhere by the generalised Anscombe transform, whose gain and offset are estimated from the image itself.
 //!
-//! Photons make the variance of a pixel grow with its value, σ² = a·x + b. Then 2/a·√(a·x + b) has the variance 1 (Anscombe 1948;
-//! Starck, Murtagh and Bijaoui 1998).
+//! Photon noise makes the variance of a pixel grow with its value, σ² = a·x + b. Then 2/a·√(a·x + b) has the variance 1
+//! (Anscombe 1948; Starck, Murtagh and Bijaoui 1998).
 
 use super::Picture;
 
-/// Values are sorted into as many equally filled classes, each with its own noise.
+/// Number of brightness classes, each with the same number of pixels, for which the noise is estimated separately.
 const CLASSES: usize = 12;
 
-/// The picture with noise of standard deviation 1.
+/// The image, transformed so that its noise has standard deviation 1.
 pub fn stabilised(picture: &Picture) -> Picture {
     let [slope, offset] = noise_law(picture);
     picture.map(|value| 2.0 / slope * (slope * value + offset).max(0.0).sqrt())
 }
 
-/// a and b of σ² = a·x + b, by the median noise of classes of brightness; edges are few and do not move a median.
+/// Coefficients a and b of the noise variance σ² = a·x + b, from the median noise of classes of brightness; edges are few and hardly change a median.
 fn noise_law(picture: &Picture) -> [f32; 2] {
     let width = picture.width;
-    // The second difference x₋₁ − 2x + x₊₁ of even noise has 6 times its variance, and does not see slopes. Two pixels
-    // apart, as neighbours that a lens map has interpolated share their noise.
+    // The second difference x₋₁ − 2x + x₊₁ of independent noise has 6 times the variance of the noise and is not affected by slopes. It is
+    // taken two pixels apart, because neighbouring pixels that a lens map has interpolated share their noise.
     let mut samples: Vec<(f32, f32)> = picture
         .values
         .chunks(width)
@@ -34,17 +34,17 @@ fn noise_law(picture: &Picture) -> [f32; 2] {
             let middle = class.len() / 2;
             let level = class[middle].0;
             let (_, median, _) = class.select_nth_unstable_by(middle, |a, b| a.1.total_cmp(&b.1));
-            // The median of |N(0, 1)| is 0.6745. Levels are whole numbers, so that a median may be rounded by half.
+            // The median of |N(0, 1)| is 0.6745. Grey levels are whole numbers, so that a median may be rounded by half a level.
             let deviation = median.1 / 0.6745;
             [level, (deviation * deviation / 6.0).max(1.0 / 12.0)]
         })
         .collect();
-    // The brightest class may be saturated.
+    // The brightest class is left out because it may be saturated.
     classes.pop();
     straight_line(&classes)
 }
 
-/// Least squares, weighted for variances that are known to the same share; neither slope nor least variance below a grey level's own.
+/// Fits a straight line by least squares, weighted for variances that are known with the same relative accuracy; the slope is at least 0.001.
 fn straight_line(points: &[[f32; 2]]) -> [f32; 2] {
     let (mut w, mut wx, mut wy, mut wxx, mut wxy) = (0.0_f32, 0.0, 0.0, 0.0, 0.0);
     for &[x, y] in points {

@@ -1,46 +1,47 @@
-//! Paper 2's chain from segments to the robot's azimuth: direction histogram, RANSAC under orthogonality, refinement, tilt.
+//! Paper 2's chain from segments to the robot's azimuth: histogram of directions, RANSAC under orthogonality,
+//! refinement, and correction for the camera's tilt.
 //!
-//! Frames: camera x right, y down, z forward; robot x right (lateral), y forward, z up, as in the paper's Fig. 5.
+//! Frames: the camera has x right, y down, z forward; the robot has x right (lateral), y forward, z up, as in the paper's Fig. 5.
 
 use nalgebra::{Matrix3, Rotation3, Vector3, vector};
 
 use super::{Picture, Segment, draws::Draws, equalise, guidance_filter, segments};
 
-/// How the paper's chain brightens a picture.
+/// Histogram equalisation with which the chain of paper 2 brightens an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Equalisation {
-    /// Over the whole picture.
+    /// Equalisation over the whole image.
     #[default]
     Whole,
-    /// By tiles and within limits: CLAHE.
+    /// Equalisation by tiles with limited contrast (CLAHE).
     ByTiles,
 }
 
-/// Three directions at right angles, in the camera frame, and how many segments point to one of them.
+/// Three orthogonal directions in the camera frame (the vanishing points), and the number of segments that point to one of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VanishingPoints {
-    /// Unit vectors.
+    /// Unit vectors towards the three vanishing points.
     pub directions: [Vector3<f64>; 3],
-    /// Segments within the threshold of one of them.
+    /// Number of segments that point to one of the vanishing points within `PLANE_TOLERANCE`.
     pub agreeing: usize,
 }
 
-/// A slope has a direction where a pixel has neighbours on all sides: pictures less wide or high than three pixels show none.
+/// Least width and height of an image: a gradient needs neighbours on all sides, so that smaller images contain no segment.
 const LEAST_SIDE: usize = 3;
-/// A segment agrees with a direction when its plane holds it within this: sin 1°.
+/// Sine of the greatest angle between a direction and the plane through a segment and the camera at which the two agree: sin 1°.
 const PLANE_TOLERANCE: f64 = 0.0175;
-/// Bins of the direction histogram over half a turn.
+/// Number of bins of the direction histogram over half a turn.
 const BINS: usize = 18;
-/// Samples drawn.
+/// Number of random samples that RANSAC draws.
 const SAMPLES: usize = 300;
-/// At fewer agreeing segments nothing is said.
+/// Least number of agreeing segments for which vanishing points are reported.
 const FEWEST: usize = 4;
-/// Range of the guided rounds in equalised levels; the paper does not state it.
+/// Range standard deviation of the rolling guidance filter, in equalised grey levels; the paper does not state it.
 const RANGE_LEVELS: f32 = 25.0;
-/// Least gradient in equalised levels a pixel; the paper does not state it.
+/// Least gradient of a segment, in equalised grey levels per pixel; the paper does not state it.
 const LEAST_GRADIENT: f32 = 4.0;
 
-/// Segments by the paper's chain: equalise, rolling guidance, segments.
+/// Segments found by the chain of paper 2: equalisation, rolling guidance filter, segment detection.
 pub fn segments_in(picture: &Picture, equalisation: Equalisation) -> Vec<Segment> {
     if picture.width.min(picture.height) < LEAST_SIDE {
         return Vec::new();
@@ -53,7 +54,7 @@ pub fn segments_in(picture: &Picture, equalisation: Equalisation) -> Vec<Segment
     segments::segments(&filtered, LEAST_GRADIENT).into_iter().filter(|segment| segment.length_px() > 30.0).collect()
 }
 
-/// Three orthogonal vanishing points of segments; `ray` gives the direction in the camera frame in which a pixel looks.
+/// Three orthogonal vanishing points of the segments. `ray` gives the direction in the camera frame in which a pixel looks.
 pub fn vanishing_points(segments: &[Segment], ray: impl Fn([f64; 2]) -> Vector3<f64>) -> Option<VanishingPoints> {
     let normals: Vec<Vector3<f64>> =
         segments.iter().map(|of| ray(of.ends_px[0]).cross(&ray(of.ends_px[1])).normalize()).collect();
@@ -66,7 +67,7 @@ pub fn vanishing_points(segments: &[Segment], ray: impl Fn([f64; 2]) -> Vector3<
     for _ in 0..SAMPLES {
         let (i, j) = (dominant[draw.below(dominant.len())], dominant[draw.below(dominant.len())]);
         let Some(first) = normals[i].cross(&normals[j]).try_normalize(1e-3) else { continue };
-        // The second point lies in a plane of set B and at right angles to the first.
+        // The second vanishing point lies in the plane of a segment of set B and is orthogonal to the first point.
         let Some(second) = normals[rest[draw.below(rest.len())]].cross(&first).try_normalize(1e-3) else { continue };
         let directions = [first, second, first.cross(&second)];
         let agreeing = normals.iter().filter(|normal| nearest(normal, &directions).is_some()).count();
@@ -77,7 +78,7 @@ pub fn vanishing_points(segments: &[Segment], ray: impl Fn([f64; 2]) -> Vector3<
     best.filter(|best| best.agreeing >= FEWEST).map(|best| refined(&normals, best))
 }
 
-/// The segments that point to one of the vanishing points, within the threshold.
+/// The segments that point to one of the vanishing points, within the tolerance.
 pub fn agreeing(
     segments: &[Segment],
     points: &VanishingPoints,
@@ -87,28 +88,28 @@ pub fn agreeing(
     segments.iter().copied().filter(|segment| nearest(&normal(segment), &points.directions).is_some()).collect()
 }
 
-/// Azimuth of the robot against the room, in [−π/4, π/4]: the angle between the robot's lateral axis and the vanishing point with
-/// the largest lateral part, counter-clockwise, for a camera tilted up.
+/// Azimuth of the robot relative to the room, in `[−π/4, π/4]`, for a camera that is tilted up: the angle, counter-clockwise, between the
+/// robot's lateral axis and the vanishing point with the largest lateral component.
 ///
-/// Eq. (1): with x lateral, a turn about x by the tilt. A camera tilted up looks with its axis above the horizon, so that levelling
-/// it lowers what it sees; with the wrong sign azimuths err by up to 1.3° at 8.7°.
+/// Eq. (1) is a rotation about the lateral axis x by the tilt. The axis of a camera tilted up points above the horizon, so that levelling
+/// lowers the seen directions; with the wrong sign, azimuths err by up to 1.3° at a tilt of 8.7°.
 pub fn azimuth_rad(points: &VanishingPoints, tilt_up_rad: f64) -> f64 {
     let lateral = points
         .directions
         .iter()
         .map(|direction| levelled(direction, tilt_up_rad))
         .fold(Vector3::zeros(), |best: Vector3<f64>, next| if next.x.abs() > best.x.abs() { next } else { best });
-    // The wall's direction as the robot sees it, (cos φ, sin φ), leaves the robot turned by −φ against the wall.
+    // If the robot sees a wall's direction as (cos φ, sin φ), the robot is turned by −φ relative to the wall.
     -(lateral.y * lateral.x.signum()).atan2(lateral.x.abs())
 }
 
-/// A direction of the camera frame in the robot's: x right, y forward, z up.
+/// Converts a direction from the camera frame to the robot's frame: x right, y forward, z up.
 pub fn levelled(direction: &Vector3<f64>, tilt_up_rad: f64) -> Vector3<f64> {
     let (sin, cos) = tilt_up_rad.sin_cos();
     vector![direction.x, direction.y * sin + direction.z * cos, direction.z * sin - direction.y * cos]
 }
 
-/// Sets A and B: indices of segments that point as most of the length does, and of the others.
+/// Splits the segments into the paper's sets A and B: indices of the segments in the dominant direction, by total length, and of the other segments.
 fn dominant_and_rest(segments: &[Segment]) -> (Vec<usize>, Vec<usize>) {
     let bin = |segment: &Segment| {
         let [du, dv] = segment.along();
@@ -124,7 +125,7 @@ fn dominant_and_rest(segments: &[Segment]) -> (Vec<usize>, Vec<usize>) {
     })
 }
 
-/// Levenberg and Marquardt on the turn of all three directions: Σ (normal · direction)² over the agreeing segments.
+/// Levenberg–Marquardt refinement of a common rotation of the three directions; it minimises Σ (normal · direction)² over the agreeing segments.
 fn refined(normals: &[Vector3<f64>], found: VanishingPoints) -> VanishingPoints {
     let pairs: Vec<(Vector3<f64>, usize)> = normals
         .iter()
@@ -135,7 +136,7 @@ fn refined(normals: &[Vector3<f64>], found: VanishingPoints) -> VanishingPoints 
     for _ in 0..20 {
         let (mut matrix, mut slope) = (Matrix3::zeros(), Vector3::zeros());
         for (normal, at) in &pairs {
-            // d(ω × e · n) = (e × n) · ω.
+            // Derivative for a small rotation ω of direction e: d(ω × e · n) = (e × n) · ω.
             let row = directions[*at].cross(normal);
             matrix += row * row.transpose();
             slope += row * normal.dot(&directions[*at]);
@@ -156,7 +157,7 @@ fn refined(normals: &[Vector3<f64>], found: VanishingPoints) -> VanishingPoints 
     VanishingPoints { directions, ..found }
 }
 
-/// The direction that a segment's plane holds best, if within the tolerance.
+/// Index of the direction that lies closest to the plane of a segment with this normal; `None` if it is not within the tolerance.
 fn nearest(normal: &Vector3<f64>, directions: &[Vector3<f64>; 3]) -> Option<usize> {
     let off = |at: usize| normal.dot(&directions[at]).abs();
     let best = (1..3).fold(0, |best, next| if off(next) < off(best) { next } else { best });

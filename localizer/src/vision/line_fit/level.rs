@@ -1,18 +1,18 @@
-//! Which lines `y = m·x + b` are near enough to K of the points? Slopes are bisected; intercepts are swept.
+//! Encloses the lines `y = m·x + b` that are near enough to K of the points: slopes are bisected, intercepts are found by a sweep.
 
 use std::cell::RefCell;
 
-/// Points in local coordinates `[x, y, bound]`, of which a line must be within bound of `needed`.
+/// Points in local coordinates `[x, y, bound]`; a line must be within the bound of at least `needed` of them.
 pub(super) struct Level<'a> {
     points: &'a [[f64; 3]],
     needed: usize,
-    /// Greatest |x|: how fast an intercept moves with the slope.
+    /// Greatest |x| of the points: the rate at which a line's intercept changes with its slope.
     reach_px: f64,
-    /// Ends of the points' intervals, lower and upper: room kept between sweeps.
+    /// Lower and upper ends of the intervals of intercepts that the points allow; the memory is kept between sweeps.
     ends: RefCell<[Vec<f64>; 2]>,
 }
 
-/// Slopes `[from, to]` and the intercepts `[least, greatest]` of all lines with slopes between.
+/// A range of slopes `[from, to]` and the range of intercepts `[least, greatest]` of all lines with slopes in it.
 #[derive(Clone, Copy)]
 pub(super) struct Leaf {
     pub(super) slope: [f64; 2],
@@ -25,7 +25,8 @@ impl<'a> Level<'a> {
         Level { points, needed, reach_px, ends: RefCell::default() }
     }
 
-    /// Leaves between two slopes, by ascending slope, fine enough to widen intercepts by no more than `slack_px`.
+    /// Divides the range between two slopes into leaves, by ascending slope. The leaves are so narrow that each widens
+    /// the lines' intercepts by no more than `slack_px`.
     pub(super) fn leaves(&self, slope: [f64; 2], slack_px: f64) -> Vec<Leaf> {
         let mut leaves = Vec::with_capacity(64);
         self.bisect(slope, slack_px, &mut leaves);
@@ -48,10 +49,10 @@ impl<'a> Level<'a> {
         self.bisect([middle, slope[1]], slack_px, leaves);
     }
 
-    /// Hull of the intercepts that at least `needed` points allow, each for some slope in the range.
+    /// Hull of the intercepts that at least `needed` points allow, each point for some slope in the range.
     ///
-    /// A point allows `y − m·x ± bound`; over the slopes that is one interval. Where enough intervals overlap is found by a
-    /// sweep over their ends: as many cover `b` as have begun and have not ended.
+    /// A point allows the intercepts `y − m·x ± bound`; over a range of slopes this is one interval. A sweep over the ends of these intervals
+    /// finds where enough of them overlap: the number of intervals that cover `b` is the number that have begun less the number that have ended.
     fn intercepts(&self, slope: [f64; 2]) -> Option<[f64; 2]> {
         let [lower, upper] = &mut *self.ends.borrow_mut();
         lower.clear();
@@ -77,13 +78,14 @@ impl<'a> Level<'a> {
         Some([*least?.1, *greatest?.1])
     }
 
-    /// Least (or greatest) slope of a leaf that cannot be ruled out, to an eighth of its width.
+    /// Least (or greatest) slope of a leaf that some line near enough to the points may have, to an eighth of the leaf's width.
     fn sharpened(&self, slope: [f64; 2], greatest: bool) -> f64 {
         let [mut from, mut to] = slope;
         for _ in 0..3 {
             let middle = 0.5 * (from + to);
             let outer = if greatest { [middle, to] } else { [from, middle] };
-            // An empty outer half is cut off; else the search goes on inside of it.
+            // The outer half of the leaf's range of slopes is cut off if no line has its slope there; otherwise the
+            // search continues inside of the outer half.
             if greatest == self.intercepts(outer).is_none() { to = middle } else { from = middle }
         }
         if greatest { to } else { from }

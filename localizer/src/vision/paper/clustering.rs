@@ -1,18 +1,19 @@
-//! Clustering of Hough peaks that belong to one line (paper 1, equation (14)).
+//! Groups the peaks of the Hough transform that belong to one line (paper 1, equation (14)).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::hough::Peak;
 
-/// σ_r of (14a): a bent or spurred skeleton spreads one line over about a joint's width; two joints are a tile apart.
+/// Tolerance σ_r of the distance by (14a), when Hough peaks are grouped: a bent skeleton or one with spurs spreads one line over about a
+/// tile joint's width; two joints are a tile apart.
 const SIGMA_R_PX: f64 = 10.0;
-/// σ_ϑ of (14b): ten cells of the accumulator.
+/// Tolerance σ_ϑ of the angle by (14b), when Hough peaks are grouped: ten cells of the accumulator.
 const SIGMA_ANGLE_RAD: f64 = 0.045;
 
-/// One line per group of similar peaks: their average, weighted by votes, strongest group first.
+/// One line per group of similar Hough peaks: their average, weighted by votes, strongest group first.
 ///
-/// `(r, ϑ)` and `(−r, ϑ ± π)` are the same line: each peak is written the way that is nearer to its group's first before it is
-/// compared and averaged. Averaged as they stand, the two sides of the wrap would give a line that nobody voted for.
+/// `(r, ϑ)` and `(−r, ϑ ± π)` are the same line. Before a peak is compared and averaged, it is written in the form that is nearer to the
+/// first peak of its group. Without this, averaging peaks from both sides of the wrap would give a line that has no votes.
 pub(super) fn clustered(peaks: &[Peak]) -> Vec<Peak> {
     let mut groups: Vec<(Peak, Vec<Peak>)> = Vec::new();
     for &peak in peaks {
@@ -30,14 +31,14 @@ pub(super) fn clustered(peaks: &[Peak]) -> Vec<Peak> {
     groups.into_iter().map(|(_, members)| average(&members)).collect()
 }
 
-/// The same line with its angle within a quarter turn of another's.
+/// The same line written with an angle within a quarter turn of another line's angle.
 fn written_near(peak: Peak, other: &Peak) -> Peak {
     let half_turns = ((other.angle_rad - peak.angle_rad) / PI).round();
     let sign = if half_turns.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
     Peak { r_px: sign * peak.r_px, angle_rad: peak.angle_rad + half_turns * PI, votes: peak.votes }
 }
 
-/// Average of a group, back in `ϑ ∈ [−π/2, π/2)`, with the votes of its strongest.
+/// Average of a group of peaks, with its angle in `[−π/2, π/2)` and the votes of the group's strongest peak.
 fn average(members: &[Peak]) -> Peak {
     let total: f64 = members.iter().map(|peak| f64::from(peak.votes)).sum();
     let mean =
@@ -60,7 +61,7 @@ mod tests {
 
     #[test]
     fn peaks_on_both_sides_of_the_wrap_are_one_line() {
-        // u = 100 turned by ±0.01: beyond π/2 the perpendicular points the other way.
+        // Near ϑ = π/2, the line at a distance of 100 turned by ±0.01: beyond π/2 its perpendicular points the other way.
         let peaks = [
             Peak { r_px: 100.0, angle_rad: FRAC_PI_2 - 0.01, votes: 300 },
             Peak { r_px: -100.0, angle_rad: -FRAC_PI_2 + 0.01, votes: 300 },

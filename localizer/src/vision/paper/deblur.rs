@@ -1,4 +1,4 @@
-//! Deconvolution of uniform motion blur by a Wiener filter (paper 1, section 3.1, first step).
+//! Removes uniform motion blur by deconvolution with a Wiener filter (paper 1, section 3.1, first step).
 
 use std::f32::consts::PI;
 
@@ -6,21 +6,22 @@ use image::GrayImage;
 use realfft::num_complex::Complex32;
 use realfft::{ComplexToReal, FftError, RealFftPlanner, RealToComplex};
 
-/// Noise-to-signal ratio of the filter: it amplifies no frequency by more than `1/(2·√ratio)`, 2.5 times.
+/// Noise-to-signal ratio of the Wiener filter: no frequency is amplified by more than `(1 + ratio)/(2·√ratio)`, 2.6 times.
 ///
-/// Smaller sharpens more and rings more: at 0.005 the ringing of one joint passes for two more.
+/// A smaller ratio sharpens more and causes more ringing: at 0.005 the ringing of one tile joint looks like two more joints.
 const NOISE_TO_SIGNAL: f32 = 0.04;
 
-/// Border over which the picture fades to its mean: the transform sees it as periodic, and a jump there would ring inwards.
+/// Width of the border over which the image fades to its mean: the Fourier transform treats the image as periodic, and
+/// a jump at the border would cause ringing inwards.
 pub(super) fn taper_px(blur_px: [f64; 2]) -> usize {
-    // As far as the motion carries, and a few pixels so that the fading itself is no edge.
+    // The border is as wide as the motion, plus a few pixels so that the fading itself does not form an edge.
     blur_px[0].hypot(blur_px[1]).ceil() as usize + 8
 }
 
-/// Restores a picture that was moved by `blur_px = (du, dv)` over the exposure, at uniform speed about mid-exposure.
+/// Restores an image that moved by `blur_px = (du, dv)` over the exposure, at uniform speed and symmetrically about mid-exposure.
 ///
-/// The point-spread function is a centred segment, so its transfer function is real, `H(f) = sinc(π·f·blur)`, and the
-/// restored spectrum is `H/(H² + noise-to-signal)` times the picture's. The outer [`taper_px`] pixels are not usable.
+/// The point-spread function is a centred segment, so its transfer function is real, `H(f) = sinc(π·f·blur)`, and the restored spectrum is
+/// `(1 + ratio)·H/(H² + ratio)` times the image's, where the ratio is that of noise to signal. The outer [`taper_px`] pixels are not usable.
 pub(super) fn deblurred(image: &GrayImage, blur_px: [f64; 2]) -> Result<GrayImage, FftError> {
     let (width, height) = (image.width() as usize, image.height() as usize);
     let mut planner = RealFftPlanner::<f32>::new();
@@ -28,7 +29,7 @@ pub(super) fn deblurred(image: &GrayImage, blur_px: [f64; 2]) -> Result<GrayImag
     let columns = Pair { forward: planner.plan_fft_forward(height), inverse: planner.plan_fft_inverse(height) };
     let mut values = tapered(image, taper_px(blur_px));
     let half = width / 2 + 1;
-    // One line per column of the half spectrum, so that the second transform runs along memory.
+    // The half spectrum is stored column by column, so that the second transform runs along contiguous memory.
     let mut spectrum = vec![Complex32::default(); half * height];
     let mut line = vec![Complex32::default(); half];
     for (row, values) in values.chunks_exact_mut(width).enumerate() {
@@ -48,7 +49,7 @@ pub(super) fn deblurred(image: &GrayImage, blur_px: [f64; 2]) -> Result<GrayImag
         for (column, value) in line.iter_mut().enumerate() {
             *value = spectrum[column * height + row];
         }
-        // Real input makes these two real; rounding must not make them otherwise.
+        // For real input the first Fourier coefficient, and for an even width the last one, is real; rounding must not give them an imaginary part.
         line[0].im = 0.0;
         if width.is_multiple_of(2) {
             line[half - 1].im = 0.0;
@@ -59,23 +60,23 @@ pub(super) fn deblurred(image: &GrayImage, blur_px: [f64; 2]) -> Result<GrayImag
     Ok(GrayImage::from_raw(image.width(), image.height(), restored).unwrap_or_default())
 }
 
-/// Transforms of one length, there and back.
+/// Forward and inverse Fourier transforms for one length.
 struct Pair {
     forward: std::sync::Arc<dyn RealToComplex<f32>>,
     inverse: std::sync::Arc<dyn ComplexToReal<f32>>,
 }
 
-/// Gain of the Wiener filter at a frequency that the motion crosses this many times; 1 at rest.
+/// Gain of the Wiener filter at a frequency that goes through this many cycles over the motion; 1 without motion.
 fn wiener(cycles: f32) -> f32 {
     let x = PI * cycles;
     let transfer = if x.abs() < 1e-3 { 1.0 } else { x.sin() / x };
     (1.0 + NOISE_TO_SIGNAL) * transfer / (transfer * transfer + NOISE_TO_SIGNAL)
 }
 
-/// Multiplies the spectrum of one complex column by a real gain, given as a function of the row frequency in cycles per pixel.
+/// Multiplies the spectrum of one complex column by a real gain, which is given as a function of the row frequency in cycles per pixel.
 ///
-/// Only transforms of real input are at hand: with `A`, `B` those of the real and the imaginary part, the column's own is
-/// `A[k] + i·B[k]` at `k` and `conj A[k] + i·conj B[k]` at `−k`.
+/// Only transforms of real input are available. If `A` and `B` are the transforms of the real and the imaginary part, the transform of the
+/// column is `A[k] + i·B[k]` at `k` and `conj A[k] + i·conj B[k]` at `−k`.
 fn filter_column(column: &mut [Complex32], pair: &Pair, gain: impl Fn(f32) -> f32) -> Result<(), FftError> {
     let height = column.len();
     let half = height / 2 + 1;
@@ -106,7 +107,7 @@ fn filter_column(column: &mut [Complex32], pair: &Pair, gain: impl Fn(f32) -> f3
     Ok(())
 }
 
-/// The picture, faded to its mean over the border with a raised cosine.
+/// Pixel values of the image, faded to its mean over the border with a raised cosine.
 fn tapered(image: &GrayImage, border_px: usize) -> Vec<f32> {
     let (width, height) = (image.width() as usize, image.height() as usize);
     let mean = image.as_raw().iter().map(|&grey| f64::from(grey)).sum::<f64>() as f32 / (width * height).max(1) as f32;
@@ -127,7 +128,7 @@ fn tapered(image: &GrayImage, border_px: usize) -> Vec<f32> {
 mod tests {
     use super::*;
 
-    /// A dark strip of 6 px at u = 100, moved by some pixels along u during the exposure: the exact overlap of two boxes.
+    /// Image of a dark strip 6 px wide at u = 100, which moves by some pixels along u during the exposure: the exact overlap of two boxes.
     fn strip(motion_px: f64) -> GrayImage {
         GrayImage::from_fn(200, 90, |u, _| {
             let from = (f64::from(u) - 0.5 * motion_px).max(97.0);
@@ -149,11 +150,11 @@ mod tests {
         let before: Vec<f64> = moved.as_raw()[45 * 200..46 * 200].iter().map(|&grey| f64::from(grey)).collect();
         let steepest = |row: &[f64]| (60..140).map(|u| (row[u + 1] - row[u]).abs()).fold(0.0, f64::max);
         assert!(steepest(&row) > 1.8 * steepest(&before), "{} against {}", steepest(&row), steepest(&before));
-        // The darkness stays centred: symmetric blur has no side.
+        // The dark strip's centroid stays in place, because symmetric blur shifts it to neither side.
         let centre: f64 = (85..=115).map(|u| (150.0 - row[u]) * u as f64).sum::<f64>()
             / (85..=115).map(|u| 150.0 - row[u]).sum::<f64>();
         assert!((centre - 100.0).abs() < 0.2, "centre {centre}");
-        // Ringing stays below a third of the strip's depth.
+        // The ringing stays below a third of the dark strip's depth.
         assert!((30..90).chain(110..170).all(|u| (row[u] - 150.0).abs() < 34.0));
     }
 }

@@ -1,34 +1,34 @@
-//! The standard Hough transform of a skeleton (paper 1, equations (11) to (13)).
+//! Standard Hough transform of a skeleton image (paper 1, equations (11) to (13)).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Binary;
 
-/// A line `u·cos ϑ + v·sin ϑ = r` (11), in pixels from the first pixel, with its votes.
+/// A line `u·cos ϑ + v·sin ϑ = r` (11) found by the Hough transform, in pixels from the first pixel, with its number of votes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Peak {
-    /// Signed distance of the origin from the line, `[−r_max, r_max]` (12).
+    /// Signed distance of the first pixel from the line, in `[−r_max, r_max]` (12).
     pub(super) r_px: f64,
-    /// Angle from the u axis to the perpendicular, `[−π/2, π/2)`.
+    /// Angle from the u axis to the line's perpendicular, in `[−π/2, π/2)`.
     pub(super) angle_rad: f64,
     pub(super) votes: u32,
 }
 
-/// N_ϑ: steps of a quarter of a degree; half of one is 0.7 px at the end of a line across the picture.
+/// Number of angles N_ϑ: steps of a quarter of a degree. Half of a step is 0.7 px at the end of a line across the image.
 const ANGLES: usize = 720;
-/// Width of a cell of r: the skeleton is a pixel wide.
+/// Width of an accumulator cell of r: one pixel, as wide as the skeleton.
 const CELL_PX: f64 = 1.0;
 
-/// Cells of the accumulator that have at least `votes_min` votes and no greater neighbour, by falling votes.
+/// Cells of the accumulator that have at least `votes_min` votes and no neighbour with more, sorted by decreasing votes.
 pub(super) fn peaks(skeleton: &Binary, votes_min: u32) -> Vec<Peak> {
-    // (12): r_max = −r_min = √(µ² + ν²).
+    // By equation (12), lines of the Hough transform have distances up to r_max = −r_min = √(µ² + ν²) for an image of µ × ν pixels.
     let r_max_px = (skeleton.width as f64).hypot(skeleton.height as f64);
     let cells = (2.0 * r_max_px / CELL_PX).ceil() as usize + 1;
     let white: Vec<(f64, f64)> = (0..skeleton.pixels.len())
         .filter(|&index| skeleton.pixels[index])
         .map(|index| ((index % skeleton.width) as f64, (index / skeleton.width) as f64))
         .collect();
-    // (13a), (13b): row i of the accumulator is an angle, column j a distance.
+    // By equations (13a) and (13b), row i of the accumulator is an angle and column j a distance.
     let mut accumulator = vec![0u32; ANGLES * cells];
     for (i, row) in accumulator.chunks_exact_mut(cells).enumerate() {
         let (sin, cos) = angle_rad(i).sin_cos();
@@ -54,12 +54,12 @@ fn angle_rad(i: usize) -> f64 {
     i as f64 * PI / ANGLES as f64 - FRAC_PI_2
 }
 
-/// Whether no neighbouring cell has more votes; beyond the first and the last angle r changes its sign.
+/// Whether no neighbouring accumulator cell has more votes; beyond the first and the last angle, r changes its sign.
 fn is_highest(accumulator: &[u32], cells: usize, i: usize, j: usize) -> bool {
     let votes = accumulator[i * cells + j];
     let row = |step: usize| {
-        // Neighbouring row of the Hough table, for step 0, 1 or 2 the one before, the same or the next: rows are angles over half a turn, and a line
-        // whose angle wraps around has its distance r mirrored.
+        // Neighbouring row of the accumulator: for step 0, 1 or 2 the row before, the same row or the next one. Rows are angles over half a
+        // turn, and a line whose angle wraps around has its distance r mirrored.
         let angle = i + step;
         if angle == 0 {
             (ANGLES - 1, true)
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn a_drawn_line_is_the_highest_peak() {
-        // u·cos 30° + v·sin 30° = 120, drawn one pixel a row.
+        // The test image shows the line u·cos 30° + v·sin 30° = 120 with one pixel per row.
         let (sin, cos) = 30.0_f64.to_radians().sin_cos();
         let mut picture = Binary { width: 200, height: 150, pixels: vec![false; 30_000] };
         for v in 1..149 {

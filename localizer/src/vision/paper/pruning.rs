@@ -1,13 +1,14 @@
-//! Pruning of a skeleton: small components and spurs (paper 1, section 3.1).
+//! Pruning of a skeleton: removes small components and spurs (paper 1, section 3.1).
 
 use super::Binary;
 
-/// Components with fewer pixels are specks: a joint that matters crosses more of the picture than this.
+/// Least number of pixels of a component of the skeleton; smaller ones are specks. A tile joint that matters crosses more of the image than this.
 const COMPONENT_MIN_PX: usize = 40;
-/// Branches up to this length that end blind at a junction are spurs: half a band's width, and the corners of its closing.
+/// Greatest length of a spur: a branch of the skeleton with a free end. Spurs are about half a band's width long, or
+/// come from the corners of the closed bands.
 const SPUR_MAX_PX: usize = 12;
 
-/// Removes spurs, then small components.
+/// Removes spurs from a skeleton, then small components.
 pub(super) fn pruned(mut skeleton: Binary) -> Binary {
     for end in (0..skeleton.pixels.len()).filter(|&index| skeleton.pixels[index]).collect::<Vec<_>>() {
         if skeleton.white_neighbours(end).len() == 1 {
@@ -20,7 +21,7 @@ pub(super) fn pruned(mut skeleton: Binary) -> Binary {
     skeleton
 }
 
-/// Pixels from a blind end up to, without, the junction it hangs on; nothing if the branch is longer than a spur.
+/// Pixels from a free end of the skeleton up to, but without, the junction from which the branch starts; none if the branch is longer than a spur.
 fn spur(skeleton: &Binary, end: usize) -> Vec<usize> {
     let mut path = vec![end];
     while path.len() <= SPUR_MAX_PX {
@@ -29,7 +30,8 @@ fn spur(skeleton: &Binary, end: usize) -> Vec<usize> {
             skeleton.white_neighbours(here).into_iter().filter(|next| !path.contains(next)).collect();
         match ahead.as_slice() {
             [next] => path.push(*next),
-            // Two ways on: this pixel is the junction. None: the whole component is this short, and goes by its size.
+            // With two pixels ahead, this pixel of the skeleton is the junction. With none, the whole component is this
+            // short, and is removed because of its size.
             [] => return Vec::new(),
             _ => {
                 path.pop();
@@ -70,7 +72,7 @@ fn remove_small_components(skeleton: &mut Binary) {
 mod tests {
     use super::*;
 
-    /// Pixels of a row from 5 to 94, with whatever is added.
+    /// Test skeleton: pixels 5 to 94 of one row, plus the given extra pixels.
     fn row_and(extra: impl Iterator<Item = (usize, usize)>) -> Binary {
         let mut picture = Binary { width: 100, height: 60, pixels: vec![false; 6000] };
         for (u, v) in (5..95).map(|u| (u, 30)).chain(extra) {

@@ -1,8 +1,8 @@
-//! Thinning to a skeleton one pixel wide (Zhang and Suen 1984; paper 1, section 3.1: skeletonisation).
+//! Thinning of bands to a skeleton one pixel wide (Zhang and Suen 1984; the skeletonisation of paper 1, section 3.1).
 
 use super::Binary;
 
-/// Thins every band to its centre line, keeping what is connected connected.
+/// Thins every white band to its centre line; connected bands stay connected.
 pub(super) fn skeleton(mut bands: Binary) -> Binary {
     let mut white: Vec<usize> = (0..bands.pixels.len()).filter(|&index| bands.pixels[index]).collect();
     let mut removed = Vec::new();
@@ -22,12 +22,13 @@ pub(super) fn skeleton(mut bands: Binary) -> Binary {
     }
 }
 
-/// Zhang and Suen's conditions (a) to (d), primed in the second pass. `p` is P2 to P9: clockwise from the pixel above.
+/// Whether a white pixel can be removed, by Zhang and Suen's conditions (a) to (d), or the primed ones in the second pass. `p` contains the
+/// neighbours P2 to P9, clockwise from the pixel above.
 fn is_removable(p: &[bool; 8], pass: usize) -> bool {
     let count = p.iter().filter(|&&white| white).count();
     let rises = (0..8).filter(|&at| !p[at] && p[(at + 1) % 8]).count();
     let [above, right, below, left] = [p[0], p[2], p[4], p[6]];
-    // P2·P4·P6 = P4·P6·P8 = 0, then P2·P4·P8 = P2·P6·P8 = 0.
+    // Zhang and Suen's thinning conditions are P2·P4·P6 = P4·P6·P8 = 0 in the first pass, and P2·P4·P8 = P2·P6·P8 = 0 in the second.
     let open = if pass == 0 { !(right && below && (above || left)) } else { !(above && left && (right || below)) };
     (2..=6).contains(&count) && rises == 1 && open
 }

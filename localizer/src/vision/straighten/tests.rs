@@ -1,4 +1,4 @@
-//! Places and pictures worked out by hand.
+//! Image points and test images worked out by hand.
 
 use super::*;
 
@@ -14,24 +14,25 @@ fn close(a: [f64; 2], b: [f64; 2]) -> bool {
 
 #[test]
 fn a_barrel_shows_a_place_nearer_to_the_middle() {
-    // By hand, at (x, y) = (0.5, −0.4), r² = 0.41: k1 = −0.2 leaves 1 − 0.082 = 0.918 of the distance.
+    // By hand, at (x, y) = (0.5, −0.4), r² = 0.41: the lens coefficient k1 = −0.2 leaves 1 − 0.082 = 0.918 of the distance from the middle.
     assert!(close(
         lens([-0.2, 0.0, 0.0, 0.0, 0.0]).raw_px([520.0, 80.0]),
         [320.0 + 200.0 * 0.918, 240.0 - 160.0 * 0.918]
     ));
-    // k2 = 0.1 and k3 = 0.1 add 0.1·(0.1681 + 0.068921) = 0.0237021.
+    // The lens coefficients k2 = 0.1 and k3 = 0.1 add a share of 0.1·(0.1681 + 0.068921) = 0.0237021 to the distance from the middle.
     assert!(close(
         lens([0.0, 0.1, 0.0, 0.0, 0.1]).raw_px([520.0, 80.0]),
         [320.0 + 200.0 * 1.0237021, 240.0 - 160.0 * 1.0237021]
     ));
-    // p1 = 0.01: u by 400·0.02·0.5·(−0.4) = −1.6, v by 400·0.01·(0.41 + 2·0.16) = 2.92; p2 = 0.01: u by 400·0.01·(0.41 + 0.5) = 3.64.
+    // The lens coefficient p1 = 0.01 moves u by 400·0.02·0.5·(−0.4) = −1.6 and v by 400·0.01·(0.41 + 2·0.16) = 2.92; p2
+    // = 0.01 moves u by 400·0.01·(0.41 + 0.5) = 3.64.
     assert!(close(lens([0.0, 0.0, 0.01, 0.0, 0.0]).raw_px([520.0, 80.0]), [518.4, 82.92]));
     assert!(close(lens([0.0, 0.0, 0.0, 0.01, 0.0]).raw_px([520.0, 80.0]), [523.64, 78.4]));
 }
 
 #[test]
 fn a_straightened_picture_shows_what_the_raw_one_shows_at_its_source() {
-    // A ramp along each axis tells where a pixel comes from.
+    // In an image whose grey level rises along one axis, the grey level of a pixel shows which raw pixel it was taken from.
     for (axis, per_px) in [(0, 0.3), (1, 0.5)] {
         let ramp = GrayImage::from_fn(SIZE_PX[0], SIZE_PX[1], |u, v| {
             image::Luma([(5.0 + per_px * f64::from([u, v][axis])).round() as u8])
@@ -52,7 +53,8 @@ fn a_pincushion_leaves_out_what_the_raw_picture_does_not_show() {
     let straight = lens.straight(&GrayImage::from_pixel(641, 481, image::Luma([100])));
     let inset = lens.inset_px;
     assert_eq!([straight.width(), straight.height()], [641 - 2 * inset[0], 481 - 2 * inset[1]]);
-    // By hand: the corner (0.8, 0.6)·s is cut where s·(1 + 0.12·s²) = 1, s = 0.9041, of which the pixel before is left.
+    // By hand: with k1 = 0.12, image points (0.8, 0.6)·s on the diagonal are cut off where s·(1 + 0.12·s²) = 1, at s =
+    // 0.9041; the last pixel before that is kept.
     let kept = [0, 1].map(|axis| 1.0 - f64::from(inset[axis]) / [320.5, 240.5][axis]);
     assert!(kept.iter().all(|kept| (kept - 0.9041).abs() < 0.01), "{kept:?}");
     assert!(lens.pixels().all(|pixel| lens.is_shown(pixel)));
@@ -68,11 +70,12 @@ fn a_pincushion_leaves_out_what_the_raw_picture_does_not_show() {
 
 #[test]
 fn a_lens_that_folds_back_is_cut_before_it_does() {
-    // D' = 1 − 1.8·r² is 0.2 at r = 2/3, 267 px: a third of the way to the corner is left out.
+    // The radial slope of the lens, D' = 1 − 1.8·r², is 0.2 at r = 2/3 or 267 px: a third of the distance to the corner is left out.
     let lens = lens([-0.6, 0.0, 0.0, 0.0, 0.0]);
     assert!(lens.pixels().all(|[u, v]| (u - 320.0).hypot(v - 240.0) <= 267.0));
     assert!(lens.pixels().count() > 400 * 300);
-    // Nothing at all is left of a lens that folds in its middle, and of another size than its own it makes nothing.
+    // A lens makes an empty image from one of another size than its own. A single pixel can be straightened; without
+    // distortion there is nothing to straighten.
     assert_eq!(lens.straight(&GrayImage::new(640, 480)).dimensions(), (0, 0));
     assert!(Straightening::new([1, 1], 400.0, [0.1; 5], RowMotion::default()).is_some());
     assert!(Straightening::new(SIZE_PX, 400.0, [0.0; 5], RowMotion::default()).is_none());
@@ -80,14 +83,15 @@ fn a_lens_that_folds_back_is_cut_before_it_does() {
 
 #[test]
 fn a_place_is_where_the_motion_has_brought_it_by_the_time_of_its_row() {
-    // By hand, without a lens: 100 rows below the middle, and a turn of 0.1 mrad a row at 50 px to the right of the middle brings it
-    // down by 0.005 px and left by 0.01 px a row; with the shift (0.02, 0.01), its own row included, v is 100/(1 − 0.015).
+    // By hand, without a lens: at a pixel 100 rows below the middle and 50 px to its right, a turn of 0.1 mrad per row
+    // moves the image down by 0.005 px and left by 0.01 px per row. With the shift (0.02, 0.01), and with the row of
+    // the pixel itself moved, too, v is 100/(1 − 0.015) below the middle.
     let rows = RowMotion { shift_px: [0.02, 0.01], turn_rad: 1e-4 };
     let moving = Straightening::new(SIZE_PX, 400.0, [0.0; 5], rows).unwrap_or_else(|| panic!("a picture that moves"));
     let row = 100.0 / (1.0 - 0.015);
     let at = moving.at_row([370.0, 340.0]);
     assert!((at[1] - 240.0 - row).abs() < 1e-3 && (at[0] - 370.0 - 0.01 * row).abs() < 1e-3, "{at:?}");
-    // So much motion is left alone, as none is.
+    // An image with too much motion from row to row is left as it is, as is one without motion.
     for rows in [RowMotion { shift_px: [0.0, 0.2], turn_rad: 0.0 }, RowMotion::default()] {
         assert!(Straightening::new(SIZE_PX, 400.0, [0.0; 5], rows).is_none());
     }
@@ -100,7 +104,8 @@ fn slopes_tell_how_far_apart_two_lines_are_whose_images_are_a_pixel_apart() {
         [([100.0, 50.0], 0.3_f64), ([600.0, 300.0], 1.2), ([320.0, 240.0], 2.0), ([30.0, 470.0], -0.7)]
     {
         let normal: [f64; 2] = [angle_rad.cos(), angle_rad.sin()];
-        // Images of a line through the place, and of one a hundredth of a pixel beside it: their distance by points on both.
+        // Images, by the lens, of a line through the place and of a line a hundredth of a pixel beside it. Their
+        // distance is the least one between points on both.
         let image = |across: f64, along: f64| {
             lens.raw_px([
                 at[0] + across * normal[0] - along * normal[1],
@@ -112,7 +117,7 @@ fn slopes_tell_how_far_apart_two_lines_are_whose_images_are_a_pixel_apart() {
             (there[0] - here[0]).hypot(there[1] - here[1])
         });
         let apart_px = nearest.fold(f64::MAX, f64::min);
-        // |J⁻¹n|, by hand for the symmetric J.
+        // The stretch of the inverse lens distortion along the normal, |J⁻¹n|, by hand for the symmetric J.
         let [a, mixed, b] = lens.slopes_over(at.map(Interval::point)).expect("the lens maps it").map(Interval::mid);
         let [x, y] = [b * normal[0] - mixed * normal[1], a * normal[1] - mixed * normal[0]];
         let stretch = x.hypot(y) / (a * b - mixed * mixed);
