@@ -1,4 +1,4 @@
-//! From files and texts to scenes that are valid: read, merged, held against the schema, and then against themselves.
+//! From files and texts to valid scenes: files are read, merged, checked against the schema, and then checked for contradictions in themselves.
 
 mod parse;
 mod files;

@@ -1,12 +1,12 @@
-//! Light through a lens onto a sensor: what rendering, sensors and the judge have in common. It draws nothing and senses nothing.
+//! Light through a lens onto a sensor, as rendering, sensors and the judge use it. These modules neither render nor simulate a sensor.
 //!
-//! | module | what it has |
+//! | module | contents |
 //! |---|---|
-//! | [`pinhole`] | projection through a point |
-//! | [`lens`] | projection with distortion, and the ray of a pixel |
-//! | `mounts` | nominal poses of cameras on the body |
-//! | [`exposure`] | electrons of a luminance, and automatic exposure |
-//! | `spectrum` | photons of a lumen, by lamp and band |
+//! | [`pinhole`] | projection of a pinhole camera |
+//! | [`lens`] | projection of a lens with distortion, and the ray of a pixel |
+//! | `mounts` | nominal poses of cameras on the robot's body |
+//! | [`exposure`] | electrons per luminance, and automatic exposure |
+//! | `spectrum` | photons per lumen, by lamp and band |
 
 pub mod pinhole;
 pub mod lens;

@@ -1,8 +1,8 @@
-//! A scene: the situation of a run as its TOML file states it. A `Scene` that exists is valid.
+//! A scene: the description of one run's situation, as its TOML file states it. A `Scene` value is always valid.
 //!
-//! Every key has a default that a user would expect, and a unit in its name where it has one. `scenes/schema.json` is made
-//! from these structs, so that their doc comments are what an editor shows. Ranges stand once, in the `schemars`
-//! attributes: the schema carries them, and `parse` holds each file against that same schema.
+//! Every key has a default that a user would expect, and a unit in its name where it has one. `scenes/schema.json` is generated from these structs,
+//! so an editor shows their doc comments. Each range is stated once, in the `schemars` attributes: the schema carries it, and `parse` checks every
+//! file against that same schema.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -54,78 +54,78 @@ pub use sensor::{BitDepth, Sensor, SensorModel, SensorPreset};
 pub use things::{Furniture, Landmark, Person};
 pub use wall_directions::{WallDirectionsChain, WallDirectionsSetup};
 
-/// One situation: room, floor, light, robot, route, what happens, what is declared and what is expected.
+/// One situation to simulate: room, floor, light, robot, route, events, declared bounds and expected results.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-// `Scene` deserialises by way of the bounds that it does not state; what is derived here is the last step of that.
+// `Scene` is deserialised in two steps: bounds that the file does not state are filled in first, and the function derived here does the rest.
 #[serde(deny_unknown_fields, remote = "Self")]
 #[schemars(rename = "Scene")]
 pub struct Scene {
-    /// One sentence for the result table.
+    /// Description of the scene in one sentence, for the table of results.
     #[serde(default)]
     pub description: String,
-    /// From where tolerances and bounds come that the scene does not state.
+    /// Source of the tolerances and bounds that the scene itself does not state.
     #[serde(default)]
     pub bounds_from: BoundsFrom,
-    /// Length of a run of a route. Ignored when stations are given.
+    /// Length of the run. Ignored when stations are given.
     #[serde(default = "default_duration_s")]
     #[schemars(range(max = 36000.0), extend("exclusiveMinimum" = 0.0))]
     pub duration_s: f64,
-    /// The room, an axis-aligned rectangle with a corner at the world origin.
+    /// Room that the robot drives in, with one corner at the world origin.
     pub room: Room,
-    /// What the robot drives on.
+    /// Floor of the room: tiles or covering, friction, regions with properties of their own, and things that lie on the floor.
     #[serde(default)]
     pub floor: Floor,
-    /// How bright it is.
+    /// Brightness of the light, and how evenly it falls on the floor.
     #[serde(default)]
     pub light: Light,
-    /// What stands about and above the floor.
+    /// Everything around and above the floor that cameras looking ahead or up can see: ceilings, walls, doors, pictures, further rooms.
     #[serde(default)]
     pub building: Building,
-    /// Markers on the ceiling.
+    /// Markers of retro-reflective dots on the ceiling, for a camera that looks up.
     #[serde(default)]
     pub markers: Option<Markers>,
-    /// Where the light comes from.
+    /// Lamps and windows that light the room.
     #[serde(default, rename = "lamp")]
     pub lamps: Vec<Lamp>,
-    /// What stands in the room.
+    /// Pieces of furniture in the building.
     #[serde(default)]
     pub furniture: Vec<Furniture>,
-    /// Who walks in it.
+    /// People who walk about in the building.
     #[serde(default, rename = "person")]
     pub people: Vec<Person>,
     /// Coded landmarks for a range camera, numbered from 0 in the order of the file.
     #[serde(default, rename = "landmark")]
     pub landmarks: Vec<Landmark>,
-    /// The robot: a Pioneer P3-DX unless stated otherwise, key by key or by its `preset`.
+    /// Robot of the scene: a Pioneer P3-DX unless its `preset` or single keys state otherwise.
     #[serde(default)]
     pub robot: Robot,
-    /// Where the robot stands at time 0, and how well the localizer knows it.
+    /// Pose of the robot at time 0, and the tolerances within which the localizer knows it.
     pub start: Start,
-    /// The drive; a scene has a route, errands or stations.
+    /// Drive along given waypoints. A scene has a route, errands or stations.
     #[serde(default)]
     pub route: Option<Route>,
-    /// How errands are planned and driven.
+    /// Settings for planning and driving errands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub navigation: Option<Navigation>,
-    /// Places to find a way to, one after the other, instead of a route.
+    /// Goals to which the robot finds its own path, one after the other, instead of a route.
     #[serde(default, rename = "errand", skip_serializing_if = "Vec::is_empty")]
     pub errands: Vec<Errand>,
-    /// Still poses for accuracy tables, instead of a drive.
+    /// Poses at which the robot stands still, for tables of accuracy, instead of a drive.
     #[serde(default, rename = "station")]
     pub stations: Vec<Station>,
-    /// More still poses, spread over the room.
+    /// Further poses at which the robot stands still, spread over the room.
     #[serde(default)]
     pub station_spread: Option<Spread>,
-    /// What happens during the run.
+    /// Events during the run.
     #[serde(default, rename = "event")]
     pub events: Vec<Event>,
-    /// Bounds of emergent quantities, declared to the localizer.
+    /// Bounds, declared to the localizer, on quantities that emerge from the simulated physics, such as slip.
     #[serde(default)]
     pub bounds: Bounds,
-    /// How the localizer is set up.
+    /// Setup of the localizer: its methods, and when its estimate counts as available.
     #[serde(default)]
     pub localizer: LocalizerSetup,
-    /// What the verdict asks of each run.
+    /// Limits that the results of every run must keep for its verdict to pass.
     #[serde(default)]
     pub expect: Expect,
 }
@@ -136,49 +136,49 @@ impl Scene {
         !self.robot.cameras().is_empty()
     }
 
-    /// Whether the robot is led along its route, whatever it believes.
+    /// Whether the robot is steered along its route by its true pose, whatever its estimate says.
     pub fn is_led(&self) -> bool {
         self.route.as_ref().is_some_and(|route| route.led)
     }
 
-    /// How errands are driven, as by default unless stated.
+    /// Settings for errands: those of the scene, or the defaults if the scene states none.
     pub fn navigation(&self) -> Navigation {
         self.navigation.clone().unwrap_or_default()
     }
 
-    /// Whether the robot finds its own way to goals.
+    /// Whether the robot is given goals and finds its own path to them.
     pub fn has_errands(&self) -> bool {
         !self.errands.is_empty() || self.navigation.as_ref().is_some_and(|navigation| navigation.random_goals > 0)
     }
 }
 
-/// An axis-aligned rectangular room, `0 ≤ x ≤ width_m`, `0 ≤ y ≤ depth_m` between the inner faces of its walls.
+/// An axis-aligned rectangular room: `0 ≤ x ≤ width_m` and `0 ≤ y ≤ depth_m` between the inner faces of its walls.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Room {
-    /// Extent along world x.
+    /// Extent of the room along world x.
     #[schemars(range(min = 0.5, max = 200.0))]
     pub width_m: f64,
-    /// Extent along world y.
+    /// Extent of the room along world y.
     #[schemars(range(min = 0.5, max = 200.0))]
     pub depth_m: f64,
 }
 
-/// Light on the floor.
+/// Brightness of the light, and how evenly it falls on the floor.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
-    /// Mean illuminance at the floor. Without effect when each `[[lamp]]` states its own output.
+    /// Mean illuminance at the floor. Without effect when every `[[lamp]]` states its own output.
     #[schemars(range(min = 0.0, max = 100000.0))]
     pub illuminance_at_floor_lux: f64,
-    /// Instead: illuminance on an upright plane at the forward camera's lens, facing as the camera does, with the robot at
-    /// its start. Dims all lamps alike.
+    /// Illuminance at the forward camera's lens, on an upright plane that faces as the camera does, with the robot at its start. Stated in place of
+    /// `illuminance_at_floor_lux`; all lamps are dimmed alike to reach it.
     #[schemars(range(min = 0.0, max = 100000.0))]
     pub illuminance_at_camera_lux: Option<f64>,
-    /// Brightest over darkest place of the room's floor, when there is no `[[lamp]]`.
+    /// Ratio of the brightest to the darkest place of the room's floor, when there is no `[[lamp]]`.
     #[schemars(range(min = 1.0, max = 1000.0))]
     pub unevenness_ratio: f64,
-    /// Direction in which the floor grows brighter, from world x. Any angle.
+    /// Direction in which the floor grows brighter, measured from world x. Any angle.
     pub unevenness_direction_deg: f64,
 }
 
@@ -193,28 +193,29 @@ impl Default for Light {
     }
 }
 
-/// How the localizer is set up.
+/// Setup of the localizer: its methods, and when its estimate counts as available.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LocalizerSetup {
-    /// The methods that read the sensors besides the wheels.
+    /// Methods by which the localizer reads sensors other than the wheel encoders.
     pub methods: Vec<MethodName>,
-    /// Vision chain of `floor_tiles`.
+    /// Image processing by which `floor_tiles` finds joints between tiles.
     pub floor_tiles_chain: FloorTilesChain,
-    /// What `range_landmarks` solves for.
+    /// Components of the pose that `range_landmarks` solves for; the others it takes from what is known otherwise.
     pub range_landmarks_freedom: RangeLandmarksFreedom,
-    /// How `range_landmarks` solves it.
+    /// How `range_landmarks` solves for the pose when x, y and heading are all free.
     pub range_landmarks_solver: RangeLandmarksSolver,
-    /// What `wall_directions` knows and how it looks.
+    /// Setup of `wall_directions`: what it knows of the building, and how it finds level edges in images.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_directions: Option<WallDirectionsSetup>,
-    /// Learn the gyroscope's bias and scale between fixes of the heading, and at rest where `bounds.rest_turn_deg` is stated.
+    /// Whether to learn the gyroscope's bias and scale, between fixes of the heading and, where `bounds.rest_turn_deg` is stated, while the robot
+    /// rests.
     pub learns_gyro: bool,
-    /// An estimate counts as available while it is sound, holds the truth, and its hull is narrower than this in x and y. Less than the walls
-    /// leave to the middle of the robot's body.
+    /// An estimate counts as available while it is sound, contains the truth, and its hull is narrower than this in x and in y. Must be less than the
+    /// walls leave to the middle of the robot's body.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_m: f64,
-    /// An estimate counts as available while it is sound, holds the truth, and its hull is narrower than this in heading. Less than 360.
+    /// An estimate counts as available while it is sound, contains the truth, and its hull is narrower than this in heading. Must be less than 360.
     #[schemars(range(max = 360.0), extend("exclusiveMinimum" = 0.0))]
     pub declared_width_deg: f64,
 }
@@ -235,48 +236,48 @@ impl Default for LocalizerSetup {
 }
 
 impl LocalizerSetup {
-    /// How `wall_directions` is set up, as by default unless stated.
+    /// Setup of `wall_directions`: the scene's, or the default if the scene states none.
     pub fn wall_directions(&self) -> WallDirectionsSetup {
         self.wall_directions.clone().unwrap_or_default()
     }
 }
 
-/// What `range_landmarks` solves for; the rest it takes from what is known besides.
+/// Components of the pose that `range_landmarks` solves for; the others it takes from what is known otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RangeLandmarksFreedom {
-    /// World x (paper 3, Table II).
+    /// Solves for world x only (paper 3, Table II).
     Line,
-    /// World x and y (Table III).
+    /// Solves for world x and y (paper 3, Table III).
     Translation,
-    /// World x, y and heading (Table IV).
+    /// Solves for world x, y and heading (paper 3, Table IV).
     #[default]
     Full,
 }
 
-/// How `range_landmarks` solves the pose when all three of it are free.
+/// How `range_landmarks` solves for the pose when x, y and heading are all free.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RangeLandmarksSolver {
-    /// Linear elimination, no bisection.
+    /// Solves by linear elimination of all landmarks at once, without bisection.
     #[default]
     OneShot,
-    /// The polar contractor to its fixpoint.
+    /// Solves by the polar contractor, repeated to its fixpoint.
     Polar,
-    /// Paper 3's Table IV with correct branches, to its fixpoint.
+    /// Solves by the contractor of paper 3's Table IV with correct branches, repeated to its fixpoint.
     TableIv,
-    /// Paper 3's set inversion with a resolution of 0.05 m and 0.05 rad.
+    /// Solves by paper 3's set inversion with a resolution of 0.05 m and 0.05 rad.
     Sivia,
 }
 
-/// How `floor_tiles` finds joints in an image.
+/// Image processing by which `floor_tiles` finds joints between tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FloorTilesChain {
-    /// Ridge points, one vote for both families, matched filters across each line.
+    /// Direct processing chain for finding joints: ridge points, one vote for both families of joints, then matched filters across each line.
     #[default]
     Direct,
-    /// Paper 1: deconvolution, Canny, skeleton, pruning, Hough, clustering.
+    /// Paper 1's processing chain for finding joints: deconvolution, Canny edges, skeleton, pruning, Hough transform, clustering.
     Paper,
 }
 

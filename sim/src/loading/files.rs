@@ -1,4 +1,4 @@
-//! Scenes as files: reading one, and finding all below a folder.
+//! Scene files: reads one, and finds all below a folder.
 
 use std::{
     collections::BTreeMap,
@@ -10,40 +10,40 @@ use std::{
 use super::{Setting, parse};
 use crate::scene::{Scene, SceneError, Sources};
 
-/// Ending of the names of files that scenes extend and that are no scenes themselves.
+/// Ending of the names of files that scenes extend but that are not scenes themselves.
 const BASE_ENDING: &str = ".base.toml";
 
-/// A scene with the file it came from and the name under which its runs are recorded.
+/// A scene, the file that it came from, and the name under which its runs are recorded.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// The path below the nearest folder called `scenes`, without the ending: `papers/floor_vision_odometry`.
+    /// Path of the file below the nearest folder called `scenes`, without the ending: `papers/floor_vision_odometry`.
     pub name: String,
-    /// The file.
+    /// Path of the scene's file.
     pub path: PathBuf,
-    /// What differs from what the file states.
+    /// Keys that are set to other values than the file states.
     pub settings: Vec<Setting>,
-    /// Its text as it was read; with `settings`, or when it extends another file, all of it written anew as one text.
+    /// Text of the scene as it was read. With `settings`, or when the file extends another, the whole scene is written anew as one text.
     pub text: String,
-    /// What that states.
+    /// Scene that the text states.
     pub scene: Scene,
 }
 
 impl Scene {
-    /// Reads a scene file and what it extends.
+    /// Reads a scene file and the files that it extends.
     pub fn load(path: &Path) -> Result<Scene, SceneError> {
         SceneFile::load(path).map(|file| file.scene)
     }
 }
 
 impl SceneFile {
-    /// Reads one scene file and what it extends.
+    /// Reads a scene file and the files that it extends.
     pub fn load(path: &Path) -> Result<SceneFile, SceneError> {
         let (scene, text) = parse::read(Sources::load(path)?, path.parent())?;
         Ok(SceneFile { name: name_of(path), settings: Vec::new(), text, scene, path: path.to_owned() })
     }
 
-    /// Every scene that `paths` name, a folder standing for all scenes below it but files that end
-    /// in `.base.toml`, in the order of their paths.
+    /// Reads every scene that `paths` name. A folder stands for all scenes below it, in the order of their paths, except files that end in
+    /// `.base.toml`.
     pub fn load_all(paths: &[PathBuf]) -> Result<Vec<SceneFile>, SceneError> {
         let mut files = Vec::new();
         for path in paths {
@@ -62,7 +62,7 @@ impl SceneFile {
         for path in files {
             let name = name_of(&path);
             match by_name.insert(name.clone(), path.clone()) {
-                // The same file named twice runs once.
+                // A file that is named twice runs only once.
                 Some(first) if first == path => continue,
                 Some(first) => return Err(SceneError::SameName { name, first, second: path }),
                 None => scenes.push(SceneFile::load(&path)?),

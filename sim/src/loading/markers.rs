@@ -1,4 +1,4 @@
-//! Markers that a scene asks to have laid out.
+//! Lays out ceiling markers where a scene asks for it.
 
 use super::parse::Contradiction;
 use crate::{
@@ -6,11 +6,11 @@ use crate::{
     scene::{Marker, Scene, UNDER_CEILING_M},
 };
 
-/// Middles of markers keep this from the walls.
+/// Distance that the middles of laid-out markers keep from the walls.
 const FROM_WALL_M: f64 = 0.08;
 
 impl Scene {
-    /// Lays out what `[markers.layout]` asks for.
+    /// Lays out ceiling markers as `[markers.layout]` demands. Does nothing if the scene has no such table.
     pub(super) fn lay_out_markers(&mut self) -> Result<(), Contradiction> {
         let Some(markers) = self.markers.as_ref().filter(|markers| markers.layout.is_some()) else { return Ok(()) };
         let refused = |expected: String| Contradiction { key: "markers.layout".to_owned(), expected };

@@ -1,4 +1,4 @@
-//! From text to a valid scene.
+//! Reads the text of a scene and makes a valid `Scene` of it.
 
 use std::{ops::Range, path::Path};
 
@@ -16,21 +16,21 @@ use crate::{
 use super::places;
 
 impl Scene {
-    /// Reads the text of a scene; `file` names it in errors, and the map that it may state lies beside that file.
+    /// Reads the text of a scene. Errors name the text by `file`; a map that the scene names lies beside that file.
     ///
-    /// Errs when the text is not TOML, extends another, departs from the schema, or describes what cannot be: something outside the
-    /// room, an event after the end, an errand to which no way leads, an expectation of an unknown figure.
+    /// Errs when the text is not TOML, extends another file, departs from the schema, or describes what is impossible: something outside the room, an
+    /// event after the end, an errand to which no path leads, an expectation of an unknown figure.
     pub fn parse(text: &str, file: &str) -> Result<Scene, SceneError> {
         Scene::parse_beside(text, file, Path::new(file).parent())
     }
 
-    /// Reads like [`Scene::parse`] with the map in `folder`; without one a map is not read, and nothing can be planned on it.
+    /// Reads a text like [`Scene::parse`], with the scene's map in `folder`. Without a folder the map is not read, and nothing can be planned on it.
     pub(crate) fn parse_beside(text: &str, file: &str, folder: Option<&Path>) -> Result<Scene, SceneError> {
         read(Sources::alone(text, file), folder).map(|(scene, _)| scene)
     }
 }
 
-/// The scene that `sources` state, whose map lies in `folder`, and all of it as one text.
+/// Reads the scene that `sources` state, whose map lies in `folder`. Also returns the whole scene as one text.
 pub(super) fn read(sources: Sources, folder: Option<&Path>) -> Result<(Scene, String), SceneError> {
     let whole = sources.merged().and_then(|document| {
         let scene = valid(&document, sources.text(), folder)?;
@@ -44,14 +44,14 @@ pub(super) fn read(sources: Sources, folder: Option<&Path>) -> Result<(Scene, St
     whole.map_err(|problems| sources.refuse(problems))
 }
 
-/// The scene that `document` states, whose spans are of `text`.
+/// Makes a valid scene of `document`, whose spans count bytes of `text`.
 fn valid(document: &Spanned<DeTable<'_>>, text: &str, folder: Option<&Path>) -> Result<Scene, Vec<Problem>> {
     let departures = conform::departures(document, text);
     if !departures.is_empty() {
         return Err(departures);
     }
-    // The schema has accepted the document, so that this fails only on what a schema cannot say, such as a whole
-    // number too large for its type. The derived function of the same name would leave careful bounds out.
+    // The schema has accepted the document, so this fails only on what a schema cannot say, such as a whole number too large for its type. The
+    // derived function of the same name would leave out the bounds that `bounds_from` fills in.
     let mut scene = <Scene as Deserialize>::deserialize(Deserializer::from(document.clone()))
         .map_err(|error| vec![Problem::of_toml(&error, 0)])?;
     scene.spread_stations();
@@ -65,12 +65,13 @@ fn valid(document: &Spanned<DeTable<'_>>, text: &str, folder: Option<&Path>) -> 
     if !misplaced.is_empty() {
         return Err(misplaced);
     }
-    // Only what is otherwise valid can be covered.
+    // Markers can be laid out only for a scene that is valid otherwise.
     scene.lay_out_markers().map_err(|contradiction| vec![contradiction.in_text(document, text)])?;
     Ok(scene)
 }
 
-/// One light that is stated both at the floor and at the camera; the scene alone does not tell what is stated from what is a default.
+/// Contradiction of a light that is stated both at the floor and at the camera. It is found in the document, as a `Scene` does not tell what was
+/// stated from what is a default.
 fn stated_twice(document: &Spanned<DeTable<'_>>) -> Option<Contradiction> {
     let DeValue::Table(light) = document.get_ref().get("light")?.get_ref() else { return None };
     let is_twice =
@@ -81,7 +82,7 @@ fn stated_twice(document: &Spanned<DeTable<'_>>) -> Option<Contradiction> {
     })
 }
 
-/// Reads the map that a scene names.
+/// Reads the map file that a scene names.
 fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction> {
     let Some(navigation) = &mut scene.navigation else { return Ok(()) };
     let Some((map, folder)) = navigation.map.as_ref().zip(folder) else { return Ok(()) };
@@ -90,11 +91,11 @@ fn survey(scene: &mut Scene, folder: Option<&Path>) -> Result<(), Contradiction>
     Ok(())
 }
 
-/// Something that a scene states in the right form but that cannot be.
+/// A contradiction: something that a scene states in the right form but that is impossible.
 pub(super) struct Contradiction {
-    /// Dotted path of the key.
+    /// Dotted path of the key concerned.
     pub(super) key: String,
-    /// What was expected.
+    /// What is wrong, and what was expected.
     pub(super) expected: String,
 }
 
@@ -106,7 +107,7 @@ impl Contradiction {
     }
 }
 
-/// Where the value of `key` stands, or else the innermost table that the file has around it; whether it is the value.
+/// Range of bytes of the value of `key`, or else of the innermost table around it that the file has. The flag says whether it is the value's.
 fn locate(document: &DeTable<'_>, key: &str) -> (Range<usize>, bool) {
     let mut table = document;
     let mut span = 0..0;

@@ -1,4 +1,4 @@
-//! What a schema cannot say: that everything is inside the room, within the time, and called by a name that exists.
+//! Checks that a schema cannot express: everything is inside the room and within the run's time, and every name that is used exists.
 
 mod building;
 mod cameras;
@@ -10,10 +10,10 @@ mod things;
 use super::parse::Contradiction;
 use crate::scene::{Event, MethodName, Scene, conform::nearest};
 
-/// Steepest ramp of a carpet's edge: rubber of friction 0.8 holds on it, and wheels keep their load.
+/// Steepest ramp at the edge of a carpet. Rubber of friction 0.8 holds on this slope, and wheels keep their load.
 const GREATEST_SLOPE: f64 = 0.5;
 
-/// Everything in which `scene` contradicts itself.
+/// All contradictions of `scene` with itself.
 pub(super) fn contradictions(scene: &Scene) -> Vec<Contradiction> {
     let mut found = Vec::new();
     drive(scene, &mut found);
@@ -59,14 +59,14 @@ fn drive(scene: &Scene, found: &mut Vec<Contradiction>) {
     found.push(Contradiction { key: key.to_owned(), expected: expected.to_owned() });
 }
 
-/// The robot's origin keeps its body radius from every wall, wherever the scene puts it.
+/// Checks that the robot's origin keeps its body's radius from every wall and every piece of furniture, wherever the scene puts the robot.
 fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     let radius_m = scene.robot.body_radius_m;
     let mut place = |key: String, at_m: [f64; 2], margin_m: f64, why: &str| {
         for (axis, extent_m) in [("x_m", scene.room.width_m), ("y_m", scene.room.depth_m)] {
             let value_m = at_m[usize::from(axis == "y_m")];
             let (least_m, most_m) = (margin_m, extent_m - margin_m);
-            // Sums like 0.25 + 0.01 are not exact, and nobody means a wall that finely.
+            // Tolerance for rounding: sums like 0.25 + 0.01 are not exact, and nobody places a wall that finely.
             const ROUNDING_M: f64 = 1e-9;
             if value_m < least_m - ROUNDING_M || value_m > most_m + ROUNDING_M {
                 let expected = if least_m <= most_m {
@@ -102,7 +102,7 @@ fn robot_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     }
 }
 
-/// An estimate that says no more than the room itself is not available.
+/// Checks the widths below which an estimate counts as available. An estimate that says no more than the room itself must not count.
 fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
     let setup = &scene.localizer;
     let [x_m, y_m] = scene.left_to_origin_m();
@@ -121,9 +121,10 @@ fn declared_widths(scene: &Scene, found: &mut Vec<Contradiction>) {
     }
 }
 
-/// Methods have what they read, and ranges a length.
+/// Checks that the robot has the device that each localization method reads, that no method is listed twice, and that the range camera's keys leave
+/// it something to measure.
 fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
-    // Unless stated, tiles are read where there are any.
+    // The device of the method `floor_tiles` needs no check, as this method is in the list by default and reads tiles only where there are any.
     let stated = scene.localizer.methods.iter().filter(|method| **method != MethodName::FloorTiles);
     for (method, device) in stated.filter_map(|method| Some((method, scene.robot.lacks(*method)?))) {
         let name = serde_json::to_value(method).unwrap_or_default();
@@ -153,7 +154,7 @@ fn methods(scene: &Scene, found: &mut Vec<Contradiction>) {
 fn floor_places(scene: &Scene, found: &mut Vec<Contradiction>) {
     if let Some(tiles) = &scene.floor.tiles {
         let shorter_m = tiles.edge_x_m.min(tiles.edge_y_m);
-        // A joint of half a tile is a stripe of its own; nothing could be told from its middle.
+        // A joint as wide as half a tile is a stripe of its own, from whose middle no position could be found.
         if tiles.joint_width_m > 0.5 * shorter_m {
             let expected = format!("wider than half a tile, expected at most {}", 0.5 * shorter_m);
             found.push(Contradiction { key: "floor.tiles.joint_width_m".to_owned(), expected });
@@ -214,7 +215,7 @@ fn events(scene: &Scene, found: &mut Vec<Contradiction>) {
     }
 }
 
-/// A number without the noise of binary fractions.
+/// Rounds a number to six decimals, which removes the noise of binary fractions.
 fn short(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

@@ -1,4 +1,4 @@
-//! Keys of a scene set to other values than its file states: what `--set` and `--vary` ask for.
+//! Keys of a scene that are set to other values than its file states, as `--set` and `--vary` demand.
 
 use std::{fmt, path::Path, str::FromStr};
 
@@ -11,19 +11,19 @@ use crate::scene::{
     schema::{alternatives, resolve, schema},
 };
 
-/// One key of a scene and the value it is given.
+/// One key of a scene and the value to which it is set.
 ///
-/// The key is a dotted path as error messages write it. An item of a list is picked by its `name` or its index:
-/// `floor.region.carpet.friction`, `route.waypoint[2].x_m`.
+/// The key is a dotted path, as error messages write it. An item of a list is selected by its `name` or its index: `floor.region.carpet.friction`,
+/// `route.waypoint[2].x_m`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// Dotted path of the key.
+    /// Dotted path of the scene's key to set.
     pub key: String,
-    /// What it is set to.
+    /// Value to which a key of the scene is set.
     pub value: Value,
 }
 
-/// A scene file whose keys can be set before it is read.
+/// A scene file whose keys can be changed before a scene is made of it.
 #[derive(Clone, Debug)]
 pub struct SceneTemplate {
     file: SceneFile,
@@ -40,12 +40,12 @@ impl SceneTemplate {
         Ok(SceneTemplate { file, document })
     }
 
-    /// The scene as its file states it.
+    /// The scene as its file states it, without any setting.
     pub fn file(&self) -> &SceneFile {
         &self.file
     }
 
-    /// The scene with `settings`, which are held against the schema like a file's own values.
+    /// The scene with `settings`, which are checked against the schema like the file's own values.
     pub fn with(&self, settings: &[Setting]) -> Result<SceneFile, SceneError> {
         if settings.is_empty() {
             return Ok(self.file.clone());
@@ -56,7 +56,8 @@ impl SceneTemplate {
                 return Err(SceneError::SetBase { path: self.file.path.clone(), value: shown(&setting.value) });
             }
             let steps = self.steps(&setting.key)?;
-            // Where the schema allows it but the file states something else, such as `false` for a device, that gives way.
+            // If a setting goes into a table that the schema allows, but the file states something else there, such as `false` for a device, a table
+            // replaces it.
             put(&mut document, &steps, setting.value.clone());
         }
         let listed: Vec<String> = settings.iter().map(Setting::to_string).collect();
@@ -66,7 +67,7 @@ impl SceneTemplate {
         Ok(SceneFile { scene, text, settings: settings.to_vec(), ..self.file.clone() })
     }
 
-    /// The way to a key, through tables and lists.
+    /// The steps through tables and lists that lead to a key of a scene.
     fn steps(&self, key: &str) -> Result<Vec<Step>, SceneError> {
         let document = Value::Table(self.document.clone());
         let segments = segments(key);
@@ -101,14 +102,14 @@ impl FromStr for Setting {
     }
 }
 
-/// A value as one types it: what TOML understands, or else a text that needs no quotes.
+/// Reads a value as a user types it: as TOML, or else as a number or as a text without quotes.
 pub fn value_of(text: &str) -> Value {
     let as_toml = || format!("v = {text}").parse::<Table>().ok()?.remove("v");
     let as_number = || text.parse::<f64>().ok().map(Value::Float);
     as_toml().or_else(as_number).unwrap_or_else(|| Value::String(text.to_owned()))
 }
 
-/// A value as `value_of` reads it back.
+/// Writes a value so that `value_of` reads it back.
 pub fn shown(value: &Value) -> String {
     match value {
         Value::String(text) if value_of(text) == *value && !text.contains([',', ' ', '=']) => text.clone(),
@@ -117,32 +118,32 @@ pub fn shown(value: &Value) -> String {
     }
 }
 
-/// A step into a document.
+/// One step into a document: to a key of a table, or to an item of a list.
 #[derive(Clone, Debug, PartialEq)]
 enum Step {
     Key(String),
     Item(usize),
 }
 
-/// `route.waypoint[2].x_m` as `route`, `waypoint`, `2`, `x_m`.
+/// Splits a dotted path into its parts: `route.waypoint[2].x_m` into `route`, `waypoint`, `2`, `x_m`.
 fn segments(key: &str) -> Vec<&str> {
     key.split(['.', '[']).map(|segment| segment.trim_end_matches(']')).collect()
 }
 
-/// The steps along `segments`; none when the schema `node`, or a list in the document at `place`, has no such thing.
+/// The steps along the path `segments`; `None` if the schema `node`, or a list in the document at `place`, has no such part.
 fn walk(node: &'static Json, place: Option<&Value>, segments: &[&str]) -> Option<Vec<Step>> {
     let Some((segment, rest)) = segments.split_first() else { return Some(Vec::new()) };
     let (step, node, place) = options(node, place).into_iter().find_map(|option| enter(option, place, segment))?;
     let mut steps = vec![step];
     match node {
         Some(node) => steps.extend(walk(node, place, rest)?),
-        // Below a table of free keys, such as `expect`, the scene's own check decides.
+        // Below a table whose keys are free, such as `expect`, the scene's own check decides which keys are allowed.
         None => steps.extend(rest.iter().map(|segment| Step::Key((*segment).to_owned()))),
     }
     Some(steps)
 }
 
-/// One step into what `node` describes; no schema comes back where keys are free.
+/// Takes one step into what the schema `node` describes. The returned schema is `None` where keys are free.
 fn enter<'a>(
     node: &'static Json,
     place: Option<&'a Value>,
@@ -162,7 +163,7 @@ fn enter<'a>(
     }
 }
 
-/// What `node` may be: the alternatives of a choice, or the kind that the document names.
+/// The schemas that `node` may stand for: the alternatives of a choice, or the kind that the document states.
 fn options(node: &'static Json, place: Option<&Value>) -> Vec<&'static Json> {
     let mut options: Vec<&'static Json> = alternatives(node).into_iter().map(resolve).collect();
     if options.is_empty() {
@@ -210,7 +211,7 @@ fn put_into(place: &mut Value, steps: &[Step], value: Value) {
     }
 }
 
-/// All keys with a value of their own that the scene could state.
+/// Lists all keys with a value of their own that the scene could state.
 fn list(node: &'static Json, place: Option<&Value>, path: &str, known: &mut Vec<String>) {
     let before = known.len();
     for option in options(node, place) {
@@ -232,12 +233,12 @@ fn list(node: &'static Json, place: Option<&Value>, path: &str, known: &mut Vec<
     }
 }
 
-/// Up to three keys that may have been meant. What a key's last part says counts as much as the way to it.
+/// Up to three keys that may have been meant. The similarity of a key's last part counts as much as that of the whole path.
 fn nearest_keys(key: &str, known: Vec<String>) -> Vec<String> {
-    // A key that is this much less alike than the best one only distracts.
+    // A key that is less similar than the best one by more than this only distracts.
     const SLACK: f64 = 0.4;
     let last = |path: &str| segments(path).last().map_or_else(String::new, |last| (*last).to_owned());
-    // What names a part of something that has none means that very thing.
+    // A path that goes on below a key without parts must mean that key.
     let has_no_parts = |path: &str| key.strip_prefix(path).is_some_and(|rest| rest.starts_with(['.', '[']));
     let similarity = |path: &str| {
         let alike = strsim::jaro_winkler(key, path) + strsim::jaro_winkler(&last(key), &last(path)).powi(2);

@@ -1,4 +1,4 @@
-//! How long a camera exposes and how much it amplifies: from luminance to electrons, and automatic exposure.
+//! Exposure time and gain of a camera: the conversion of luminance to electrons, and automatic exposure.
 
 use std::f64::consts::PI;
 
@@ -13,10 +13,10 @@ use crate::scene::SensorModel;
 const PHOTONS_PER_LUX_SECOND_M2: f64 = 1.0 / 683.0 / (6.626_070_15e-34 * 299_792_458.0 / 555e-9);
 
 impl SensorModel {
-    /// Electrons per cd/m² of the surface seen.
+    /// Electrons in a pixel per cd/m² of the surface seen.
     ///
-    /// The illuminance on the sensor is E = (π/4)·L/N² (thin lens, far object, no vignetting), and
-    /// electrons = E · pitch² · t · QE · photons per lux second and square metre.
+    /// The illuminance on the sensor is E = (π/4)·L/N² (thin lens, far object, no vignetting), and electrons = E · pitch² · t · QE · photons per lux
+    /// second and square metre.
     pub fn electrons_per_luminance(&self, exposure_s: f64) -> f64 {
         PI / 4.0 / self.f_number.powi(2)
             * self.pixel_pitch_m.powi(2)
@@ -26,54 +26,54 @@ impl SensorModel {
     }
 }
 
-/// How one image is exposed.
+/// Exposure time and gain of one image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exposure {
     /// Length of the exposure.
     pub exposure_s: f64,
-    /// Grey levels of the sensor's own depth per electron.
+    /// Gain in grey levels, at the sensor's own bit depth, per electron.
     pub gain_levels_per_electron: f64,
 }
 
-/// Auto-exposure: each image is exposed by what the one before it measured, so that a switched lamp spoils one or two; or else one
-/// exposure for all.
+/// Automatic exposure: each image is exposed by what was measured in the image before it, so that a switched lamp spoils one or two images. With a
+/// fixed exposure all images are exposed alike.
 #[derive(Clone, Debug)]
 pub struct AutoExposure {
     max_exposure_s: f64,
-    /// In levels of eight bits.
+    /// Least and greatest gain, in levels of eight bits per electron.
     gain_range: [f64; 2],
-    /// In levels of eight bits.
+    /// Exposure of the next image, with its gain in levels of eight bits per electron.
     next: Exposure,
-    /// In levels of eight bits.
+    /// Black level of the sensor, in levels of eight bits.
     black_level: f64,
     levels_per_byte_level: f64,
     is_fixed: bool,
-    /// No more of the pixels shall be brighter than [`HIGHLIGHT_LEVEL`].
+    /// Greatest share of an image's pixels that may be brighter than [`HIGHLIGHT_LEVEL`].
     highlight_share: f64,
 }
 
-/// Mean grey level aimed at: below the middle of the range, as camera makers do, to leave room for highlights.
+/// Mean grey level that automatic exposure aims at. It is below the middle of the range, as camera makers choose it, to leave room for highlights.
 const TARGET_MEAN_LEVEL: f64 = 110.0;
-/// No more pixels than are given up as highlights shall be brighter than this, so that noise does not saturate.
+/// Grey level that only the pixels given up as highlights may exceed, so that noise does not saturate.
 const HIGHLIGHT_LEVEL: f64 = 215.0;
-/// An image that is white all over tells only that it got too much light: so much is taken off, as to find the range
-/// within two images after any switch of lamps up to 40 times.
+/// Factor by which exposure is reduced after an image that is white all over, as such an image shows only that it got too much light. With this
+/// factor the range is found within two images after any switch of lamps by up to 40 times.
 const STRONGEST_STEP_DOWN: f64 = 20.0;
-/// A dark image is mostly noise; at most this much is put on at once.
+/// Greatest factor by which exposure is raised at once, as a dark image is mostly noise.
 const STRONGEST_STEP_UP: f64 = 32.0;
-/// Shortest exposure of a global shutter of this class.
+/// Shortest exposure that the simulated global-shutter sensors can take.
 const SHORTEST_EXPOSURE_S: f64 = 1e-5;
-/// The first image is exposed for a floor of albedo 0.5 under office light.
+/// Illuminance for which the first image is exposed: office light, on a floor of albedo 0.5.
 const FIRST_ILLUMINANCE_LUX: f64 = 300.0;
 const FIRST_ALBEDO: f64 = 0.5;
 
 impl AutoExposure {
-    /// Set for the first image, which is exposed for office light.
+    /// Automatic exposure before the first image, which is exposed for office light.
     pub fn new(sensor: &SensorModel) -> AutoExposure {
         let levels_per_byte_level = sensor.bits.levels_per_byte_level();
         let black_level = sensor.black_level / levels_per_byte_level;
         let max_gain = sensor.max_gain_levels_per_electron / levels_per_byte_level;
-        // Less gain would leave the upper grey levels without use; a well that is full reaches the last level.
+        // With less gain the upper grey levels would not be used: at this gain a full well reaches the last level.
         let min_gain = (255.0 - black_level) / sensor.full_well_electrons;
         let gain_range = [min_gain.min(max_gain), max_gain];
         let luminance = FIRST_ALBEDO * FIRST_ILLUMINANCE_LUX / PI;
@@ -93,13 +93,13 @@ impl AutoExposure {
         control
     }
 
-    /// How the next image is exposed.
+    /// Exposure of the next image.
     pub fn exposure(&self) -> Exposure {
         let gain_levels_per_electron = self.next.gain_levels_per_electron * self.levels_per_byte_level;
         Exposure { gain_levels_per_electron, ..self.next }
     }
 
-    /// How the next image is exposed if no longer than this: as much light as gain can make up for.
+    /// Exposure of the next image if it may not be longer than `longest_s`. A higher gain makes up for the missing light as far as it can.
     pub fn exposure_within(&self, longest_s: f64) -> Exposure {
         let wanted = self.exposure();
         if wanted.exposure_s <= longest_s {
@@ -110,17 +110,19 @@ impl AutoExposure {
         Exposure { exposure_s: longest_s, gain_levels_per_electron: gain * self.levels_per_byte_level }
     }
 
-    /// The gain that no image exceeds, in grey levels of the sensor's own depth.
+    /// Greatest gain that any image can have, in grey levels of the sensor's own bit depth per electron.
     pub fn greatest_gain_levels_per_electron(&self) -> f64 {
         self.gain_range[usize::from(!self.is_fixed)] * self.levels_per_byte_level
     }
 
-    /// Meters the eight most significant bits of an image that was exposed by [`AutoExposure::exposure`].
+    /// Measures the brightness of an image that was exposed by [`AutoExposure::exposure`], in order to set the next exposure. `image` holds the eight
+    /// most significant bits.
     pub fn meter(&mut self, image: &GrayImage) {
         self.meter_exposed(image, self.exposure());
     }
 
-    /// Meters the eight most significant bits of an image that was exposed like this.
+    /// Measures the brightness of an image that was exposed by `exposed`, in order to set the next exposure. `image` holds the eight most significant
+    /// bits.
     pub fn meter_exposed(&mut self, image: &GrayImage, exposed: Exposure) {
         if self.is_fixed {
             return;
@@ -138,7 +140,7 @@ impl AutoExposure {
         let change = if white > 0.5 {
             1.0 / STRONGEST_STEP_DOWN
         } else if brightest >= 255.0 {
-            // Clipped: the mean bounds the light only from below, so take off clearly more than it asks for.
+            // The image is clipped, so its mean is only a lower bound of the light. The exposure is reduced by clearly more than the mean demands.
             (TARGET_MEAN_LEVEL / mean.max(0.1)).min(1.0) * 0.6
         } else {
             (TARGET_MEAN_LEVEL / mean.max(0.1)).min(HIGHLIGHT_LEVEL / highlight.max(0.1))
@@ -147,7 +149,7 @@ impl AutoExposure {
         self.aim_at(product * change.clamp(1.0 / STRONGEST_STEP_DOWN, STRONGEST_STEP_UP));
     }
 
-    /// Splits a product of exposure and gain: the longest exposure first, and a shorter one only when the gain is at its least.
+    /// Splits a product of exposure time and gain: the exposure is the longest one, and is shortened only when the gain is at its least.
     fn aim_at(&mut self, product: f64) {
         let [min_gain, max_gain] = self.gain_range;
         let gain = (product / self.max_exposure_s).clamp(min_gain, max_gain);
@@ -156,7 +158,7 @@ impl AutoExposure {
     }
 }
 
-/// Lowest grey level that at most `count` pixels exceed.
+/// Lowest grey level that at most `count` pixels of the histogram exceed.
 fn level_exceeded_by(histogram: &[usize; 256], count: f64) -> f64 {
     let mut above = 0;
     for level in (0..256_usize).rev() {

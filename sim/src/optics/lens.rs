@@ -1,32 +1,32 @@
-//! A lens before a sensor: projection with distortion, and the way back.
+//! A lens before a sensor: projection with distortion, and its inverse.
 
 use crate::scene::Band;
 
-/// A lens before a sensor: how it projects and what else it does to the light.
+/// A lens before a sensor: its projection, and what else it does to the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lens {
-    /// Image width and height.
+    /// Width and height of the image.
     pub size_px: [u32; 2],
-    /// Focal lengths along u and v.
+    /// Focal lengths of the lens along the image axes u and v.
     pub focal_px: [f64; 2],
-    /// Where the optical axis meets the image.
+    /// Principal point, where the optical axis meets the image.
     pub principal_point_px: [f64; 2],
-    /// Brown and Conrady's k1, k2, p1, p2, k3.
+    /// Distortion coefficients k1, k2, p1, p2, k3 of Brown and Conrady.
     pub distortion: [f64; 5],
-    /// Whether light falls off by the fourth power of the cosine.
+    /// Whether the image darkens away from its middle by the fourth power of the cosine of the angle off the optical axis.
     pub vignetting: bool,
-    /// Diameter of the disc into which a point is blurred.
+    /// Diameter of the disc into which defocus blurs a point.
     pub defocus_px: f64,
-    /// From the start of one row's exposure to that of the next.
+    /// Time from the start of one row's exposure to the start of the next row's.
     pub row_time_s: f64,
-    /// What passes the filter.
+    /// Band of wavelengths that passes the filter.
     pub band: Band,
     /// Intensity of a ring of diodes around the lens, in equivalent candela of the infrared band.
     pub ring_candela: f64,
 }
 
 impl Lens {
-    /// An ideal lens of one focal length before the middle of the image, without vignetting.
+    /// An ideal lens with one focal length, whose principal point is the middle of the image, without distortion and vignetting.
     pub fn ideal(size_px: [u32; 2], focal_px: f64) -> Lens {
         Lens {
             size_px,
@@ -41,17 +41,17 @@ impl Lens {
         }
     }
 
-    /// Time from the start of the first row's exposure to that of the last.
+    /// Time from the start of the first row's exposure to the start of the last row's.
     pub fn readout_s(&self) -> f64 {
         self.row_time_s * f64::from(self.size_px[1] - 1)
     }
 
-    /// Whether the lens bends what a pinhole would show.
+    /// Whether the lens distorts the image that a pinhole would give.
     pub fn bends(&self) -> bool {
         self.distortion != [0.0; 5]
     }
 
-    /// Image of a point of the plane at depth 1 (Brown 1966, in OpenCV's terms):
+    /// Image of a point in the plane at depth 1 (Brown 1966, in OpenCV's terms):
     /// x' = x·(1 + k1·r² + k2·r⁴ + k3·r⁶) + 2·p1·x·y + p2·(r² + 2x²), and y' likewise with p1 and p2 exchanged.
     pub fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [k1, k2, p1, p2, k3] = self.distortion;
@@ -64,9 +64,11 @@ impl Lens {
         [0, 1].map(|axis| self.focal_px[axis] * bent[axis] + self.principal_point_px[axis])
     }
 
-    /// Coefficients of a lens that puts what a corner of its image shows `off_px` farther out, and all else less.
+    /// Distortion coefficients of a lens that images what a corner of the picture shows `off_px` farther out, and everything else less far out. Only
+    /// k1 changes.
     pub fn bent_further(&self, off_px: f64) -> [f64; 5] {
-        /// What the corners show changes with the lens, by a share of `off_px` over the corner's distance: each step is that much nearer.
+        /// Number of iterations. What the corners of the image show changes with the lens, by a share of `off_px` over the corner's distance from the
+        /// middle; each iteration reduces the error to that share.
         const STEPS: usize = 6;
         let [k1, k2, p1, p2, k3] = self.distortion;
         let mut bent = self.clone();
@@ -80,14 +82,14 @@ impl Lens {
         [bent.distortion[0], k2, p1, p2, k3]
     }
 
-    /// What the corners of the image show, in the plane at depth 1; those where the polynomial folds back are left out.
+    /// What the corners of the image show, as points in the plane at depth 1. Corners where the distortion polynomial folds back are left out.
     pub fn corners(&self) -> Vec<[f64; 2]> {
         let [width, height] = self.size_px.map(f64::from);
         let corners = [[-0.5, -0.5], [width - 0.5, -0.5], [-0.5, height - 0.5], [width - 0.5, height - 0.5]];
         corners.into_iter().filter_map(|corner| self.ray(corner)).collect()
     }
 
-    /// The point of the plane at depth 1 that a pixel shows, by Newton's method; `None` where the polynomial folds back.
+    /// Point in the plane at depth 1 that a pixel shows, by Newton's method; `None` where the distortion polynomial folds back.
     pub fn ray(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
         let pinhole = [0, 1].map(|axis| (pixel[axis] - self.principal_point_px[axis]) / self.focal_px[axis]);
         let mut at = pinhole;
@@ -107,7 +109,7 @@ impl Lens {
         None
     }
 
-    /// ∂pixel/∂point, row by row.
+    /// Derivative ∂pixel/∂point of the projection, row by row.
     fn slope(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let [k1, k2, p1, p2, k3] = self.distortion;
         let r2 = x * x + y * y;

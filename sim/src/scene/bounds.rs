@@ -1,50 +1,52 @@
-//! Declared bounds of quantities that come out of the physics.
+//! Declared bounds on quantities that emerge from the simulated physics.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What the localizer is told about quantities that nobody draws.
+/// Declared bounds on quantities that no seed draws, as the localizer is given them.
 ///
-/// The defaults hold for the P3-DX on tiles with friction 0.8. They are the greatest values of 18 tuning drives of 180 s (52 m each;
-/// 12 uniform seeds, 6 with every error in a corner) with half as much again, and frozen since: side slip fitted 0.18 % + 0.02 mm,
-/// tilt 0.022°, wheel acceleration 0.71 m/s², heave below 1 µm. `wheels.slip` is stated by the experiment (0.5 % + 0.1 mm a window)
-/// and was used to 60 %. Reach is wider, since it must hold under a push.
+/// The defaults hold for the P3-DX on tiles with friction 0.8. They are the greatest values of 18 tuning drives of 180 s (52 m each; 12 seeds with
+/// uniformly distributed errors, 6 with every error at an end of its tolerance), enlarged by half and fixed after that: side slip fitted 0.18 % +
+/// 0.02 mm, tilt 0.022°, wheel acceleration 0.71 m/s², heave below 1 µm. `wheels.slip` is set by the experiment (0.5 % + 0.1 mm per window); the
+/// drives used 60 % of it. The bounds `reach` are wider, since they must hold under a push.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Bounds {
-    /// `wheels.slip`: |true travel − rolled| ≤ this share of |rolled| + floor, per wheel and window.
+    /// Bound `wheels.slip`, part proportional to the distance. For each wheel and window: |true travel − rolled distance| ≤ this share of |rolled
+    /// distance| + `slip_floor_m`.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub slip_ratio: f64,
-    /// Additive part of `wheels.slip`, once per window.
+    /// Constant part of the bound `wheels.slip`, once per window.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub slip_floor_m: f64,
-    /// `wheels.side_slip`: |lateral travel of the axle middle| ≤ this share of |rolled| + floor, per window.
+    /// Bound `wheels.side_slip`, part proportional to the distance. For each window: |sideways travel of the axle's middle| ≤ this share of |rolled
+    /// distance| + `side_slip_floor_m`.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub side_slip_ratio: f64,
-    /// Additive part of `wheels.side_slip`.
+    /// Constant part of the bound `wheels.side_slip`, once per window.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub side_slip_floor_m: f64,
-    /// Window of both slip bounds.
+    /// Length of the time window of the bounds `wheels.slip` and `wheels.side_slip`.
     #[schemars(range(min = 0.05, max = 5.0))]
     pub slip_window_s: f64,
-    /// `reach.speed`: no motion is faster, pushes included.
+    /// Bound `reach.speed`: greatest speed of the robot, pushes included.
     #[schemars(range(max = 20.0), extend("exclusiveMinimum" = 0.0))]
     pub reach_speed_m_per_s: f64,
-    /// `reach.turn_rate`: no motion turns faster, pushes included.
+    /// Bound `reach.turn_rate`: greatest turn rate of the robot, pushes included.
     #[schemars(range(max = 50.0), extend("exclusiveMinimum" = 0.0))]
     pub reach_turn_rate_rad_per_s: f64,
-    /// `reach.acceleration`: no wheel accelerates harder while the wheel bounds hold.
+    /// Bound `reach.acceleration`: greatest acceleration of any wheel while the bounds on the wheels hold.
     #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0.0))]
     pub reach_acceleration_m_per_s2: f64,
-    /// `wheels.rest`: from half a second after the encoders' last count until the next one, the body turns by at most this. Unless
-    /// stated, a gyroscope learns nothing at rest.
+    /// Bound `wheels.rest`: greatest turn of the body from half a second after the encoders' last count until their next one. Unless stated, a
+    /// gyroscope learns nothing while the robot rests.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 360.0))]
     pub rest_turn_deg: Option<f64>,
-    /// `body.tilt`: angle of the body's vertical to the floor's.
+    /// Bound `body.tilt`: greatest angle of the body's vertical to the floor's.
     #[schemars(range(min = 0.0, max = 45.0))]
     pub body_tilt_deg: f64,
-    /// `body.heave`: rise or sink of the robot origin from rest.
+    /// Bound `body.heave`: greatest rise or sinking of the robot's origin from its height at rest.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub body_heave_m: f64,
 }

@@ -1,9 +1,9 @@
-//! Walls, ceiling, doors, pictures and further rooms about the room that the robot drives in.
+//! Walls, ceilings, doors, pictures and further rooms around the room that the robot drives in.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What stands about and above the floor, as cameras that look ahead or up see it.
+/// Everything around and above the floor that cameras looking ahead or up can see: ceilings, walls, doors, pictures, further rooms.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Building {
@@ -16,20 +16,21 @@ pub struct Building {
     /// Albedo of the ceilings.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub ceiling_albedo: f64,
-    /// Height of the skirting; 0 for none.
+    /// Height of the skirting boards; 0 for none.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub skirting_height_m: f64,
-    /// Albedo of the skirting.
+    /// Albedo of the skirting boards.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub skirting_albedo: f64,
-    /// Each piece of furniture stands turned by up to this against its `rotation_deg`, as a seed draws it. The map of errands shows it as
-    /// stated.
+    /// Greatest angle by which each piece of furniture stands turned against its `rotation_deg`, drawn at random for each seed. The map of errands
+    /// shows the stated angle.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub furniture_tolerance_deg: f64,
-    /// By how much all walls stand turned about the middle of `[room]`; no key, as the map and the localizer must not know: a seed draws it.
+    /// Angle by which all walls stand turned about the middle of `[room]`, drawn at random for a seed. It is not a key of the scene, as the map and
+    /// the localizer must not know it.
     #[serde(skip)]
     pub(crate) turned_rad: f64,
-    /// Rooms beside `[room]`, rectangles at any angle. Where two rooms overlap there is no wall.
+    /// Rooms besides `[room]`. Where two rooms overlap there is no wall.
     #[serde(rename = "room")]
     pub rooms: Vec<FurtherRoom>,
     /// Doors in walls.
@@ -38,74 +39,75 @@ pub struct Building {
     /// Pictures on walls.
     #[serde(rename = "picture")]
     pub pictures: Vec<Picture>,
-    /// Round retro-reflective dots, which shine back into the lamp at a camera's own lens.
+    /// Round retro-reflective dots, which send the light of a lamp at a camera's lens back to that camera.
     #[serde(rename = "dot")]
     pub dots: Vec<Dot>,
 }
 
-/// A rectangular room at any angle.
+/// A rectangular room at any angle, beside the room that the robot drives in.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FurtherRoom {
-    /// World x of one corner.
+    /// World x of one corner of the further room.
     pub x_m: f64,
-    /// World y of that corner.
+    /// World y of the further room's corner at `x_m`.
     pub y_m: f64,
-    /// Direction of the first side from world x; the second is to its left.
+    /// Direction of the further room's first side from its corner at `x_m` and `y_m`, measured from world x. The second side is to the left of the
+    /// first.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub heading_deg: f64,
-    /// Length of the first side.
+    /// Length of the further room's first side.
     #[schemars(range(min = 0.5, max = 200.0))]
     pub width_m: f64,
-    /// Length of the second side.
+    /// Length of the further room's second side.
     #[schemars(range(min = 0.5, max = 200.0))]
     pub depth_m: f64,
 }
 
-/// A door: its two jambs stand on a wall's foot.
+/// A door in a wall. Its two jambs stand at the foot of the wall.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Door {
-    /// One jamb, world.
+    /// World place of one jamb of the door.
     pub from_m: [f64; 2],
-    /// Other jamb, world.
+    /// World place of the other jamb of the door.
     pub to_m: [f64; 2],
-    /// Height of its upper edge.
+    /// Height of the door's upper edge.
     #[serde(default = "default_door_height_m")]
     #[schemars(range(min = 0.5, max = 5.0))]
     pub height_m: f64,
-    /// Whether it is a hole in the walls at whose feet it stands; a closed one is a leaf on them.
+    /// Whether the door is open, a hole in the walls at which it stands. A closed door is a leaf on these walls.
     #[serde(default)]
     pub open: bool,
-    /// Albedo of leaf and frame.
+    /// Albedo of the door's leaf and frame.
     #[serde(default = "default_door_albedo")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub albedo: f64,
 }
 
-/// A framed picture on a wall, given by the feet of its sides.
+/// A framed picture on a wall. The places of its left and right sides are given at the foot of the wall.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Picture {
-    /// Below one side, world.
+    /// World place on the floor below one side of the picture.
     pub from_m: [f64; 2],
-    /// Below the other side, world.
+    /// World place on the floor below the other side of the picture.
     pub to_m: [f64; 2],
-    /// Height of its lower edge.
+    /// Height of the picture's lower edge above the floor.
     #[serde(default = "default_picture_bottom_m")]
     #[schemars(range(min = 0.0, max = 10.0))]
     pub bottom_m: f64,
-    /// From its lower to its upper edge.
+    /// Height of the picture, from its lower to its upper edge.
     #[serde(default = "default_picture_height_m")]
     #[schemars(range(min = 0.05, max = 10.0))]
     pub height_m: f64,
-    /// Which picture: another number, another one.
+    /// Number of the painting: each number gives a different painting.
     #[serde(default)]
     #[schemars(range(min = 0, max = 1000000))]
     pub number: u32,
-    /// Instead of a painting a chessboard of so many columns and rows of squares, for the calibration of cameras. A square's side is the
-    /// height over rows + 2, and the picture must be as wide as columns + 2 of them: a white margin goes round the board.
+    /// Columns and rows of squares of a chessboard that is shown in place of a painting, for the calibration of cameras. A square's side is the
+    /// picture's height over rows + 2, and the picture must be at least as wide as columns + 2 squares: a white margin goes round the board.
     #[serde(default)]
     #[schemars(inner(range(min = 2, max = 64)))]
     pub chessboard: Option<[u32; 2]>,
@@ -115,25 +117,25 @@ pub struct Picture {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Dot {
-    /// World x of its centre.
+    /// World x of the dot's centre.
     pub x_m: f64,
-    /// World y of its centre.
+    /// World y of the dot's centre.
     pub y_m: f64,
-    /// Height above the floor: just under the ceiling unless stated.
+    /// Height of the dot above the floor; just under the ceiling unless stated.
     #[serde(default)]
     #[schemars(range(min = 0.1, max = 20.0))]
     pub height_m: Option<f64>,
-    /// Radius.
+    /// Radius of the dot.
     #[serde(default = "default_dot_radius_m")]
     #[schemars(range(min = 0.001, max = 0.5))]
     pub radius_m: f64,
-    /// Coefficient of retroreflection: luminous intensity per illuminance and area. Glass beads 70, microprisms 400.
+    /// Coefficient of retroreflection of the dot: luminous intensity per illuminance and area. Glass beads have 70, microprisms 400.
     #[serde(default = "default_retroreflection")]
     #[schemars(range(min = 0.0, max = 2000.0))]
     pub retroreflection_cd_per_lux_m2: f64,
 }
 
-/// What a floor is made of, where it has no tiles.
+/// Coverings of a floor without tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Covering {
@@ -146,7 +148,7 @@ pub enum Covering {
     Wood,
     /// Loop pile.
     Carpet,
-    /// A film of water over what is there, which mirrors.
+    /// A film of water over the floor, which mirrors.
     Wet,
 }
 

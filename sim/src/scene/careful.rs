@@ -1,5 +1,5 @@
-//! Bounds that a person can know: what a data sheet, a standard and an afternoon give of every device. Where each value comes from stands in
-//! the book, on the page `docs/src/where_bounds_come_from.md`.
+//! Bounds that a careful user can know of every device from a data sheet, a standard and an afternoon of measuring. The source of each value is given
+//! in the book, on the page `docs/src/where_bounds_come_from.md`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -11,16 +11,16 @@ use super::{
     robot_preset::lay_over,
 };
 
-/// From where tolerances and bounds come that a scene does not state.
+/// Source of the tolerances and bounds that the scene itself does not state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BoundsFrom {
-    /// The defaults of the keys: instruments of a laboratory, physics tuned on a flat floor.
+    /// Default of each key, which suits instruments of a laboratory and physics tuned on a flat floor.
     #[default]
     Laboratory,
-    /// What a careful user can know of the scene's devices and place; whatever the scene itself states stays.
+    /// Bounds that a careful user can know of the scene's devices and place. Values that the scene states itself are kept.
     CarefulUser,
-    /// The same, and nothing that the scene states is narrower.
+    /// Bounds that a careful user can know, as with `careful_user`. Narrower values that the scene states are widened to them.
     CarefulUserThroughout,
 }
 
@@ -44,7 +44,7 @@ impl<'de> Deserialize<'de> for Scene {
                 keys
             }
         };
-        // The derived function of the same name, not this one.
+        // `Scene::deserialize` is the function that serde derives, not the trait's function of the same name around this line.
         Scene::deserialize(keys).map_err(D::Error::custom)
     }
 }
@@ -55,10 +55,11 @@ impl Serialize for Scene {
     }
 }
 
-/// The careful keys of all that a scene has. A device that is `true` becomes a table without keys, over which they can be laid.
+/// Keys with a careful user's bounds for everything that the scene has. A device stated as `true` becomes a table without keys, over which the
+/// careful keys can be laid.
 fn careful(stated: &mut Map<String, Value>) -> Value {
     let preset = stated.get("robot").and_then(|robot| robot.get("preset")).cloned().unwrap_or_default();
-    // What the schema does not know of is refused with the robot itself.
+    // A preset that the schema does not know is refused later, together with the robot's other keys.
     let preset = RobotPreset::deserialize(preset).unwrap_or_default();
     let mut keys = json!({ "bounds": posture(preset), "building": { "furniture_tolerance_deg": 2.0 } });
     if stated.get("floor").is_some_and(|floor| floor.get("tiles").is_some()) {
@@ -95,7 +96,7 @@ fn careful(stated: &mut Map<String, Value>) -> Value {
     keys
 }
 
-/// A floor with lippage: joints that the standards allow under wheels and casters.
+/// Tilt, heave and slip on a floor with lippage, that is, with the steps at joints that standards allow under wheels and casters.
 fn posture(preset: RobotPreset) -> Value {
     let body_tilt_deg = match preset {
         RobotPreset::P3dx => 0.35,
@@ -123,7 +124,8 @@ fn leave_out_what_is_stated_in_part(keys: &mut Value, stated: &Map<String, Value
     }
 }
 
-/// How far furniture is drawn askew and how far it is told to be mean something only together.
+/// Removes both careful bounds on furniture if the scene states one of them: the greatest random turn of furniture and its declared bound mean
+/// something only together.
 fn leave_out_furniture_if_stated(keys: &mut Value, stated: &Map<String, Value>) {
     const TOGETHER: [[&str; 2]; 2] =
         [["/building", "furniture_tolerance_deg"], ["/localizer/wall_directions", "askew_deg"]];
@@ -136,7 +138,8 @@ fn leave_out_furniture_if_stated(keys: &mut Value, stated: &Map<String, Value>) 
     }
 }
 
-/// Numbers become at least those of `least`, and what is not stated becomes as there. More is wider for every careful key.
+/// Widens the bounds in `keys`: numbers are raised to at least those in `least`, and keys that are missing are added. For every careful key the
+/// greater number is the wider bound.
 fn widen(keys: &mut Value, least: Value) {
     match (keys, least) {
         (Value::Object(keys), Value::Object(least)) => {

@@ -1,4 +1,4 @@
-//! Holds a parsed TOML document against the schema: known keys, right types, values in range.
+//! Checks a parsed TOML document against the schema: known keys, right types, values in range.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::{
     schema::{alternatives, choices, numbers, resolve, schema, type_name},
 };
 
-/// Everything in which `document`, whose text is `text`, departs from the schema.
+/// All departures of `document` from the schema. The document was parsed from `text`.
 pub(crate) fn departures(document: &Spanned<DeTable<'_>>, text: &str) -> Vec<Problem> {
     let mut walk = Walk { text, problems: Vec::new() };
     walk.table(document.get_ref(), document.span(), resolve(schema()), "");
@@ -21,7 +21,7 @@ pub(crate) fn departures(document: &Spanned<DeTable<'_>>, text: &str) -> Vec<Pro
     walk.problems
 }
 
-/// The candidate closest to `name`, if one is close enough to be what was meant.
+/// The candidate most similar to `name`, if one is similar enough to have been meant.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()
@@ -31,7 +31,7 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
         .map(|(_, candidate)| candidate)
 }
 
-/// A text of the file on one line, short enough for a message.
+/// First line of a piece of a scene's text, cut to a length that suits a message.
 pub(crate) fn excerpt(text: &str) -> String {
     const LONGEST: usize = 60;
     let line = text.lines().next().unwrap_or_default().trim();
@@ -115,7 +115,7 @@ impl Walk<'_> {
         }
     }
 
-    /// The schema of a table whose key `kind` selects it; `node` itself when there is nothing to select.
+    /// The schema of a table with several kinds, selected by the table's key `kind`; `node` itself if the table has only one kind.
     fn variant(
         &mut self,
         table: &DeTable<'_>,
@@ -194,12 +194,12 @@ fn join(table: &str, key: &str) -> String {
     if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
 }
 
-/// What to underline when a table lacks a key: its header, or nothing when the file as a whole lacks it.
+/// What to underline when a table lacks a key: the table's header, or nothing when the file as a whole lacks the key.
 fn header(span: &Range<usize>, key: &str) -> Range<usize> {
     if key.is_empty() { 0..0 } else { span.clone() }
 }
 
-/// The value of a number, NaN when it has none.
+/// The value of a TOML number as floating point; NaN if there is none.
 fn numeric(value: &DeValue<'_>) -> f64 {
     match value {
         DeValue::Float(float) => float.as_str().parse().unwrap_or(f64::NAN),
@@ -210,7 +210,7 @@ fn numeric(value: &DeValue<'_>) -> f64 {
     }
 }
 
-/// Whether the type of `value` is one that `node` asks for.
+/// Whether `value` has a type that the schema `node` allows.
 fn fits(value: &DeValue<'_>, node: &'static Value) -> bool {
     let is_variant = node.get("oneOf").is_some();
     match type_name(node) {
@@ -226,7 +226,7 @@ fn fits(value: &DeValue<'_>, node: &'static Value) -> bool {
     }
 }
 
-/// What a value is, in words.
+/// Type of a TOML value, in words.
 pub(crate) fn found(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "a text",
@@ -239,7 +239,7 @@ pub(crate) fn found(value: &DeValue<'_>) -> &'static str {
     }
 }
 
-/// What `node` asks for, in words.
+/// What the schema `node` allows, in words.
 fn expectation(node: &'static Value) -> String {
     let bound = |name: &str| node.get(name).and_then(Value::as_f64);
     let kind = if type_name(node) == "integer" { "a whole number" } else { "a number" };
@@ -265,7 +265,7 @@ fn expectation(node: &'static Value) -> String {
     }
 }
 
-/// What a key means and what it is when absent, from the schema.
+/// Explanation of a key for a message: its meaning and its default, from the schema.
 fn explanation(key: &str, node: &'static Value) -> Option<String> {
     let meaning = node.get("description").and_then(Value::as_str)?;
     let plain = |value: &&Value| !value.is_object() && !value.is_array() && !value.is_null();

@@ -1,4 +1,4 @@
-//! Keys of the devices of a robot, a file for each kind.
+//! Keys of a robot's devices, in one file for each kind of device.
 
 mod camera;
 mod ceiling_camera;
@@ -30,12 +30,13 @@ pub use gyro::Gyro;
 pub use proximity::Proximity;
 pub use range_camera::RangeCamera;
 
-/// Names every kind of device to a macro: what it is, the key of its table under `[robot]`, and the type of the table. What is read by the board
-/// of the base is read in this order.
+/// Passes every kind of device to a macro: its description, the key of its table under `[robot]`, and the type of that table. Devices that the board
+/// of the base reads are read in the order of this list.
 macro_rules! with_every_kind {
     ($define:ident) => {
         $define! {
-            /// Camera that looks straight down: a table of its keys, or `false` for none, which leaves the wheels alone.
+            /// Camera that looks straight down: a table of its keys, `true` for the default one, or `false` for none. On the default robot only the
+            /// wheels are left without it.
             floor_camera: FloorCamera as "Fitted<FloorCamera>";
             /// Camera that looks ahead: a table of its keys, `true` for the default one, or `false` for none.
             forward_camera: ForwardCamera as "Fitted<ForwardCamera>";
@@ -54,19 +55,20 @@ macro_rules! with_every_kind {
 }
 pub(crate) use with_every_kind;
 
-/// Names every method to a macro: what it reads, its name, and the key of the device under `[robot]` that makes it.
+/// Passes every method to a macro: what the method reads, its name, and the key under `[robot]` of the device that creates the method.
 macro_rules! with_every_method {
     ($define:ident) => {
         $define! {
-            /// Joints of a tiled floor under a camera that looks down (paper 1).
+            /// The method that reads joints of a tiled floor, seen by a camera that looks down (paper 1).
             FloorTiles reads floor_camera,
-            /// Coded landmarks that no map names, seen by a range camera (paper 3).
+            /// The method that reads coded landmarks whose positions are on no map, seen by a range camera (paper 3).
             RangeLandmarks reads range_camera,
-            /// Dot-matrix markers on the ceiling under a camera that looks up (paper 5).
+            /// The method that reads dot-matrix markers on the ceiling, seen by a camera that looks up (paper 5).
             CeilingMarkers reads ceiling_camera,
-            /// Level edges of walls before a camera that looks ahead: heading up to quarter turns, in the dark (paper 2).
+            /// The method that reads level edges of walls, seen by a camera that looks ahead, also in the dark. It gives the heading up to quarter
+            /// turns (paper 2).
             WallDirections reads forward_camera,
-            /// Positions of an antenna, as a receiver of satellite navigation tells them.
+            /// The method that reads positions of an antenna, as a receiver of satellite navigation reports them.
             GnssPositions reads gnss,
         }
     };
@@ -75,7 +77,7 @@ pub(crate) use with_every_method;
 
 macro_rules! define_methods {
     ($($(#[$doc:meta])+ $method:ident reads $device:ident,)+) => {
-        /// Localization methods by the cue they read.
+        /// Localization methods, named by the cue that they read.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
         #[serde(rename_all = "snake_case")]
         pub enum MethodName {
@@ -83,12 +85,12 @@ macro_rules! define_methods {
         }
 
         impl MethodName {
-            /// All of them.
+            /// All localization methods.
             pub(crate) const ALL: &[MethodName] = &[$(MethodName::$method,)+];
         }
 
         impl Robot {
-            /// The key of the device that a method reads, if this robot has none.
+            /// Key of the device that `method` reads if this robot lacks that device, otherwise `None`.
             pub(crate) fn lacks(&self, method: MethodName) -> Option<&'static str> {
                 match method {
                     $(MethodName::$method => self.$device.is_none().then_some(concat!("robot.", stringify!($device))),)+
@@ -102,7 +104,7 @@ with_every_method!(define_methods);
 
 macro_rules! define {
     ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal ;)+) => {
-        /// What a careful user can know of each kind of device, by the key of its table under `[robot]`.
+        /// Bounds that a careful user can know of each kind of device, with the key of the device's table under `[robot]`.
         pub(super) fn careful() -> Vec<(&'static str, Careful)> {
             vec![$((stringify!($name), $keys::careful()),)+]
         }
@@ -111,28 +113,28 @@ macro_rules! define {
 
 with_every_kind!(define);
 
-/// What a careful user can know of a device.
+/// Bounds that a careful user can know of a device from a data sheet and an afternoon of measuring.
 pub(super) struct Careful {
-    /// Its keys.
+    /// Keys of the device, with the values that a careful user can know.
     pub(super) keys: Value,
-    /// Those of them that mean something only together: a scene that states one of them says what all of them are.
+    /// Names of keys that mean something only together. A scene that states one of them gets no careful value for any of them.
     pub(super) together: &'static [&'static str],
 }
 
 impl Careful {
-    /// Keys of which each means something alone.
+    /// Makes a careful user's bounds from keys that each mean something on their own.
     fn each(keys: Value) -> Self {
         Careful { keys, together: &[] }
     }
 }
 
-/// A device as a scene states it. TOML has no null, so `false` says that the robot has none.
+/// A device as a scene states it. TOML has no null, so `false` states that the robot does not have the device.
 #[derive(Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(super) enum Fitted<T> {
-    /// Fitted, with these keys.
+    /// The robot has the device, with these keys.
     With(T),
-    /// `true`: fitted as by default. `false`: not fitted.
+    /// `true`: the robot has the device with default keys. `false`: the robot does not have the device.
     Whether(bool),
 }
 

@@ -1,4 +1,4 @@
-//! Why a scene cannot be used, with the place in its file underlined.
+//! Reasons why a scene cannot be used, with the place in its file underlined.
 
 use std::{fmt, io, ops::Range, path::PathBuf};
 
@@ -7,88 +7,88 @@ use thiserror::Error;
 
 use super::extend::Sources;
 
-/// Why a scene cannot be used. Its text follows "failed to".
+/// Reason why a scene cannot be used. The error's text is written to follow the words "failed to".
 #[derive(Debug, Error)]
 pub enum SceneError {
     /// The file or folder cannot be read.
     #[error("read scene {}: {source}", path.display())]
     Unreadable {
-        /// The file or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error that the operating system reported.
         source: io::Error,
     },
-    /// The file is not text.
+    /// The scene's file is not text in UTF-8.
     #[error("read scene {file}: byte {offset} is not UTF-8, but a scene is a text file in TOML")]
     NotText {
-        /// The file.
+        /// Name of the file.
         file: String,
-        /// Bytes before the first that is not UTF-8.
+        /// Number of bytes before the first byte that is not UTF-8.
         offset: usize,
     },
     /// The text is not a valid scene.
     #[error("read scene {}: {problems}", sources.name())]
     Invalid {
-        /// Its file and those that it extends.
+        /// Texts of the scene's file and of the files that it extends.
         sources: Sources,
-        /// What is wrong, in the order of the file, then of those that it extends.
+        /// Everything that is wrong, in the order of the scene's file and then of the files that it extends.
         problems: Problems,
     },
     /// A folder holds no scene.
     #[error("find a scene in {}: expected at least one file that ends in .toml, there or in a folder below; .base.toml is for what scenes extend", folder.display())]
     NoScenes {
-        /// The folder.
+        /// The folder without any scene.
         folder: PathBuf,
     },
-    /// A key was to be set that scenes do not have.
+    /// The key that was to be set is not a key of scenes.
     #[error("set `{key}` of scene {}: unknown key, expected one such as {}", path.display(), nearest.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "))]
     UnknownKey {
-        /// The scene's file.
+        /// Path of the scene's file.
         path: PathBuf,
-        /// The key.
+        /// The unknown key.
         key: String,
-        /// Keys that may have been meant, the nearest first.
+        /// Known keys that may have been meant, the nearest first.
         nearest: Vec<String>,
     },
-    /// Another base was to be set.
+    /// The key `extends` was to be set, which only the scene's file itself may state.
     #[error("set `extends = {value}` of scene {}: what it extends is a matter of its file, expected a key of the scene itself", path.display())]
     SetBase {
-        /// The scene's file.
+        /// Path of the scene's file.
         path: PathBuf,
-        /// The value.
+        /// Value to which `extends` was to be set.
         value: String,
     },
-    /// Two scenes would be recorded in the same place.
+    /// Two scenes have the same name, so that their runs would be recorded in the same place.
     #[error("tell {} and {} apart: both are scenes named `{name}`, expected different names", first.display(), second.display())]
     SameName {
-        /// The name.
+        /// Name that both scenes have.
         name: String,
-        /// One file.
+        /// File of the first scene.
         first: PathBuf,
-        /// The other.
+        /// File of the second scene.
         second: PathBuf,
     },
 }
 
-/// One thing wrong in a scene.
+/// One thing that is wrong in a scene.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// Dotted path of the key, such as `route.waypoint[3].x_m`; empty for the file as a whole.
+    /// Dotted path of the wrong key, such as `route.waypoint[3].x_m`; empty if the file as a whole is wrong.
     pub key: String,
-    /// The value as the file writes it; none when the key is missing or itself the problem.
+    /// The key's value as the file writes it; none if the key is missing or is itself the problem.
     pub value: Option<String>,
-    /// What is wrong with it and what was expected.
+    /// What is wrong with the key or its value, and what was expected.
     pub expected: String,
-    /// Bytes to underline, counted through all files of the scene.
+    /// Range of bytes to underline, counted through the joined text of all files of the scene.
     pub span: Range<usize>,
-    /// What the key means.
+    /// Explanation of what the key means.
     pub help: Option<String>,
-    /// The file in which it stands; none for the scene's own.
+    /// Name of the file in which the problem is; none if it is the scene's own file.
     pub file: Option<String>,
 }
 
 impl Problem {
-    /// A text that is not TOML, which begins at byte `start` of all files of the scene.
+    /// The problem of a text that is not TOML. The text begins at byte `start` of the joined text of all files of the scene.
     pub(crate) fn of_toml(error: &toml::de::Error, start: usize) -> Problem {
         let expected = format!("not a scene in TOML: {}", error.message().trim().replace('\n', ", "));
         let span = error.span().unwrap_or(0..0);
@@ -97,7 +97,7 @@ impl Problem {
     }
 }
 
-/// At least one problem.
+/// A list of at least one problem in a scene.
 #[derive(Debug)]
 pub struct Problems(pub Vec<Problem>);
 

@@ -1,82 +1,82 @@
-//! What happens during a run.
+//! Events during a run, such as pushes, switched lamps and stuck wheels.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Something that happens at a stated time, told apart by its key `kind`.
+/// An event at a stated time. Its key `kind` selects what happens.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Event {
-    /// A hand displaces the robot's body at a steady speed, while its wheels go on.
+    /// A hand displaces the robot's body at a steady speed, while its wheels go on rolling.
     Push {
-        /// When it begins.
+        /// Time at which the push begins.
         #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
-        /// How far, in the robot frame at that moment: forward and left.
+        /// Displacement of the robot by the push, forward and left in the robot frame as the push begins.
         #[schemars(inner(range(min = -5.0, max = 5.0)))]
         displacement_m: [f64; 2],
-        /// How long the push takes.
+        /// Duration of the push.
         #[schemars(range(min = 0.02, max = 60.0))]
         lasts_s: f64,
     },
     /// The lamps are switched to another mean illuminance at the floor.
     Light {
-        /// When it happens.
+        /// Time at which the lamps are switched.
         #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
         /// New mean illuminance at the floor.
         #[schemars(range(min = 0.0, max = 100000.0))]
         illuminance_at_floor_lux: f64,
     },
-    /// A floor region, or the whole floor outside regions, changes its friction.
+    /// The friction of a floor region, or of the whole floor outside regions, changes.
     Friction {
-        /// When it happens.
+        /// Time at which the friction changes.
         #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
-        /// Name of a region; the floor outside regions when absent.
+        /// Name of the region whose friction changes; the floor outside all regions unless stated.
         #[serde(default)]
         region: Option<String>,
-        /// New friction coefficient.
+        /// New friction coefficient between tyre and floor.
         #[schemars(range(min = 0.01, max = 2.0))]
         friction: f64,
     },
     /// Hands lift the robot off the floor, displace and turn it, and put it down again.
     Lift {
-        /// When it begins.
+        /// Time at which the hands lift the robot.
         #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
-        /// How far, in the robot frame at that moment: forward and left.
+        /// Displacement of the robot by the hands that lift it, forward and left in the robot frame as they begin.
         #[serde(default)]
         #[schemars(inner(range(min = -5.0, max = 5.0)))]
         displacement_m: [f64; 2],
-        /// How far it is turned, counter-clockwise.
+        /// Angle by which the hands turn the robot, counter-clockwise.
         #[serde(default)]
         #[schemars(range(min = -180.0, max = 180.0))]
         turn_deg: f64,
-        /// How long the hands hold it.
+        /// Time for which the hands hold the robot.
         #[schemars(range(min = 0.2, max = 60.0))]
         lasts_s: f64,
     },
-    /// One wheel does not do what its motor wants.
+    /// One wheel is stuck: it is blocked, or it spins without grip on the floor.
     StuckWheel {
-        /// When it begins.
+        /// Time at which the wheel gets stuck.
         #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
-        /// Which wheel.
+        /// Wheel that gets stuck.
         wheel: Side,
-        /// Held fast, or without hold on the floor.
+        /// Whether the wheel is held fast or spins without grip on the floor.
         #[serde(default)]
         how: Stuck,
-        /// How long it lasts.
+        /// Time for which the wheel stays stuck.
         #[schemars(range(min = 0.02, max = 60.0))]
         lasts_s: f64,
     },
     /// The flow sensor finds nothing to follow.
     FlowBlind {
-        /// When it begins.
+        /// Time at which the flow sensor loses the floor.
         #[schemars(range(min = 0.0, max = 36000.0))]
         at_s: f64,
-        /// How long it lasts.
+        /// Time for which the flow sensor finds nothing.
         #[schemars(range(min = 0.02, max = 60.0))]
         lasts_s: f64,
     },
@@ -92,19 +92,19 @@ pub enum Side {
     Right,
 }
 
-/// What holds a wheel up.
+/// Ways in which a wheel is stuck.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Stuck {
-    /// Hair or a cable holds it: it does not turn.
+    /// Hair or a cable holds the wheel, which does not turn.
     #[default]
     Blocked,
-    /// It hangs over a cable or an edge: it turns without hold on the floor.
+    /// The wheel hangs over a cable or an edge, and turns without grip on the floor.
     Spinning,
 }
 
 impl Event {
-    /// When the event begins.
+    /// Time at which the event begins.
     pub fn at_s(&self) -> f64 {
         match self {
             Event::Push { at_s, .. }
@@ -116,7 +116,7 @@ impl Event {
         }
     }
 
-    /// How long the event lasts; 0 for a change.
+    /// Duration of the event; 0 for a switch of the light and a change of friction.
     pub fn lasts_s(&self) -> f64 {
         match self {
             Event::Light { .. } | Event::Friction { .. } => 0.0,
@@ -127,7 +127,7 @@ impl Event {
         }
     }
 
-    /// Whether it goes on at an instant.
+    /// Whether the event is in progress at an instant.
     pub fn is_on(&self, time_s: f64) -> bool {
         self.at_s() <= time_s && time_s < self.at_s() + self.lasts_s()
     }

@@ -1,4 +1,4 @@
-//! What a scene asks of each of its runs.
+//! Limits that a scene sets on the results of each of its runs.
 
 use std::collections::BTreeMap;
 
@@ -6,12 +6,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Limits on the figures of `summary.json`, by the same names: `unsound = 0`, `error.x_m.rmse_worst_third_max = 0.001`,
-/// `availability_min = 0.99`. A name that ends in `_max` or `_min` limits the figure of the name before it; any other
-/// name asks for the exact value. The counts of `containment` need no prefix.
+/// Limits on the figures of `summary.json`, under the same names: `unsound = 0`, `error.x_m.rmse_worst_third_max = 0.001`, `availability_min = 0.99`.
+/// A name that ends in `_max` or `_min` limits the figure whose name comes before that ending; any other name demands the exact value. The counts
+/// under `containment` need no prefix.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Expect {
-    /// Nested tables as the file gives them.
+    /// Limits by name, in nested tables as the scene's file gives them.
     pub limits: BTreeMap<String, Value>,
 }

@@ -1,4 +1,4 @@
-//! Scenes that build on others: a file and those that it extends, laid over each other without forgetting where each value stands.
+//! Scenes that build on others: merges a scene's file with the files that it extends, and remembers where each value stands.
 
 use std::{
     fs,
@@ -18,36 +18,37 @@ use super::{
     error::{Problem, Problems},
 };
 
-/// What `extends` says, for the schema.
+/// Explanation of the key `extends`, for the schema.
 pub(super) const EXTENDS: &str = "A file on whose keys this one builds, as a path from this file's folder. Tables merge key by key, and this file \
 wins; any other value, lists included, replaces the whole. `description` is never taken over, `[expect]` only as a whole.";
 
-/// The texts of a scene's file and of those that it extends, one after the other, so that a span tells both a file and a place in it.
+/// The texts of a scene's file and of the files that it extends, joined one after the other, so that a range of bytes gives both a file and a place
+/// in it.
 #[derive(Debug)]
 pub struct Sources {
-    /// All texts, a line break between two of them.
+    /// The joined texts of all files, with a line break between each two.
     text: String,
-    /// The scene's own file first, then what each extends.
+    /// The files in the order of the joined text: the scene's own first, then the one that each extends.
     files: Vec<Source>,
 }
 
 #[derive(Debug)]
 struct Source {
     name: String,
-    /// Bytes of `text` that are this file's.
+    /// Range of bytes that a file takes up in the joined text of all files.
     span: Range<usize>,
-    /// The way here from the folder of the scene's own file, `""` or with a slash at its end.
+    /// Relative path to this file's folder from the folder of the scene's own file: `""`, or with a slash at its end.
     folder: String,
 }
 
 impl Sources {
-    /// A text that stands alone: it can extend nothing, as nobody knows in which folder that would be.
+    /// A text without a file. It can extend nothing, as there is no folder in which the extended file could be found.
     pub(crate) fn alone(text: &str, name: &str) -> Sources {
         let whole = Source { name: name.to_owned(), span: 0..text.len(), folder: String::new() };
         Sources { text: text.to_owned(), files: vec![whole] }
     }
 
-    /// Reads a file, what that extends, what that extends, and so on.
+    /// Reads a scene's file, the file that it extends, the file that this one extends, and so on.
     pub(crate) fn load(path: &Path) -> Result<Sources, SceneError> {
         let mut sources = Sources::alone(&text_of(path)?, &path.display().to_string());
         let mut path = path.to_owned();
@@ -55,7 +56,7 @@ impl Sources {
         loop {
             let stated = match sources.stated() {
                 Ok(Some(stated)) => stated,
-                // What is not TOML extends nothing, and is refused when all is merged.
+                // The last file extends nothing, or it is not TOML, in which case it is refused when all files are merged.
                 Ok(None) => return Ok(sources),
                 Err(problem) => return Err(sources.refuse(vec![*problem])),
             };
@@ -91,7 +92,7 @@ impl Sources {
         self.files.push(Source { name, span, folder });
     }
 
-    /// What the last file says that it extends.
+    /// The key `extends` of the last file that was read, if it has one.
     fn stated(&self) -> Result<Option<Stated>, Box<Problem>> {
         let Some(last) = self.files.last() else { return Ok(None) };
         let Ok(document) = DeTable::parse(&self.text[last.span.clone()]) else { return Ok(None) };
@@ -116,7 +117,7 @@ impl Sources {
         }
     }
 
-    /// All files laid over each other, their own keys `extends` left away; spans count through `text`.
+    /// All files merged into one document, without their keys `extends`. Spans count bytes through the joined `text`.
     pub(crate) fn merged(&self) -> Result<Spanned<DeTable<'_>>, Vec<Problem>> {
         let mut merged = DeTable::new();
         for source in &self.files {
@@ -125,7 +126,7 @@ impl Sources {
                 .map_err(|error| vec![Problem::of_toml(&error, start)])?;
             let mut table = shifted_table(document.into_inner(), start);
             let stated = table.remove("extends");
-            // A file's own `extends` has been followed, so that only a text without a file comes to its end with one.
+            // A file's key `extends` has been followed to the next file, so the last text has the key only if it is a text without a file.
             let is_last = source.span.end == self.text.len();
             if let Some(base) = stated.filter(|_| is_last) {
                 let value = excerpt(&self.text[base.span()]);
@@ -147,12 +148,12 @@ impl Sources {
         Ok(Spanned::new(0..self.text.len(), merged))
     }
 
-    /// All texts, as spans count.
+    /// The joined text of all files, through which spans count bytes.
     pub(crate) fn text(&self) -> &str {
         &self.text
     }
 
-    /// Whether the scene is one file.
+    /// Whether the scene consists of a single file.
     pub(crate) fn is_one(&self) -> bool {
         self.files.len() == 1
     }
@@ -162,7 +163,7 @@ impl Sources {
         self.files.first().map_or("", |file| &file.name)
     }
 
-    /// The refusal of the scene for `problems`, each of which comes to know its file.
+    /// Error that refuses the scene for `problems`. The file in which each problem stands is entered in the problem.
     pub(crate) fn refuse(self, mut problems: Vec<Problem>) -> SceneError {
         for problem in &mut problems {
             let place = self.files.iter().position(|source| source.holds(&problem.span));
@@ -178,7 +179,7 @@ impl Source {
     }
 }
 
-/// Shows a span in the file in which it stands.
+/// Shows a span of the joined text within the file in which it stands.
 impl SourceCode for Sources {
     fn read_span<'a>(
         &'a self,
@@ -199,7 +200,7 @@ impl SourceCode for Sources {
     }
 }
 
-/// A key `extends` as its file writes it.
+/// A key `extends` as a file states it.
 struct Stated {
     value: String,
     base: String,
@@ -219,7 +220,7 @@ impl Stated {
     }
 }
 
-/// Adds the keys of `under` that `over` does not state, table by table.
+/// Adds to `over` those keys of `under` that `over` does not state, table by table.
 fn lay_under<'text>(over: &mut DeTable<'text>, under: DeTable<'text>) {
     for (key, value) in under {
         match over.get_mut(key.get_ref().as_ref()) {
@@ -233,7 +234,8 @@ fn lay_under<'text>(over: &mut DeTable<'text>, under: DeTable<'text>) {
     }
 }
 
-/// A map lies beside the file that names it, which is `folder` away from the scene's own.
+/// Changes the path of a map, which counts from the file that names it, to count from the scene's own file. `folder` is the path from the scene's
+/// folder to the folder of the file that names the map.
 fn move_map(table: &mut DeTable<'_>, folder: &str) {
     let navigation = table.get_mut("navigation").map(Spanned::get_mut);
     let Some(DeValue::Table(navigation)) = navigation else { return };
@@ -267,7 +269,7 @@ fn shifted_value(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>>
     Spanned::new(span, moved)
 }
 
-/// The text of a scene file.
+/// Reads the text of a scene file.
 fn text_of(path: &Path) -> Result<String, SceneError> {
     let bytes = fs::read(path).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
     String::from_utf8(bytes).map_err(|error| SceneError::NotText {

@@ -1,111 +1,112 @@
-//! The floor: tiles and their joints, friction by region, and things that lie on it.
+//! The floor: tiles and their joints, friction by region, and things that lie on the floor.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::building::Covering;
 
-/// The floor of the room.
+/// Floor of the room: tiles or covering, friction, regions with properties of their own, and things that lie on the floor.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Floor {
-    /// Tiles over the whole room; without them the floor is plain.
+    /// Tiles over the whole room. Without this table the floor is plain.
     pub tiles: Option<Tiles>,
-    /// What the floor is made of where it has no tiles, as cameras that look ahead see it.
+    /// Covering of the floor where it has no tiles, as cameras that look ahead see it.
     pub covering: Covering,
-    /// Share of the light that the floor mirrors at right incidence, regions with a covering of their own apart; as its tiles or its
-    /// covering do unless stated: 0.03 tiles and concrete, 0.04 wood, 0.02 water, none others.
+    /// Share of the light that the floor mirrors at perpendicular incidence, except in regions with a covering of their own. Unless stated, that of
+    /// the tiles or the covering: 0.03 for tiles and concrete, 0.04 for wood, 0.02 for water, none for the others.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 0.2))]
     pub gloss: Option<f64>,
     /// Friction coefficient between tyre and floor outside every region.
     #[schemars(range(min = 0.01, max = 2.0))]
     pub friction: f64,
-    /// Share of the flow sensor's periods in which it finds nothing to follow, outside every region.
+    /// Share of the flow sensor's periods in which the sensor finds nothing to follow, outside every region.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub flow_dropout: f64,
-    /// Rectangles with properties of their own; the last one listed wins.
+    /// Rectangles of floor with properties of their own. Where they overlap, the last one listed counts.
     #[serde(rename = "region")]
     pub regions: Vec<Region>,
-    /// Wires, tape and other straight things that are no joints.
+    /// Wires, tapes and other straight things on the floor that are not joints between tiles.
     #[serde(rename = "stray")]
     pub strays: Vec<Stray>,
 }
 
-/// A tiled floor. Frame `grid`: the world frame turned by `rotation_deg` about the world origin.
+/// A tiled floor. Its frame `grid` is the world frame turned by `rotation_deg` about the world origin.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tiles {
-    /// Pitch of the joints along grid x, joint included.
+    /// Distance from one joint's centre line to the next joint's along grid x: a tile's edge and a joint's width.
     #[schemars(range(min = 0.05, max = 5.0))]
     pub edge_x_m: f64,
-    /// Pitch of the joints along grid y, joint included.
+    /// Distance from one joint's centre line to the next joint's along grid y: a tile's edge and a joint's width.
     #[schemars(range(min = 0.05, max = 5.0))]
     pub edge_y_m: f64,
-    /// Angle from world x to grid x.
+    /// Angle from world x to the x axis of the tiles' grid.
     #[schemars(range(min = -360.0, max = 360.0))]
     pub rotation_deg: f64,
-    /// Grid x of the centre line of joint 0.
+    /// Place, along the x axis of the tiles' grid, of the centre line of the joint with index 0.
     #[schemars(range(min = -1000.0, max = 1000.0))]
     pub phase_x_m: f64,
-    /// Grid y of the centre line of joint 0.
+    /// Place, along the y axis of the tiles' grid, of the centre line of the joint with index 0.
     #[schemars(range(min = -1000.0, max = 1000.0))]
     pub phase_y_m: f64,
-    /// Width of a joint.
+    /// Width of the joints.
     #[schemars(range(min = 0.0005, max = 0.05))]
     pub joint_width_m: f64,
-    /// Albedo of a joint.
+    /// Albedo of the joints.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub joint_albedo: f64,
-    /// Mean albedo of a tile.
+    /// Mean albedo of the tiles.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub tile_albedo: f64,
-    /// Greatest departure of one tile's albedo from the mean.
+    /// Greatest departure of a single tile's albedo from the mean.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub tile_albedo_spread: f64,
-    /// What is printed or grown on the tiles.
+    /// Pattern on the surface of each tile.
     pub pattern: Pattern,
-    /// Amplitude of the pattern, as a share of the tile's albedo.
+    /// Amplitude of the tiles' pattern, as a share of the tile's albedo.
     #[schemars(range(min = 0.0, max = 0.6))]
     pub pattern_contrast: f64,
-    /// Each joint is a straight line, both of its ends drawn within this of their nominal place.
+    /// Greatest displacement of each end of a joint from its nominal place, drawn at random. Between its ends every joint is laid along a straight
+    /// line.
     #[schemars(range(min = 0.0, max = 0.02))]
     pub laying_tolerance_m: f64,
-    /// Each corner of the grid is moved besides by up to this in x and y, so that joints bend from tile to tile.
+    /// Greatest further displacement of each corner of the grid, in x and y each, drawn at random. It makes joints bend from tile to tile.
     #[schemars(range(min = 0.0, max = 0.02))]
     pub corner_tolerance_m: f64,
-    /// Share of the length of joints that is worn: its contrast fades to a third.
+    /// Share of the length of all joints that is worn. There the joint's contrast fades to a third.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub worn_share: f64,
-    /// Share of tile edges whose joint is not to be seen at all.
+    /// Share of the tiles' edges along which the joint cannot be seen at all.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub missing_share: f64,
-    /// Tiles laid off their place, undeclared to the localizer.
+    /// Tiles laid off their nominal place, which is not declared to the localizer.
     pub misplaced: Vec<Misplaced>,
 }
 
-/// What is on a tile.
+/// Pattern on the surface of each tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Pattern {
-    /// One albedo over the tile.
+    /// The same albedo all over each tile.
     Plain,
     /// Fine irregular spots.
     #[default]
     Speckle,
     /// Broad cloudy veins.
     Marble,
-    /// Printed straight stripes, parallel to grid y, a fifth of the tile apart.
+    /// Printed straight stripes, parallel to grid y and a fifth of the tile apart.
     Stripes,
 }
 
-/// A tile whose four corners are all displaced.
+/// A tile whose four corners are all displaced alike.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Misplaced {
-    /// Tile between joints `i` and `i + 1` of grid x, and `j` and `j + 1` of grid y.
+    /// Indices `[i, j]` of the tile, which lies between joints `i` and `i + 1` of grid x, and `j` and `j + 1` of grid y.
     pub tile: [i32; 2],
-    /// Displacement along grid x and grid y.
+    /// Displacement of the tile along grid x and grid y.
     #[schemars(inner(range(min = -0.05, max = 0.05)))]
     pub offset_m: [f64; 2],
 }
@@ -114,64 +115,66 @@ pub struct Misplaced {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
-    /// Name, for events and sweeps.
+    /// Name of the region, for events and sweeps.
     pub name: String,
-    /// World x range.
+    /// Range of world x that the floor region covers, from the least to the greatest.
     pub x_m: [f64; 2],
-    /// World y range.
+    /// Range of world y that the floor region covers, from the least to the greatest.
     pub y_m: [f64; 2],
-    /// Friction coefficient.
+    /// Friction coefficient between tyre and floor in the region.
     #[schemars(range(min = 0.01, max = 2.0))]
     pub friction: f64,
-    /// What covers the floor here, as cameras that look ahead see it; what is around when absent.
+    /// Covering of the floor in the region, as cameras that look ahead see it. Unless stated, that of the floor around it.
     #[serde(default)]
     pub covering: Option<Covering>,
-    /// Stiffness of the pile under a tyre: force per load and unit of slip, in series with the tyre's own 25. A hard floor when absent.
+    /// Stiffness of a carpet's pile under a tyre: force per load and unit of slip. It acts in series with the tyre's own stiffness of 25. Unless
+    /// stated, the floor is hard.
     #[serde(default)]
     #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0.0))]
     pub pile_stiffness: Option<f64>,
-    /// How far the nap carries a wheel per metre rolled, apart from any slip.
+    /// Drift of a wheel with the carpet's nap: metres per metre rolled, apart from any slip.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 0.2))]
     pub nap_drift: f64,
-    /// Where to the nap carries it, from world x, whatever way the wheel rolls.
+    /// Direction in which the carpet's nap carries a wheel, measured from world x. It does not depend on the direction in which the wheel rolls.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub nap_direction_deg: f64,
-    /// Drag of the pile on wheels and casters that pass, as a share of the load on them.
+    /// Drag of a carpet's pile on wheels and casters that roll over it, as a share of the load on them.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 0.5))]
     pub drag: f64,
-    /// Height above the room's floor of what the wheels roll on: a carpet's or a threshold's.
+    /// Height, above the room's floor, of the surface that wheels roll on in the region, such as a carpet's or a threshold's.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 0.05))]
     pub height_m: f64,
-    /// Width, inside of the edges, in which the height is gathered. A wheel of radius R rises over a step h in √(2Rh − h²).
+    /// Width of the ramp along the inside of the region's edges, over which the floor rises to `height_m`. A wheel of radius R rises over a step h
+    /// within √(2Rh − h²).
     #[serde(default = "default_ramp_m")]
     #[schemars(range(min = 0.005, max = 1.0))]
     pub ramp_m: f64,
-    /// How far the tips of the pile stand above what the wheels roll on: it is them that a flow sensor looks at.
+    /// Height of the tips of a carpet's pile above the surface that wheels roll on. A flow sensor looks at these tips.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 0.05))]
     pub pile_height_m: f64,
-    /// Share of the flow sensor's periods in which it finds nothing to follow here; as around when absent.
+    /// Share of the flow sensor's periods in which the sensor finds nothing to follow in the region. Unless stated, that of the floor around it.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub flow_dropout: Option<f64>,
 }
 
-/// A straight thing on the floor that is no joint: a wire, a tape.
+/// A straight thing on the floor that is not a joint between tiles, such as a wire or a tape.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stray {
-    /// One end, world.
+    /// World place of one end of the wire, tape or other straight thing.
     pub from_m: [f64; 2],
-    /// Other end, world.
+    /// World place of the other end of the wire, tape or other straight thing.
     pub to_m: [f64; 2],
-    /// Width.
+    /// Width of the straight thing.
     #[schemars(range(min = 0.0005, max = 0.2))]
     pub width_m: f64,
-    /// Albedo.
+    /// Albedo of the straight thing.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub albedo: f64,
 }

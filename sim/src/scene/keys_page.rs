@@ -1,4 +1,4 @@
-//! A page of documentation with every key of a scene, from its schema.
+//! Makes the documentation page with every key of a scene from the schema.
 
 use std::{collections::VecDeque, fmt::Write};
 
@@ -19,29 +19,29 @@ its header alone.
 This page is made by `wherein schema --markdown`.
 ";
 
-/// A table of keys that is still to be written.
+/// A table of keys that is still to be written to the page.
 struct Table {
     path: String,
     is_list: bool,
-    /// Of a table that is one of several kinds.
+    /// Value of the key `kind`, for a table that is one of several kinds.
     kind: Option<&'static str>,
     description: String,
     node: &'static Value,
 }
 
-/// The page.
+/// Text of the page, in Markdown.
 pub fn keys_markdown() -> String {
     let root = Table { path: String::new(), is_list: false, kind: None, description: String::new(), node: schema() };
     let (mut text, mut tables) = (HEAD.to_owned(), VecDeque::from([root]));
     while let Some(table) = tables.pop_front() {
         let found = write_table(&mut text, &table);
-        // What belongs to a table follows it.
+        // Tables inside the table just written come directly after it on the page.
         found.into_iter().rev().for_each(|inner| tables.push_front(inner));
     }
     text
 }
 
-/// Writes a table's own keys; returns the tables in it.
+/// Writes a table's own keys to the page, and returns the tables inside it.
 fn write_table(text: &mut String, table: &Table) -> Vec<Table> {
     let header = match (table.path.as_str(), table.is_list, table.kind) {
         ("", ..) => "First of all".to_owned(),
@@ -59,7 +59,7 @@ fn write_table(text: &mut String, table: &Table) -> Vec<Table> {
     for (key, property) in table.node["properties"].as_object().into_iter().flatten() {
         let said =
             [&property["description"], &resolve(property)["description"]].map(|text| text.as_str().unwrap_or_default());
-        // A table is described where it is used, and where it is defined.
+        // A table has one description where it is used and one where it is defined. If both are equal, one is written.
         let description = if said[0] == said[1] { said[0].to_owned() } else { said.join(" ") };
         let description = description.trim().replace('\n', " ");
         let path = if table.path.is_empty() { key.clone() } else { format!("{}.{key}", table.path) };
@@ -94,7 +94,8 @@ fn paragraph(description: &str) -> String {
     if description.is_empty() { String::new() } else { format!("{description}\n\n") }
 }
 
-/// The tables that a key may hold, alone or among alternatives such as `true`: each with whether it stands in a list, and its kind.
+/// The tables that a key may hold, alone or as an alternative to a value such as `true`. Returns for each its schema, whether it stands in a list,
+/// and its kind.
 fn tables_of(property: &'static Value) -> Vec<(&'static Value, bool, Option<&'static str>)> {
     let node = resolve(property);
     let is_table = |node: &&'static Value| type_name(node) == "object";
@@ -108,7 +109,7 @@ fn tables_of(property: &'static Value) -> Vec<(&'static Value, bool, Option<&'st
     found.map(|table| (table, false, None)).into_iter().collect()
 }
 
-/// What a value may be.
+/// Describes in words what values a key may have.
 fn range(node: &'static Value) -> String {
     let words = choices(node);
     if !words.is_empty() {

@@ -1,52 +1,52 @@
-//! Lamps: what gives light, how much of it, and of which spectrum.
+//! Lamps: what gives light, how much, and with which spectrum.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// As many as uniform memory of the size that every adapter has can hold.
+/// Greatest number of lamps in a scene: as many as fit into uniform memory of the size that every graphics adapter has.
 pub const MAX_LAMPS: usize = 1024;
 
-/// Something that gives light. Without any lamp, matt panels in a grid under the ceiling give what `[light]` states.
+/// A lamp or window. A scene without any is lit by matt panels in a grid under the ceiling, which give what `[light]` states.
 ///
-/// When each lamp states its output, that is what it gives. Otherwise outputs are proportions only, 1000 lm for a lamp that
-/// states none, and all lamps are dimmed alike to give what `[light]` states.
+/// If every lamp states its output, each gives just that. Otherwise outputs are only proportions, 1000 lm for a lamp that states none, and all lamps
+/// are dimmed alike to give what `[light]` states.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Lamp {
-    /// What it is.
+    /// Kind of the lamp.
     pub kind: LampKind,
-    /// World x of its middle; of a window, of a place on its wall.
+    /// World x of the lamp's middle; for a window, of a place on its wall.
     pub x_m: f64,
-    /// World y of its middle; of a window, of a place on its wall.
+    /// World y of the lamp's middle; for a window, of a place on its wall.
     pub y_m: f64,
-    /// Height of its middle above the floor: below the ceiling by 0.03 m unless stated, of a window 1.5 m.
+    /// Height of the lamp's middle above the floor. Unless stated, 0.03 m below the ceiling, or 1.5 m above the floor for a window.
     #[serde(default)]
     #[schemars(range(min = 0.05, max = 20.0))]
     pub height_m: Option<f64>,
-    /// Direction of its first side from world x; of a window, the direction in which it shines into the room.
+    /// Direction of the lamp's first side, measured from world x; for a window, the direction in which it shines into the room.
     #[serde(default)]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub heading_deg: f64,
-    /// Sides: 0.6 m by 0.6 m for a panel, 1.2 m by 0.08 m for a tube; width and height of a window, 1.4 m by 1.2 m. Of a
-    /// point the first number is the diameter, 0.1 m, and the second says nothing.
+    /// Lengths of the lamp's two sides. Unless stated, 0.6 m by 0.6 m for a panel and 1.2 m by 0.08 m for a tube. For a window they are width and
+    /// height, 1.4 m by 1.2 m unless stated. For a point lamp the first number is the diameter, 0.1 m unless stated, and the second has no effect.
     #[serde(default)]
     #[schemars(inner(range(min = 0.005, max = 50.0)))]
     pub size_m: Option<[f64; 2]>,
-    /// Luminous flux into the room.
+    /// Luminous flux that the lamp gives into the room.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1e6))]
     pub lumens: Option<f64>,
-    /// Instead of the flux: illuminance at the floor straight below the lamp (of a window, 1 m before its wall), by its
-    /// own direct light.
+    /// Illuminance that the lamp's own direct light gives at the floor straight below it, or for a window 1 m in front of its wall. Stated in place
+    /// of `lumens`.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 100000.0))]
     pub illuminance_at_floor_lux: Option<f64>,
-    /// Spectrum: `daylight` for a window, `tube` for a tube and `led` for others, unless stated.
+    /// Spectrum of the lamp. Unless stated, `daylight` for a window, `tube` for a tube and `led` for the other kinds.
     #[serde(default)]
     pub spectrum: Option<Spectrum>,
 }
 
-/// Kinds of lamps. Panels, tubes and windows shine as matt rectangles, on one side.
+/// Kinds of lamps. Panels, tubes and windows are matt rectangles that shine to one side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LampKind {
@@ -54,24 +54,24 @@ pub enum LampKind {
     Panel,
     /// A fluorescent tube in its trough, a narrow rectangle that shines downwards.
     Tube,
-    /// A small bulb that shines alike in all directions.
+    /// A small bulb that shines equally in all directions.
     Point,
-    /// A window with an even sky behind it.
+    /// A window with an evenly bright sky behind it.
     Window,
 }
 
-/// Spectra of lamps, which decide how many photons a lumen has and what an infrared camera sees.
+/// Spectra of lamps. The spectrum decides how many photons a lumen has and what an infrared camera sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Spectrum {
-    /// All at 555 nm, where the eye is best: 683 lm/W.
+    /// All light at 555 nm, where the eye is most sensitive: 683 lm/W.
     Monochrome,
-    /// CIE's D65.
+    /// Daylight, as the CIE's standard illuminant D65.
     Daylight,
-    /// White light-emitting diode: a blue line and a broad phosphor.
+    /// White light-emitting diode, with a blue line and the broad band of a phosphor.
     Led,
-    /// Fluorescent tube of three narrow bands.
+    /// Fluorescent tube with three narrow bands.
     Tube,
-    /// Black body of 2800 K: mostly infrared.
+    /// Black body of 2800 K, whose light is mostly infrared.
     Incandescent,
 }

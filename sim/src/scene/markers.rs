@@ -1,4 +1,4 @@
-//! Dot-matrix markers on the ceiling (paper 5): what is printed, where it is pasted, and what is wrong with it.
+//! Dot-matrix markers on the ceiling (paper 5): what is printed on them, where they are pasted, and how they are damaged.
 
 use interval::Interval;
 use localizer::{
@@ -14,108 +14,110 @@ use super::{Scene, building::default_retroreflection};
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Markers {
-    /// The set from which identities are given out.
+    /// Set of codewords from which the markers get their identities.
     pub coding: Coding,
-    /// Each centre is drawn within this distance of its place.
+    /// Greatest distance of a marker's true centre from its stated place; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub placement_tolerance_m: f64,
-    /// Each marker is turned by up to this against its direction.
+    /// Greatest angle by which a marker is turned against its stated direction; drawn at random.
     #[schemars(range(min = 0.0, max = 45.0))]
     pub rotation_tolerance_deg: f64,
-    /// Each dot is drawn within this distance of its place on the marker.
+    /// Greatest distance of a dot from its place on the marker; drawn at random.
     #[schemars(range(min = 0.0, max = 0.01))]
     pub print_tolerance_m: f64,
-    /// Each marker is up to this higher or lower than its height.
+    /// Greatest difference of a marker's true height from its stated height; drawn at random.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub height_tolerance_m: f64,
-    /// Coefficient of retroreflection of the dots: luminous intensity per illuminance and area. Glass beads 70, microprisms 400.
+    /// Coefficient of retroreflection of the dots: luminous intensity per illuminance and area. Glass beads have 70, microprisms 400.
     #[schemars(range(min = 0.0, max = 2000.0))]
     pub retroreflection_cd_per_lux_m2: f64,
-    /// Share of all markers that has fallen off, without the localizer's knowledge. Each seed draws which.
+    /// Share of all markers that have fallen off without the localizer's knowledge. Each seed draws at random which ones.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub share_missing: f64,
-    /// The markers, one by one.
+    /// Ceiling markers, stated one by one.
     #[serde(rename = "marker")]
     pub markers: Vec<Marker>,
-    /// Instead: as few as are proven to be enough for the room and the ceiling camera, with the coding's identities in their order.
+    /// Lays out markers automatically, in place of single ones: as few as are proven sufficient for the room and the ceiling camera, with the
+    /// identities of `coding` in their order.
     pub layout: Option<Layout>,
     #[serde(skip)]
     pub(crate) laid_out: Vec<Marker>,
 }
 
-/// Markers laid out over the room so that some are wholly in the image of the ceiling camera from wherever the robot can be, whatever the errors
-/// are within their tolerances.
+/// Markers laid out over the room such that the ceiling camera has enough of them wholly in its image from wherever the robot can be, whatever the
+/// errors are within their tolerances.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Layout {
-    /// Markers in the image at once, at least.
+    /// Least number of markers in the ceiling camera's image at once.
     #[schemars(range(min = 1, max = 4))]
     pub seen_at_once: usize,
-    /// Their distance from the edges of the image, at least.
+    /// Least distance of the markers in view from the edges of the ceiling camera's image.
     #[schemars(range(min = 0.0, max = 200.0))]
     pub margin_px: f64,
 }
 
-/// One marker: a grid of 4 × 4 places, 4 cm apart, for dots of 1 cm radius. O, at the grid's `[0, 0]`, X at `[3, 0]` and Y at `[0, 3]` tell
-/// its direction, the corner `[3, 3]` stays empty, and which of the other twelve dots are there tells its identity.
+/// One marker: a grid of 4 × 4 places, 4 cm apart, for dots of 1 cm radius. Dot O at the grid's `[0, 0]`, dot X at `[3, 0]` and dot Y at `[0, 3]`
+/// show the marker's direction, the corner `[3, 3]` stays empty, and which of the other twelve dots are there gives the marker's identity.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Marker {
-    /// What is printed on it: the sum of its coded dots' weights.
+    /// Identity printed on the marker: the sum of the weights of its coded dots.
     #[schemars(range(min = 0, max = 4095))]
     pub id: u16,
-    /// World x of the middle of its grid.
+    /// World x of the middle of the marker's grid.
     pub x_m: f64,
-    /// World y of the middle of its grid.
+    /// World y of the middle of the marker's grid.
     pub y_m: f64,
-    /// Angle from world x to the direction from O to X, counter-clockwise seen from above.
+    /// Angle from world x to the direction from dot O to dot X, counter-clockwise seen from above.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = -360.0, max = 360.0))]
     pub rotation_deg: f64,
-    /// Height above the floor: just under the ceiling, tolerance included, unless stated.
+    /// Height of the marker above the floor. Unless stated, the marker is just under the ceiling, lower by `height_tolerance_m`.
     #[serde(default)]
     #[schemars(range(min = 0.1, max = 20.0))]
     pub height_m: Option<f64>,
-    /// Whether the localizer knows of it.
+    /// Whether the marker is on the localizer's map.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub on_map: bool,
-    /// Whether it is on the ceiling; false for one that has fallen off.
+    /// Whether the marker is on the ceiling; false for one that has fallen off.
     #[serde(default = "yes", skip_serializing_if = "is_true")]
     pub pasted: bool,
-    /// How far it has been moved since the map was made, world x and y.
+    /// Displacement of the marker since the map was made, along world x and y.
     #[serde(default, skip_serializing_if = "is_nowhere_else")]
     #[schemars(inner(range(min = -200.0, max = 200.0)))]
     pub misplaced_m: [f64; 2],
-    /// Places `[i, j]` of the grid whose printed dots have come off, counted from O towards X and towards Y.
+    /// Places `[i, j]` of the marker's grid whose printed dots have come off; `i` counts from O towards X, `j` from O towards Y.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub missing_dots: Vec<[u8; 2]>,
-    /// Places of the grid at which something else shines that is no print.
+    /// Places `[i, j]` of the marker's grid at which something shines that is not printed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub extra_dots: Vec<[u8; 2]>,
-    /// Share of its width that is covered, from the side of X. A dot shows while its middle does.
+    /// Share of the marker's width that is covered, from the side of dot X. A dot is visible while its middle is not covered.
     #[serde(default, skip_serializing_if = "is_zero")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub covered_share: f64,
-    /// Whether the film is pasted the wrong way round, so that X and Y have changed places.
+    /// Whether the marker's film is pasted the wrong way round, so that dots X and Y have changed places.
     #[serde(default, skip_serializing_if = "is_false")]
     pub mirrored: bool,
 }
 
-/// Which identities are given out, so that a damaged marker is not taken for another one.
+/// Sets of marker identities. The fewer there are, the less easily a damaged marker is taken for another one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Coding {
-    /// All 4096, as in paper 5: no error is detected.
+    /// All 4096 identities, as in paper 5: no wrong dot is detected.
     Plain,
-    /// 128 words at distance 4: up to 3 wrong dots are detected.
+    /// 128 identities that differ in at least 4 dots: up to 3 wrong dots are detected.
     Lexicode,
-    /// 118 words of six dots each at distance 4: besides, any number of missing dots, and mirror images.
+    /// 118 identities of six dots each that differ in at least 4 dots. Besides up to 3 wrong dots, any number of missing dots and mirror images are
+    /// detected.
     #[default]
     Hexads,
 }
 
 impl Coding {
-    /// As scenes call it.
+    /// Name of the coding as scene files state it.
     pub fn as_str(self) -> &'static str {
         match self {
             Coding::Plain => "plain",
@@ -136,7 +138,7 @@ impl From<Coding> for markers::Coding {
 }
 
 impl Markers {
-    /// All markers, stated or laid out.
+    /// All markers, whether stated one by one or laid out.
     pub fn all(&self) -> &[Marker] {
         if self.layout.is_some() { &self.laid_out } else { &self.markers }
     }
@@ -146,7 +148,7 @@ impl Markers {
         marker.height_m.unwrap_or(scene.building.ceiling_height_m - UNDER_CEILING_M - self.height_tolerance_m)
     }
 
-    /// States every marker's nominal height, so that it stays whatever becomes of the tolerance.
+    /// States every marker's nominal height as a key, so that the height stays the same when the tolerance changes.
     pub(crate) fn state_heights(&mut self, scene: &Scene) {
         let nominal = self.clone();
         for marker in self.markers.iter_mut().chain(&mut self.laid_out) {
@@ -154,7 +156,7 @@ impl Markers {
         }
     }
 
-    /// The keys that state all markers of the map one by one, as a scene has them.
+    /// Text of the keys that state all markers of the map one by one, as a scene has them.
     pub fn keys(&self) -> Result<String, toml::ser::Error> {
         #[derive(Serialize)]
         struct Keys {
@@ -164,7 +166,7 @@ impl Markers {
         toml::to_string(&Keys { markers: Markers { markers, layout: None, laid_out: Vec::new(), ..self.clone() } })
     }
 
-    /// What the localizer is told.
+    /// Marker map that the localizer is given.
     pub(crate) fn map(&self, scene: &Scene) -> MarkerMap {
         let placed = |marker: &Marker| PlacedMarker {
             id: MarkerId(marker.id),
@@ -183,7 +185,7 @@ impl Markers {
 }
 
 impl Marker {
-    /// A whole one along world x.
+    /// An undamaged marker along world x, just under the ceiling.
     pub(crate) fn new(id: u16, x_m: f64, y_m: f64) -> Marker {
         Marker {
             id,
@@ -202,7 +204,7 @@ impl Marker {
     }
 }
 
-/// What is stuck on the ceiling is seen this far below it; above, the ceiling would hide it.
+/// Distance below the ceiling at which things stuck to the ceiling are placed. Above this the ceiling would hide them.
 pub(crate) const UNDER_CEILING_M: f64 = 0.001;
 
 impl Default for Markers {
@@ -224,7 +226,7 @@ impl Default for Markers {
 
 impl Default for Layout {
     fn default() -> Self {
-        // Vision compares a dot with its surroundings, which need a few pixels.
+        // Vision compares a dot with its surroundings, which take a margin of a few pixels.
         Layout { seen_at_once: 1, margin_px: 3.0 }
     }
 }

@@ -1,69 +1,70 @@
-//! Errands: places to go to, how ways there are found and followed, and the sensor that looks out for what is in the way.
+//! Errands: goals that the robot goes to, and how paths to them are planned and followed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::OccupancyGrid;
 
-/// How errands are planned and driven.
+/// Settings for planning and driving errands.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Navigation {
-    /// YAML file of a map as ROS's map_server reads it, beside the scene's file. Walls and mapped furniture unless given.
+    /// YAML file of a map in the format of ROS's map_server, as a path from the folder of the scene's file. Unless given, errands are planned on a
+    /// map of the walls and the mapped furniture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<String>,
-    /// What steers along a planned way.
+    /// Control law that steers the robot along a planned path.
     pub follower: FollowerName,
-    /// Greatest speed on a way.
+    /// Greatest speed of the robot on a planned path.
     #[schemars(range(max = 5.0), extend("exclusiveMinimum" = 0.0))]
     pub speed_m_per_s: f64,
-    /// Ways keep the robot's body this far from what the map shows.
+    /// Distance that planned paths keep between the robot's body and what the map shows.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub margin_m: f64,
-    /// A goal is reached when the middle of the estimate is so near to it, unless the errand says otherwise.
+    /// A goal counts as reached when the middle of the estimate is this near to it, unless the errand states another distance.
     #[schemars(range(min = 0.005, max = 5.0))]
     pub tolerance_m: f64,
-    /// So many goals are drawn by the seed, after those of `[[errand]]`, anywhere that the robot can get to.
+    /// Number of goals that the seed draws at random, anywhere that the robot can get to. They come after the goals of `[[errand]]`.
     #[schemars(range(min = 0, max = 1000))]
     pub random_goals: usize,
-    /// How long a robot whose way is blocked waits before it looks for another.
+    /// Time for which a robot whose path is blocked waits before it looks for another path.
     #[schemars(range(min = 0.0, max = 3600.0))]
     pub patience_s: f64,
-    /// An errand on which the robot has waited for so long in all is given up.
+    /// Waiting time, summed over an errand, after which the errand is given up.
     #[schemars(range(max = 36000.0), extend("exclusiveMinimum" = 0.0))]
     pub give_up_s: f64,
-    /// What the file `map` holds.
+    /// Contents of the map file that the key `map` names.
     #[serde(skip)]
     pub surveyed: Option<OccupancyGrid>,
 }
 
-/// What steers along a planned way.
+/// Control law that steers the robot along a planned path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FollowerName {
-    /// Towards a point of the way some decimetres ahead, so that small corners become curves.
+    /// Steers towards a point of the path some decimetres ahead, so that small corners become curves.
     #[default]
     PurePursuit,
-    /// Paper 5: turn towards the next corner, then drive there.
+    /// Paper 5's law: turns towards the next corner of the path, then drives there.
     TurnThenDrive,
 }
 
-/// A place to find a way to.
+/// A goal to which the robot finds its own path.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Errand {
-    /// What it is, for tables.
+    /// Name of the errand, for tables.
     #[serde(default)]
     pub name: String,
-    /// World x.
+    /// World x of the goal.
     pub x_m: f64,
-    /// World y.
+    /// World y of the goal.
     pub y_m: f64,
-    /// It is reached when the middle of the estimate is so near; as `[navigation]` says unless stated.
+    /// The goal counts as reached when the middle of the estimate is this near to it. Unless stated, as in `[navigation]`.
     #[serde(default)]
     #[schemars(range(min = 0.005, max = 5.0))]
     pub tolerance_m: Option<f64>,
-    /// Stand still there for so long.
+    /// Time for which the robot stands still at the goal.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 3600.0))]
     pub pause_s: f64,

@@ -1,31 +1,31 @@
-//! A map of the floor in square cells, each free, occupied or unknown: what the file holds that a scene names.
+//! A map of the floor in square cells, each free, occupied or unknown: the contents of the map file that a scene names.
 
-/// What is known of a cell.
+/// State of a cell of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cell {
-    /// Nothing stands there.
+    /// Nothing stands in the cell.
     Free,
-    /// Something stands there, or in a part of it.
+    /// Something stands in the cell, or in a part of it.
     Occupied,
-    /// Nobody has looked.
+    /// Nobody has surveyed the cell.
     Unknown,
 }
 
 /// A map of square cells along the world's axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OccupancyGrid {
-    /// Edge of a cell.
+    /// Length of a cell's edges.
     pub resolution_m: f64,
     /// World place of the lower left corner of the first cell.
     pub origin_m: [f64; 2],
-    /// Columns along world x, rows along world y.
+    /// Number of columns along world x and of rows along world y.
     pub size: [usize; 2],
-    /// Row by row from the least y, each from the least x.
+    /// Cells row by row from the least y, and within a row from the least x.
     pub cells: Vec<Cell>,
 }
 
 impl OccupancyGrid {
-    /// The cell at a column and a row; beyond the map nothing is known.
+    /// State of the cell at a column and a row; `Cell::Unknown` beyond the map.
     pub fn at(&self, [column, row]: [usize; 2]) -> Cell {
         if column >= self.size[0] || row >= self.size[1] {
             return Cell::Unknown;
@@ -40,19 +40,19 @@ impl OccupancyGrid {
         is_inside.then(|| index.map(|index| index as usize))
     }
 
-    /// World place of a cell's centre.
+    /// World place of the centre of a cell.
     pub fn centre_m(&self, cell: [usize; 2]) -> [f64; 2] {
         [0, 1].map(|axis| self.origin_m[axis] + (cell[axis] as f64 + 0.5) * self.resolution_m)
     }
 
-    /// Marks the cell in which a world place lies; a place beyond the map changes nothing.
+    /// Marks the cell in which a world place lies as occupied. A place beyond the map changes nothing.
     pub fn occupy(&mut self, place_m: [f64; 2]) {
         if let Some([column, row]) = self.cell_at(place_m) {
             self.cells[row * self.size[0] + column] = Cell::Occupied;
         }
     }
 
-    /// Whether anything but free floor lies within a distance of a world place, measured to the edges of cells.
+    /// Whether any cell that is not free lies within a distance of a world place, measured to the cells' edges. True for a place beyond the map.
     pub fn is_crowded(&self, place_m: [f64; 2], within_m: f64) -> bool {
         let reach = (within_m / self.resolution_m).ceil() as i64 + 1;
         let Some(middle) = self.cell_at(place_m) else { return true };

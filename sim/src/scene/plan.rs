@@ -1,45 +1,45 @@
-//! The plan of the building as it truly stands: turned as a whole about the middle of the robot's room.
+//! The floor plan of the building as it truly stands: turned as a whole about the middle of the robot's room.
 
 use super::{LampKind, Scene};
 
-/// The robot's room and how the building stands against what its scene states.
+/// The robot's room, and how the true building is turned against its scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     /// Extents of the robot's room along its own sides.
     pub(crate) size_m: [f64; 2],
-    /// Counter-clockwise turn of all walls about the middle of that room.
+    /// Counter-clockwise turn of all walls about the middle of the robot's room.
     pub(crate) turn_rad: f64,
 }
 
 impl Plan {
-    /// Where a place of the plan stands, given where the scene states it.
+    /// True place of a point of the building, given the place that the scene states.
     pub(crate) fn stands(&self, stated_m: [f64; 2]) -> [f64; 2] {
         self.turned(stated_m, self.turn_rad)
     }
 
-    /// Where the scene states what stands at a place, so that walls are along the axes.
+    /// Place at which the scene states a point of the building, given the true place. In the scene the walls of the room are along the axes.
     pub(crate) fn stated(&self, stands_m: [f64; 2]) -> [f64; 2] {
         self.turned(stands_m, -self.turn_rad)
     }
 
-    /// Distance of a place from the nearest wall of the robot's room; negative outside.
+    /// Distance of a place from the nearest wall of the robot's room; negative outside the room.
     pub(crate) fn wall_distance_m(&self, at_m: [f64; 2]) -> f64 {
         let stated_m = self.stated(at_m);
         let to_wall_m = |axis: usize| stated_m[axis].min(self.size_m[axis] - stated_m[axis]);
         to_wall_m(0).min(to_wall_m(1))
     }
 
-    /// How far beyond its stated extent along each axis the room may reach when it is turned by up to `most_rad` either way.
+    /// Distance along each axis by which the room may reach beyond its stated extent when it is turned by up to `most_rad` either way.
     pub(crate) fn beyond_m(&self, most_rad: f64) -> [f64; 2] {
         [0, 1].map(|axis| {
             let (half_m, other_m) = (0.5 * self.size_m[axis], 0.5 * self.size_m[1 - axis]);
-            // A corner reaches farthest when it lies on the axis.
+            // A corner of the room reaches farthest along an axis when it lies on the axis through the room's middle.
             let (sin, cos) = most_rad.min(other_m.atan2(half_m)).sin_cos();
             (half_m * (cos - 1.0) + other_m * sin).max(0.0)
         })
     }
 
-    /// Written as what is added, so that without a turn every place stays to the last bit.
+    /// Turns a place about the room's middle. The change is added to the place, so that without a turn every place stays the same to the last bit.
     fn turned(&self, at_m: [f64; 2], turn_rad: f64) -> [f64; 2] {
         let (sin, cos) = turn_rad.sin_cos();
         let [x_m, y_m] = [0, 1].map(|axis| at_m[axis] - 0.5 * self.size_m[axis]);
@@ -48,12 +48,12 @@ impl Plan {
 }
 
 impl Scene {
-    /// The robot's room, and by how much it and all others stand askew.
+    /// The robot's room, and the angle by which it and all other rooms are turned.
     pub(crate) fn plan(&self) -> Plan {
         Plan { size_m: [self.room.width_m, self.room.depth_m], turn_rad: self.building.turned_rad }
     }
 
-    /// Turns all walls and what hangs on them; what stands on the floor or lies in it, and what is under the ceiling, stays.
+    /// Turns all walls and what hangs on them. Things that stand on the floor, lie in the floor or are under the ceiling stay in place.
     pub(crate) fn turn_walls(&mut self, turn_deg: f64) {
         self.building.turned_rad = turn_deg.to_radians();
         let plan = self.plan();
@@ -73,7 +73,7 @@ impl Scene {
         }
     }
 
-    /// Whether walls that are turned so leave the robot's body its place wherever the scene puts it.
+    /// Whether walls turned by `turn_rad` leave room for the robot's body wherever the scene puts the robot.
     pub(crate) fn leaves_places(&self, turn_rad: f64) -> bool {
         let plan = Plan { turn_rad, ..self.plan() };
         let ways = self.route.iter().flat_map(|route| &route.waypoints).map(|at| ([at.x_m, at.y_m], 0.0));
@@ -84,7 +84,7 @@ impl Scene {
         let start = std::iter::once(([self.start.x_m, self.start.y_m], drawn_m));
         let (sin, cos) = turn_rad.sin_cos();
         start.chain(ways).chain(goals).chain(stations).all(|(at_m, tolerance_m)| {
-            // The square of places that are drawn about a stated one reaches so far across a wall.
+            // The square of places that are drawn around a stated place reaches this far towards a turned wall.
             plan.wall_distance_m(at_m) >= self.robot.body_radius_m + tolerance_m * (cos + sin.abs())
         })
     }

@@ -1,45 +1,45 @@
-//! The robot: its dimensions with the tolerance of their errors, and what is fitted to it.
+//! The robot: its dimensions with the tolerances of their errors, and the devices fitted to it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-// Every kind of device is named by the list.
+// The macro list of devices names the key type of every kind of device, so all of them are imported.
 use super::devices::*;
 
-/// Defines the robot with a table for every kind of device.
+/// Defines the struct `Robot`, with a table of keys for every kind of device.
 macro_rules! define {
     ($($(#[$doc:meta])+ $name:ident: $keys:ident as $fitted:literal ;)+) => {
-        /// A differential-drive robot. Frame `robot`: x forward, y left, z up, origin under the middle of the wheel axle. The defaults of its
-        /// keys are the P3-DX's unless another preset is stated.
+        /// A differential-drive robot. Its frame `robot` has x forward, y left, z up and its origin under the middle of the wheel axle. The defaults
+        /// are the P3-DX's unless another `preset` is stated.
         #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-        // `Robot` deserialises by way of its preset; what is derived here is the last step of that.
+        // `Robot` is deserialised in two steps: the keys of its preset are filled in first, and the function derived here does the rest.
         #[serde(deny_unknown_fields, default, remote = "Self")]
         #[schemars(rename = "Robot")]
         pub struct Robot {
-            /// Which robot it is where no key says otherwise.
+            /// Robot whose values apply where no other key states one.
             pub preset: RobotPreset,
-            /// Mass.
+            /// Mass of the robot.
             #[schemars(range(min = 0.5, max = 200.0))]
             pub mass_kg: f64,
-            /// Radius of the body about the robot origin; walls keep it out.
+            /// Radius of the robot's body about its origin. The body cannot enter walls.
             #[schemars(range(min = 0.05, max = 2.0))]
             pub body_radius_m: f64,
-            /// Nominal wheel radius.
+            /// Nominal radius of the wheels.
             #[schemars(range(min = 0.005, max = 0.5))]
             pub wheel_radius_m: f64,
-            /// Each wheel's radius is drawn within this share of the nominal one.
+            /// Greatest error of each wheel's radius, drawn at random, as a share of the nominal radius.
             #[schemars(range(min = 0.0, max = 0.1))]
             pub wheel_radius_tolerance: f64,
-            /// Share by which the left and the right wheel are worn off beyond what was drawn, undeclared to the localizer.
+            /// Shares of their radius by which the left and the right wheel are worn off, beyond the random error. Not declared to the localizer.
             #[schemars(inner(range(min = 0.0, max = 0.5)))]
             pub wheel_wear: [f64; 2],
             /// Nominal distance between the wheels' contact points.
             #[schemars(range(min = 0.05, max = 2.0))]
             pub track_m: f64,
-            /// The track is drawn within this share of the nominal one.
+            /// Greatest error of the track, drawn at random, as a share of the nominal track.
             #[schemars(range(min = 0.0, max = 0.1))]
             pub track_tolerance: f64,
-            /// Stiffness of the casters' springs over that of the wheels' supports. Soft ones leave the wheels their load where the floor rises
+            /// Stiffness of the casters' springs over that of the wheels' supports. Soft springs leave the wheels their load where the floor rises
             /// under a caster.
             #[schemars(range(min = 0.01, max = 1.0))]
             pub caster_stiffness: f64,
@@ -52,7 +52,7 @@ macro_rules! define {
             /// Greatest commanded acceleration.
             #[schemars(range(max = 20.0), extend("exclusiveMinimum" = 0.0))]
             pub max_acceleration_m_per_s2: f64,
-            /// How every drawn error of this robot and its floor is distributed within its tolerance.
+            /// Distribution, within their tolerances, of all random errors of this robot and its floor.
             pub errors: Distribution,
             /// Encoders of the wheels.
             pub encoders: Encoders,
@@ -62,9 +62,9 @@ macro_rules! define {
                 #[schemars(with = $fitted)]
                 pub $name: Option<$keys>,
             )+
-            /// How readings of wheels, gyroscope and flow sensor reach the localizer.
+            /// How readings of wheels, gyroscope and flow sensor reach the localizer: at once and each exactly once, unless stated otherwise.
             pub delivery: Delivery,
-            /// Rangefinders that look out for what is in the way of errands: a table of their keys, `true` for the default ones, or `false`.
+            /// Rangefinders that detect what is in the way on errands: a table of their keys, `true` for the default ones, or `false` for none.
             #[serde(deserialize_with = "Fitted::into_option", skip_serializing_if = "Option::is_none")]
             #[schemars(with = "Fitted<Proximity>")]
             pub proximity: Option<Proximity>,
@@ -100,29 +100,30 @@ macro_rules! define {
 
 with_every_kind!(define);
 
-/// Robots to start from.
+/// Named robots that a scene can start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum RobotPreset {
-    /// Pioneer P3-DX with a floor camera behind its axle: 9 kg, track 0.33 m, wheels of 97.5 mm.
+    /// Pioneer P3-DX with a floor camera behind its axle: 9 kg, track 0.33 m, wheel radius 97.5 mm.
     #[default]
     P3dx,
-    /// Robot vacuum: 3 kg, track 0.23 m, wheels of 35 mm, gyroscope and flow sensor, no floor camera.
+    /// Robot vacuum: 3 kg, track 0.23 m, wheel radius 35 mm, gyroscope and flow sensor, no floor camera.
     Vacuum,
 }
 
-/// Distribution of drawn errors, always inside the tolerance.
+/// Distributions of random errors, always inside the tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
-    /// Every value within the tolerance is as likely.
+    /// Every value within an error's tolerance is equally likely.
     #[default]
     Uniform,
-    /// Normal with half the tolerance as standard deviation, redrawn when outside.
+    /// Normal distribution with half the tolerance as standard deviation; values outside the tolerance are drawn again.
     TruncatedGaussian,
-    /// One end of the tolerance or the other: the adversarial corner.
+    /// Either end of the tolerance, never a value between: the adversarial corner.
     Corner,
-    /// What stays the same at a corner, and what may change goes the worst way: noise and stamps always to one side, delays from end to
-    /// end, scales that turn with the robot, joints and markers all off alike.
+    /// The worst drift: errors that stay the same are at an end of their tolerance, and errors that may change add up in the worst way. Noise and
+    /// stamps always err to one side, delays alternate between the ends, the flow sensor's scale depends on the direction of travel, and joints and
+    /// markers are all off alike.
     Drift,
 }

@@ -1,4 +1,4 @@
-//! Robots by name: what a preset states, and keys laid over it.
+//! Robots by name: the values of each preset, and how a scene's keys are laid over them.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use serde_json::{Map, Value};
@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use super::{Encoders, Flow, Gyro, Robot, RobotPreset};
 
 impl RobotPreset {
-    /// The robot that it names.
+    /// The robot that the preset names.
     pub fn robot(self) -> Robot {
         match self {
             RobotPreset::P3dx => Robot::default(),
@@ -15,7 +15,7 @@ impl RobotPreset {
     }
 }
 
-/// A robot vacuum of paper 2's kind. Soft casters let it climb on carpets.
+/// A robot vacuum of the kind in paper 2. Soft casters let the robot climb onto carpets.
 fn vacuum() -> Robot {
     Robot {
         preset: RobotPreset::Vacuum,
@@ -26,7 +26,7 @@ fn vacuum() -> Robot {
         caster_stiffness: 0.3,
         max_speed_m_per_s: 0.3,
         max_turn_rate_rad_per_s: 1.5,
-        // A motor of 12 counts a turn behind a gear of 1:60.
+        // The motor's encoder has 12 counts per turn, and the gear reduces by 1:60.
         encoders: Encoders { ticks_per_turn: 720, ..Encoders::default() },
         floor_camera: None,
         gyro: Some(Gyro::default()),
@@ -42,11 +42,11 @@ impl<'de> Deserialize<'de> for Robot {
         let preset = Option::<RobotPreset>::deserialize(preset).map_err(D::Error::custom)?.unwrap_or_default();
         let mut keys = serde_json::to_value(preset.robot()).map_err(D::Error::custom)?;
         if let Value::Object(devices) = &mut keys {
-            // A scene says of a device that there is none by `false`.
+            // In a scene `false` states that the robot does not have a device.
             devices.values_mut().filter(|device| device.is_null()).for_each(|device| *device = Value::Bool(false));
         }
         lay_over(&mut keys, Value::Object(stated));
-        // The derived function of the same name, not this one.
+        // `Robot::deserialize` is the function that serde derives, not the trait's function of the same name around this line.
         Robot::deserialize(keys).map_err(D::Error::custom)
     }
 }
@@ -57,7 +57,7 @@ impl Serialize for Robot {
     }
 }
 
-/// Keys that `over` states replace those of `under`, table by table.
+/// Replaces the keys of `under` by those that `over` states, table by table.
 pub(super) fn lay_over(under: &mut Value, over: Value) {
     match (under, over) {
         (Value::Object(under), Value::Object(over)) => {

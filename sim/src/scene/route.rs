@@ -1,68 +1,69 @@
-//! Where the robot starts and where it goes.
+//! Start pose of the robot, its route, and the poses at which it stands still.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Scene;
 
-/// The pose at time 0 and the box in which the localizer is told that it lies.
+/// Pose of the robot at time 0, and the tolerances within which the localizer knows it.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Start {
-    /// World x.
+    /// World x of the nominal start.
     pub x_m: f64,
-    /// World y.
+    /// World y of the nominal start.
     pub y_m: f64,
-    /// Heading from world x, counter-clockwise.
+    /// Nominal heading at the start, counter-clockwise from world x.
     #[serde(default)]
     #[schemars(range(min = -1e6, max = 1e6))]
     pub heading_deg: f64,
-    /// The true start is drawn within this of x and y, each.
+    /// Greatest distance of the true start from the nominal one, in x and y each; drawn at random.
     #[serde(default = "default_tolerance_m")]
     #[schemars(range(min = 0.0, max = 100.0))]
     pub tolerance_m: f64,
-    /// The true start is drawn within this of the heading.
+    /// Greatest difference of the true heading from the nominal one at the start; drawn at random.
     #[serde(default = "default_tolerance_deg")]
     #[schemars(range(min = 0.0, max = 180.0))]
     pub tolerance_deg: f64,
 }
 
-/// A drive through waypoints, in order, by the estimated pose.
+/// A drive through waypoints in their order. The robot is steered by its estimated pose, unless `led` is set.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Route {
-    /// Places to pass, world.
+    /// Waypoints to pass, in order.
     #[serde(rename = "waypoint")]
     #[schemars(length(min = 1))]
     pub waypoints: Vec<Waypoint>,
-    /// The robot rests at its start for so long.
+    /// Time for which the robot rests at its start before it drives.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 3600.0))]
     pub begins_s: f64,
-    /// Whether to begin again after the last waypoint, until the time is up. A route of one place alone ends there all the same.
+    /// Whether the robot begins again after the last waypoint, until the run's time is up. A route of a single place ends there nevertheless.
     #[serde(default)]
     pub repeat: bool,
-    /// Whether the robot is steered along the route by its true pose and not by its estimate, so that every localizer is given the same drive, also one that gets lost.
+    /// Whether the robot is steered along the route by its true pose instead of its estimate, so that every localizer gets the same drive, even one
+    /// that gets lost.
     #[serde(default)]
     pub led: bool,
 }
 
-/// One place to pass.
+/// A place that the robot passes on its route.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Waypoint {
-    /// World x.
+    /// World x of the waypoint.
     pub x_m: f64,
-    /// World y.
+    /// World y of the waypoint.
     pub y_m: f64,
-    /// Speed on the way here.
+    /// Speed of the robot on the way to this waypoint.
     #[serde(default = "default_speed")]
     #[schemars(range(max = 5.0), extend("exclusiveMinimum" = 0.0))]
     pub speed_m_per_s: f64,
-    /// Turn in place towards the next waypoint here, instead of cutting the corner in a curve.
+    /// Whether the robot turns in place at this waypoint towards the next one, instead of cutting the corner in a curve.
     #[serde(default)]
     pub turn_in_place: bool,
-    /// Stand still here for so long.
+    /// Time for which the robot stands still at this waypoint.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 3600.0))]
     pub pause_s: f64,
@@ -72,43 +73,46 @@ pub struct Waypoint {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Station {
-    /// World x.
+    /// World x of the station.
     pub x_m: f64,
-    /// World y.
+    /// World y of the station.
     pub y_m: f64,
-    /// Heading from world x, counter-clockwise.
+    /// Heading at the station, counter-clockwise from world x.
     #[schemars(range(min = -1e6, max = 1e6))]
     pub heading_deg: f64,
-    /// The true place is drawn within this of x and y, each; as for the start unless stated.
+    /// Greatest distance of the robot's true place at the station from the stated one, in x and y each; drawn at random. Unless stated, the start's
+    /// tolerance applies.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 100.0))]
     pub tolerance_m: Option<f64>,
-    /// The true heading is drawn within this; as for the start unless stated.
+    /// Greatest difference of the robot's true heading at the station from the stated one; drawn at random. Unless stated, the start's tolerance
+    /// applies.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 180.0))]
     pub tolerance_deg: Option<f64>,
 }
 
-/// Poses spread evenly over the room and over all headings, wherever the robot's body has room: a Halton sequence, so that the first
-/// hundred cover the room as evenly as all do. They come after the stations that are stated.
+/// Poses spread evenly over the room and over all headings, wherever the robot's body has room. They follow a Halton sequence, so that the first
+/// hundred cover the room as evenly as all of them do, and they come after the stations that are stated one by one.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spread {
-    /// How many.
+    /// Number of poses to spread over the room.
     #[schemars(range(min = 1, max = 100000))]
     pub count: usize,
-    /// The true place is drawn within this of x and y, each; as for the start unless stated.
+    /// Greatest distance of the robot's true place from the one generated, in x and y each; drawn at random. Unless stated, the start's tolerance
+    /// applies.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 100.0))]
     pub tolerance_m: Option<f64>,
-    /// The true heading is drawn within this; as for the start unless stated.
+    /// Greatest difference of the robot's true heading from the one generated; drawn at random. Unless stated, the start's tolerance applies.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 180.0))]
     pub tolerance_deg: Option<f64>,
 }
 
 impl Scene {
-    /// Adds the stations that `spread` asks for.
+    /// Adds the stations for which `station_spread` asks.
     pub(crate) fn spread_stations(&mut self) {
         let Some(spread) = self.station_spread.clone() else { return };
         let margin_m = self.robot.body_radius_m + spread.tolerance_m.unwrap_or(self.start.tolerance_m);
@@ -117,7 +121,7 @@ impl Scene {
             return;
         }
         let is_clear = |at_m: [f64; 2]| self.furniture.iter().all(|piece| piece.distance_m(at_m) >= margin_m);
-        // A room that is all furniture has no place; trying a thousand times as many poses is trying long enough.
+        // In a room that is full of furniture no pose is free: the search ends after a thousand times as many poses as are wanted.
         let poses = (1..=1000 * spread.count as u64).map(|index| {
             let [across, along, around] = [2, 3, 5].map(|base| radical_inverse(index, base));
             ([margin_m + across * extent_m[0], margin_m + along * extent_m[1]], 360.0 * around)
@@ -130,7 +134,7 @@ impl Scene {
     }
 }
 
-/// The digits of `index` mirrored at the point: a van der Corput sequence, in [0, 1).
+/// Radical inverse of `index`: its digits in `base`, mirrored at the point, which gives a van der Corput sequence in `[0, 1)`.
 fn radical_inverse(mut index: u64, base: u64) -> f64 {
     let (mut value, mut weight) = (0.0, 1.0);
     while index > 0 {

@@ -1,4 +1,4 @@
-//! The JSON schema of a scene: what an editor checks while one types, and what `parse` checks.
+//! The JSON schema of a scene, which an editor checks while a user types and `parse` checks when it reads a scene.
 
 use std::{iter, sync::OnceLock};
 
@@ -7,17 +7,17 @@ use serde_json::{Value, json};
 
 use super::{Scene, extend::EXTENDS};
 
-/// The schema as `scenes/schema.json` holds it: of one file, which may extend another.
+/// Text of the schema as in `scenes/schema.json`, which describes a single file that may extend another.
 pub fn schema_text() -> String {
     let mut file = schema().clone();
     file["properties"]["extends"] = json!({ "description": EXTENDS, "type": "string" });
     ask_for_nothing(&mut file, "");
-    // A `Value` that came from a schema always has a text, since its keys are strings.
+    // A `Value` that came from a schema can always be written as text, since its keys are strings.
     format!("{file:#}\n")
 }
 
-/// Leaves away what tables outside of lists must state, as what a file leaves out may stand in the one that it extends. `pointer` leads
-/// to a table in `file`.
+/// Makes all keys of tables outside of lists optional, as the file that is extended may state what a file leaves out. `pointer` leads to a table in
+/// `file`.
 fn ask_for_nothing(file: &mut Value, pointer: &str) {
     let Some(table) = file.pointer_mut(pointer).and_then(Value::as_object_mut) else { return };
     table.remove("required");
@@ -33,13 +33,13 @@ fn ask_for_nothing(file: &mut Value, pointer: &str) {
     references.iter().for_each(|pointer| ask_for_nothing(file, pointer));
 }
 
-/// The schema of a scene as a whole, generated once.
+/// The schema of a complete scene, generated once.
 pub(crate) fn schema() -> &'static Value {
     static SCHEMA: OnceLock<Value> = OnceLock::new();
     SCHEMA.get_or_init(|| SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Scene>().to_value())
 }
 
-/// The schema that `node` stands for: references are followed, and `null` drops out of what a key may be.
+/// The schema that `node` stands for: references are followed, and `null` is removed from the alternatives.
 pub(crate) fn resolve(mut node: &'static Value) -> &'static Value {
     loop {
         if let Some(reference) = node.get("$ref").and_then(Value::as_str) {
@@ -53,13 +53,13 @@ pub(crate) fn resolve(mut node: &'static Value) -> &'static Value {
     }
 }
 
-/// The alternatives of an `anyOf` without `null`; none when there is no `anyOf`.
+/// The alternatives of an `anyOf` without `null`; empty if there is no `anyOf`.
 pub(crate) fn alternatives(node: &'static Value) -> Vec<&'static Value> {
     let any_of = node.get("anyOf").and_then(Value::as_array);
     any_of.into_iter().flatten().filter(|option| option.get("type").and_then(Value::as_str) != Some("null")).collect()
 }
 
-/// The type a schema asks for, without `null`; empty when it asks for none.
+/// The type that a schema demands, without `null`; empty if the schema demands none.
 pub(crate) fn type_name(node: &Value) -> &str {
     match &node["type"] {
         Value::String(name) => name,
@@ -68,12 +68,12 @@ pub(crate) fn type_name(node: &Value) -> &str {
     }
 }
 
-/// The numbers among which a schema lets choose; `None` when it lists none.
+/// The numbers among which a schema lets a user choose; `None` if the schema lists no values.
 pub(crate) fn numbers(node: &Value) -> Option<Vec<f64>> {
     Some(node.get("enum")?.as_array()?.iter().filter_map(Value::as_f64).collect())
 }
 
-/// The texts that a string may be; empty when any will do.
+/// The texts among which a schema lets a user choose; empty if any text is allowed.
 pub(crate) fn choices(node: &'static Value) -> Vec<&'static str> {
     let listed = node.get("enum").and_then(Value::as_array).into_iter().flatten();
     let described =

@@ -1,77 +1,76 @@
-//! What turns light into grey levels behind a lens: a preset, and whatever is stated otherwise.
+//! Image sensors, which turn light into grey levels behind a lens: presets, and the keys that a scene states otherwise.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// An image sensor by the linear model of EMVA 1288, with its aperture and exposure control. What is not stated is as the preset
-/// has it.
+/// An image sensor by the linear model of EMVA 1288, with its aperture and exposure control. Keys that are not stated have the preset's values.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sensor {
-    /// A camera to start from; unless stated `global_shutter` for the floor camera, `robot_vacuum` for the forward and `infrared` for
-    /// the ceiling camera.
+    /// Camera whose values apply where no other key states one. Unless stated, `global_shutter` for the floor camera, `robot_vacuum` for the forward
+    /// camera and `infrared` for the ceiling camera.
     pub preset: Option<SensorPreset>,
-    /// Pixel pitch.
+    /// Distance between the centres of neighbouring pixels.
     #[schemars(range(min = 0.5e-6, max = 50e-6))]
     pub pixel_pitch_m: Option<f64>,
-    /// Focal length over aperture.
+    /// F-number of the lens: focal length over aperture.
     #[schemars(range(min = 0.7, max = 32.0))]
     pub f_number: Option<f64>,
-    /// Longest exposure; auto-exposure shortens it before it saturates.
+    /// Longest exposure of an image. Auto-exposure takes a shorter one where the image would saturate.
     #[schemars(range(min = 0.00001, max = 1.0))]
     pub longest_exposure_s: Option<f64>,
-    /// One exposure for all images, at the least gain, in place of auto-exposure.
+    /// Fixed exposure of all images, at the least gain, in place of auto-exposure.
     #[schemars(range(min = 0.00001, max = 1.0))]
     pub exposure_s: Option<f64>,
-    /// Electrons per photon: at 555 nm, or for an infrared camera at 850 nm.
+    /// Electrons per photon at 555 nm, or for an infrared camera at 850 nm.
     #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0.0))]
     pub quantum_efficiency: Option<f64>,
-    /// Electrons at which a pixel saturates.
+    /// Number of electrons at which a pixel saturates.
     #[schemars(range(min = 100.0, max = 1000000.0))]
     pub full_well_electrons: Option<f64>,
-    /// Standard deviation of the noise of reading a pixel.
+    /// Standard deviation of a pixel's read noise.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub read_noise_electrons: Option<f64>,
-    /// Mean dark current of a pixel; it has shot noise of its own.
+    /// Mean dark current of a pixel. The dark current has shot noise of its own.
     #[schemars(range(min = 0.0, max = 1e6))]
     pub dark_current_electrons_per_s: Option<f64>,
-    /// Dark signal non-uniformity: standard deviation of the pixels' offsets, the same in every image.
+    /// Dark signal non-uniformity: standard deviation of the pixels' offsets, which are the same in every image.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub dsnu_electrons: Option<f64>,
-    /// Photo response non-uniformity: standard deviation of the pixels' sensitivities as a share, the same in every image.
+    /// Photo response non-uniformity: standard deviation of the pixels' sensitivities as a share. The sensitivities are the same in every image.
     #[schemars(range(min = 0.0, max = 0.2))]
     pub prnu: Option<f64>,
-    /// Bits of a grey level. The localizer gets the eight most significant ones.
+    /// Number of bits of a grey level. The localizer gets the eight most significant ones.
     pub bits: Option<BitDepth>,
-    /// Grey level, at the sensor's own depth, of no electrons at all.
+    /// Grey level of a pixel without any electrons, at the sensor's own bit depth.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub black_level: Option<f64>,
-    /// Greatest gain of auto-exposure, in grey levels of the sensor's own depth per electron.
+    /// Greatest gain of auto-exposure, in grey levels of the sensor's own bit depth per electron.
     #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0.0))]
     pub max_gain_levels_per_electron: Option<f64>,
-    /// Share of the pixels that auto-exposure lets turn white, such as lamps and windows in view, for the sake of all others; unless stated
-    /// 0.005, which keeps nearly everything within the range.
+    /// Share of the pixels that auto-exposure lets turn white, such as those of lamps and windows in view, for the sake of all other pixels. Unless
+    /// stated 0.005, which keeps nearly all pixels within the range.
     #[schemars(range(min = 0.0, max = 0.4))]
     pub highlight_share: Option<f64>,
 }
 
-/// Cameras to start from.
+/// Named cameras whose values a sensor can start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SensorPreset {
-    /// 4.8 µm, f/2, 10 ms, 8 bits, photons and read noise alone.
+    /// A camera without noise but that of photons and reading: 4.8 µm pixels, f/2, up to 10 ms, 8 bits.
     GlobalShutter,
-    /// A good machine-vision camera: 4.8 µm, f/2, 10 ms, 12 bits, 2.5 electrons of read noise.
+    /// A good machine-vision camera: 4.8 µm pixels, f/2, up to 10 ms, 12 bits, 2.5 electrons of read noise.
     MachineVision,
-    /// The cheap camera of a robot vacuum: 3 µm, f/2, 33 ms, 8 bits.
+    /// The cheap camera of a robot vacuum: 3 µm pixels, f/2, up to 33 ms, 8 bits.
     RobotVacuum,
-    /// For the dark: 6 µm, f/1.4, up to 100 ms, 10 bits, 1.5 electrons of read noise.
+    /// A camera for the dark: 6 µm pixels, f/1.4, up to 100 ms, 10 bits, 1.5 electrons of read noise.
     LowLight,
-    /// A small camera behind an 850 nm filter, as paper 5's: 3 µm, f/2, 20 ms, 8 bits.
+    /// A small camera behind an 850 nm filter, like paper 5's: 3 µm pixels, f/2, up to 20 ms, 8 bits.
     Infrared,
 }
 
-/// Bits of a grey level.
+/// Number of bits of a grey level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(try_from = "u8", into = "u8")]
 #[schemars(with = "u8", extend("enum" = [8, 10, 12]))]
@@ -84,41 +83,41 @@ pub enum BitDepth {
     Twelve,
 }
 
-/// Everything about a sensor, nothing left open.
+/// All properties of an image sensor, with the values of its preset filled in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorModel {
     /// Side of a square pixel.
     pub pixel_pitch_m: f64,
-    /// Focal length over aperture.
+    /// F-number of the lens: focal length over aperture.
     pub f_number: f64,
-    /// Longest exposure.
+    /// Longest exposure of an image.
     pub longest_exposure_s: f64,
-    /// Whether every exposure is the longest, at the least gain.
+    /// Whether every image has the longest exposure and the least gain, without auto-exposure.
     pub is_fixed: bool,
     /// Electrons per photon.
     pub quantum_efficiency: f64,
-    /// Electrons at which a pixel saturates.
+    /// Number of electrons at which a pixel saturates.
     pub full_well_electrons: f64,
-    /// Standard deviation of the read noise.
+    /// Standard deviation of a pixel's read noise.
     pub read_noise_electrons: f64,
-    /// Mean dark current.
+    /// Mean dark current of a pixel.
     pub dark_current_electrons_per_s: f64,
-    /// Standard deviation of the pixels' offsets.
+    /// Standard deviation of the pixels' offsets, which are the same in every image.
     pub dsnu_electrons: f64,
     /// Standard deviation of the pixels' sensitivities, as a share.
     pub prnu: f64,
-    /// Bits of a grey level.
+    /// Number of bits of a grey level.
     pub bits: BitDepth,
-    /// Grey level of no electrons.
+    /// Grey level of a pixel without any electrons.
     pub black_level: f64,
-    /// Greatest gain.
+    /// Greatest gain of auto-exposure.
     pub max_gain_levels_per_electron: f64,
     /// Share of the pixels that auto-exposure lets turn white.
     pub highlight_share: f64,
 }
 
 impl Sensor {
-    /// The preset, or else `otherwise`, with everything that is stated.
+    /// Model of the sensor: the stated keys, and for all others the values of the stated preset, or of `otherwise` if no preset is stated.
     pub fn model(&self, otherwise: SensorPreset) -> SensorModel {
         let preset = self.preset.unwrap_or(otherwise).model();
         SensorModel {
@@ -145,7 +144,7 @@ impl Sensor {
 }
 
 impl SensorPreset {
-    /// All that it says.
+    /// Model of the sensor that the preset names.
     pub fn model(self) -> SensorModel {
         let global_shutter = SensorModel {
             pixel_pitch_m: 4.8e-6,
@@ -218,7 +217,7 @@ impl SensorPreset {
 }
 
 impl BitDepth {
-    /// The number of bits.
+    /// Number of bits of a grey level, as an integer.
     pub fn bits(self) -> u32 {
         match self {
             BitDepth::Eight => 8,
@@ -227,17 +226,17 @@ impl BitDepth {
         }
     }
 
-    /// The brightest grey level.
+    /// The brightest grey level at this bit depth.
     pub fn greatest_level(self) -> u32 {
         (1 << self.bits()) - 1
     }
 
-    /// The eight most significant bits of a level.
+    /// The eight most significant bits of a grey level.
     pub fn most_significant(self, level: u16) -> u8 {
         (level >> (self.bits() - 8)) as u8
     }
 
-    /// Grey levels that one level of eight bits stands for.
+    /// Number of grey levels at this bit depth that fall into one level of eight bits.
     pub fn levels_per_byte_level(self) -> f64 {
         f64::from(1 << (self.bits() - 8))
     }

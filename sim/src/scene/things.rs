@@ -3,87 +3,89 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// An upright box on the floor: a cupboard, a table with a cloth, a partition wall. Robots and rays stop at it.
+/// A piece of furniture: an upright box on the floor, such as a cupboard, a table with a cloth or a partition wall. It stops robots and blocks light
+/// and sight.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Furniture {
-    /// What it is, for messages and maps.
+    /// Name of the piece of furniture, for messages and maps.
     #[serde(default)]
     pub name: String,
-    /// World x of its middle.
+    /// World x of the middle of the piece of furniture.
     pub x_m: f64,
-    /// World y of its middle.
+    /// World y of the middle of the piece of furniture.
     pub y_m: f64,
-    /// Length and width.
+    /// Length and width of the piece of furniture.
     #[schemars(inner(range(min = 0.01, max = 100.0)))]
     pub size_m: [f64; 2],
-    /// Height.
+    /// Height of the piece of furniture.
     #[serde(default = "default_furniture_height_m")]
     #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0.0))]
     pub height_m: f64,
-    /// Direction of its length from world x, counter-clockwise. Any angle.
+    /// Direction of the furniture's length, counter-clockwise from world x. Any angle.
     #[serde(default)]
     pub rotation_deg: f64,
-    /// Whether the occupancy grid shows it; what is not mapped stands in the way of errands unforeseen.
+    /// Whether the map of errands shows the piece of furniture, as it does unless stated. One that is not mapped stands unforeseen in the robot's
+    /// way.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mapped: Option<bool>,
-    /// Share of the light that it throws back, as a matt surface.
+    /// Share of the light that the piece of furniture throws back, as a matt surface.
     #[serde(default = "default_furniture_albedo")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub albedo: f64,
-    /// Share of the light that its faces mirror at right incidence, as a varnish does: lamps glint in them. 0.04 for most varnishes; 0 for
-    /// matt faces.
+    /// Share of the light that the faces of the furniture mirror at perpendicular incidence, as a varnish does, so that lamps glint in them. 0.04 for
+    /// most varnishes, 0 for matt faces.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 0.2))]
     pub gloss: f64,
-    /// By how much its faces blur what they mirror: standard deviation of the mirrored direction, about each axis.
+    /// Blur of what the furniture's faces mirror: standard deviation of the mirrored direction, about each axis.
     #[serde(default = "default_furniture_roughness_deg")]
     #[schemars(range(min = 0.1, max = 20.0))]
     pub roughness_deg: f64,
 }
 
-/// Somebody who walks to and fro along a polyline and stands still while the robot is in the way.
+/// A person who walks to and fro along a polyline and stands still while the robot is in the way.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Person {
-    /// Places to walk to, one after the other and back again.
+    /// World places that the person walks to, one after the other and back again.
     #[schemars(length(min = 1))]
     pub waypoints_m: Vec<[f64; 2]>,
-    /// Walking speed.
+    /// Walking speed of the person.
     #[serde(default = "default_walking_speed")]
     #[schemars(range(min = 0.0, max = 3.0))]
     pub speed_m_per_s: f64,
-    /// Radius of the upright cylinder that stands for the body.
+    /// Radius of the upright cylinder that stands for the person's body.
     #[serde(default = "default_person_radius_m")]
     #[schemars(range(min = 0.05, max = 1.0))]
     pub radius_m: f64,
-    /// Height.
+    /// Height of the person.
     #[serde(default = "default_person_height_m")]
     #[schemars(range(min = 0.2, max = 2.5))]
     pub height_m: f64,
 }
 
-/// A coded landmark. The localizer is not told where it is.
+/// A coded landmark. The localizer is not given its position.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Landmark {
-    /// World x.
+    /// World x of the landmark.
     pub x_m: f64,
-    /// World y.
+    /// World y of the landmark.
     pub y_m: f64,
-    /// Height above the floor.
+    /// Height of the landmark above the floor.
     #[serde(default = "default_landmark_height_m")]
     #[schemars(range(min = 0.0, max = 10.0))]
     pub height_m: f64,
 }
 
 impl Furniture {
-    /// Whether maps show it; so unless stated otherwise.
+    /// Whether maps show this piece of furniture, as they do unless the scene states otherwise.
     pub fn is_mapped(&self) -> bool {
         self.mapped.unwrap_or(true)
     }
 
-    /// Distance of a place from the box's footprint; 0 inside.
+    /// Distance on the floor from a place to the furniture's footprint; 0 inside the footprint.
     pub fn distance_m(&self, place_m: [f64; 2]) -> f64 {
         let (sin, cos) = self.rotation_deg.to_radians().sin_cos();
         let (x_m, y_m) = (place_m[0] - self.x_m, place_m[1] - self.y_m);

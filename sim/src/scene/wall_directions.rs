@@ -1,4 +1,4 @@
-//! How `wall_directions` is set up.
+//! Setup of the method `wall_directions`, which finds the heading from level edges along walls.
 
 use localizer::methods::wall_directions::{LEARNT_APART_RAD, Quotas};
 use schemars::JsonSchema;
@@ -6,60 +6,65 @@ use serde::{Deserialize, Serialize};
 
 use super::{MethodName, Scene};
 
-/// What `wall_directions` knows of the building and how it looks for level edges.
+/// Setup of `wall_directions`: what it knows of the building, and how it finds level edges in images.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WallDirectionsSetup {
-    /// Vision chain.
+    /// Image processing by which `wall_directions` finds level edges.
     pub chain: WallDirectionsChain,
-    /// Directions of walls from world x that the map tells, modulo 90. Those of `[room]` and of every `[[building.room]]` unless stated.
+    /// Directions of walls on the localizer's map, measured from world x, modulo 90. Unless stated, those of `[room]` and of every
+    /// `[[building.room]]`.
     #[schemars(inner(range(min = -360.0, max = 360.0)))]
     pub mapped_deg: Option<Vec<f64>>,
-    /// `wall_directions.direction`: a direction that the map tells is within this of a wall's, and each wall's is within this of one that the map
-    /// tells; with `learns` set, those of walls that are more than 10 degrees off every direction that the map tells need not. A seed draws by how much all walls together stand turned within it.
+    /// Bound `wall_directions.direction`: every direction on the map is within this of a wall's direction, and every wall's direction is within this
+    /// of one on the map. With `learns` set, walls more than 10 degrees off every direction on the map are exempt. Each seed turns all walls together
+    /// by a random angle within this tolerance.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub tolerance_deg: f64,
-    /// `wall_directions.askew`: furniture that stands along walls, turned by at most 5 degrees against one in the scene, is within this of a
-    /// wall's direction. Every box of headings by walls grows by as much on either side.
+    /// Bound `wall_directions.askew`: furniture along walls, which is furniture turned by at most 5 degrees against a wall of the scene, is within
+    /// this of a wall's direction. Every range of headings found from walls is widened by as much on either side.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub askew_deg: f64,
-    /// Whether the edges of an image tell the body's lean together; otherwise each of them may have been seen at any lean within `body.tilt`.
-    /// Together fewer of them may be wrong: `wrong_held_share` and `wrong_held_edges` in place of `wrong_images`.
+    /// Whether the body's lean is solved for from all edges of an image together. Otherwise each edge may have been seen at any lean within
+    /// `body.tilt`. If the lean is solved for, fewer edges may be wrong: `wrong_held_share` and `wrong_held_edges` replace `wrong_images`.
     pub solves_lean: bool,
-    /// At most this share of an image's level edges run along none of the directions, and of its upright edges are not upright: clutter,
-    /// people, pictures that hang askew.
+    /// Greatest share of an image's level edges that run along no wall direction, and of its upright edges that are not upright. Such edges come from
+    /// clutter, people and pictures that hang askew.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub wrong_edge_share: f64,
-    /// Of ten images held at most so many have more wrong edges than that.
+    /// Greatest number, among the ten images held in memory, of images with more wrong edges than `wrong_edge_share` allows.
     #[schemars(range(min = 0, max = 10))]
     pub wrong_images: usize,
-    /// With `solves_lean`, at most this share of the level edges of twenty images held, and `wrong_held_edges` more, run along none of the
-    /// directions.
+    /// With `solves_lean`: greatest share of wrong edges, which run along no wall direction, among the level edges of the twenty images held in
+    /// memory. `wrong_held_edges` more are allowed.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub wrong_held_share: f64,
-    /// See `wrong_held_share`: what clutter that stays in view for a while adds.
+    /// With `solves_lean`: number of wrong edges allowed in addition to `wrong_held_share`, for clutter that stays in view for a while.
     #[schemars(range(min = 0, max = 1000))]
     pub wrong_held_edges: usize,
-    /// With `solves_lean`, of twenty images held at most so many have any wrong edge.
+    /// With `solves_lean`: greatest number of images with any wrong edge, among the twenty images held in memory.
     #[schemars(range(min = 0, max = 20))]
     pub spoilt_images: usize,
-    /// Whether edges on the floor run along walls if they are long, as skirtings, foots of walls and borders of fitted carpets do. Joints of tiles
-    /// need not.
+    /// Whether long edges on the floor are taken to run along walls, as skirtings, feet of walls and borders of fitted carpets do. Joints between
+    /// tiles need not run along walls.
     pub floor_edges: bool,
-    /// Whether the building may have directions that the map does not tell, to be learnt: each more than 10 degrees off every one that it tells.
+    /// Whether the building may have wall directions that are not on the map, to be learnt during the run. Each of these is more than 10 degrees off
+    /// every direction on the map.
     pub learns: bool,
 }
 
-/// How `wall_directions` finds level edges in an image.
+/// Image processing by which `wall_directions` finds level edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WallDirectionsChain {
-    /// Even noise, 2 × 2 bins, rolling guidance, segments, each measured again in the unfiltered image.
+    /// Direct processing chain for finding level edges: noise made even, 2 × 2 binning, rolling guidance filter, line segments, each measured again
+    /// in the unfiltered image.
     #[default]
     Direct,
-    /// Paper 2: histogram equalisation, rolling guidance, segments, sets A and B, RANSAC, Levenberg and Marquardt.
+    /// Paper 2's processing chain for finding level edges: histogram equalisation, rolling guidance filter, line segments, sets A and B, RANSAC,
+    /// Levenberg and Marquardt's fit.
     Paper,
-    /// The same with CLAHE in place of the equalisation.
+    /// Paper 2's processing chain for finding level edges, with CLAHE in place of histogram equalisation.
     PaperByTiles,
 }
 
@@ -84,7 +89,7 @@ impl Default for WallDirectionsSetup {
 }
 
 impl WallDirectionsSetup {
-    /// How many edges may be wrong, as the localizer and its judge are told.
+    /// Declared numbers of edges that may be wrong, for the localizer and its judge.
     pub fn quotas(&self) -> Quotas {
         Quotas {
             edge_share: self.wrong_edge_share,
@@ -97,18 +102,18 @@ impl WallDirectionsSetup {
 }
 
 impl Scene {
-    /// Directions of the walls from world x as the scene states them, modulo 90: the room's, then each further room's.
+    /// Directions of the walls as the scene states them, measured from world x, modulo 90: the room's first, then each further room's.
     pub fn stated_wall_directions_deg(&self) -> Vec<f64> {
         std::iter::once(0.0).chain(self.building.rooms.iter().map(|room| room.heading_deg)).collect()
     }
 
-    /// Directions that the map tells.
+    /// Directions of the walls on the localizer's map, measured from world x, modulo 90.
     pub fn mapped_wall_directions_deg(&self) -> Vec<f64> {
         let mapped = self.localizer.wall_directions.as_ref().and_then(|setup| setup.mapped_deg.clone());
         mapped.unwrap_or_else(|| self.stated_wall_directions_deg())
     }
 
-    /// How far the map is off: its direction that is farthest from every wall's, or the wall's that is farthest from every mapped one,
+    /// Error of the map: the greatest angle from a mapped direction to the nearest wall's, or from a wall's direction to the nearest mapped one,
     /// modulo quarter turns.
     pub(crate) fn wall_directions_off_deg(&self, true_deg: &[f64]) -> f64 {
         let mapped_deg = self.mapped_wall_directions_deg();
@@ -122,23 +127,24 @@ impl Scene {
             };
             some_deg.iter().map(off_deg).fold(0.0, f64::max)
         };
-        // A direction that the map does not tell is as wrong as one that no wall has, unless the building is said to have such that can be learnt.
+        // A wall direction missing on the map counts as an error just as a mapped one that no wall has, unless the scene lets such directions be
+        // learnt.
         let untold_deg = true_deg.iter().map(|deg| farthest_deg(&[*deg], &mapped_deg));
         let untold_deg = untold_deg.filter(|off_deg| !self.is_learnt_at(*off_deg)).fold(0.0, f64::max);
         farthest_deg(&mapped_deg, true_deg).max(untold_deg)
     }
 
-    /// Whether a wall's direction so far off every one that the map tells is surely learnt, and need not be told.
+    /// Whether a wall direction that is `off_deg` off every mapped one is certain to be learnt, so that the map need not have it.
     pub(crate) fn is_learnt_at(&self, off_deg: f64) -> bool {
         self.localizer.wall_directions().learns && off_deg > LEARNT_APART_RAD.to_degrees()
     }
 
-    /// Whether a seed draws how walls stand: where a method reads them.
+    /// Whether the seed turns the walls by a random angle, which is done only if a method reads their directions.
     pub(crate) fn draws_walls(&self) -> bool {
         self.localizer.methods.contains(&MethodName::WallDirections)
     }
 
-    /// How far walls may stand turned against where the scene has them: what a map that is off as stated leaves of its tolerance.
+    /// Greatest random turn of the walls against the scene: what the stated error of the map leaves of the declared tolerance.
     pub(crate) fn walls_askew_deg(&self) -> f64 {
         if !self.draws_walls() {
             return 0.0;

@@ -1,4 +1,4 @@
-//! Lamps, doors and lenses that cannot be.
+//! Contradictions of a scene about lamps, doors, pictures, dots and lenses.
 
 use crate::{
     building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
@@ -8,10 +8,10 @@ use crate::{
 };
 use nalgebra::Point3;
 
-/// How far outside of the robot's room a lamp or a door may be when there are further rooms.
+/// Distance outside of the robot's room up to which a lamp may be when there are further rooms.
 const SITE_M: f64 = 200.0;
 
-/// Everything about building and cameras in which `scene` contradicts itself.
+/// All contradictions in `scene` about its building, its light and its cameras' heights and lenses.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     if scene.lamps.len() > MAX_LAMPS {
         let expected = format!("{} of them, expected at most {MAX_LAMPS}", scene.lamps.len());
@@ -106,10 +106,10 @@ pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     lenses(scene, found);
 }
 
-/// Farthest from the nearest wall of what is said to be on one.
+/// Greatest distance from the nearest wall of a thing that is stated to be on a wall.
 const ON_WALL_M: f64 = 0.3;
 
-/// Distance on the floor to the nearest of some walls.
+/// Distance on the floor from a place to the nearest of the given walls.
 fn off_m<'a>(walls: impl Iterator<Item = &'a Side>, [x_m, y_m]: [f64; 2]) -> f64 {
     let at = Point3::new(x_m, y_m, 0.0);
     let to_wall = |wall: &Side| {
@@ -124,7 +124,8 @@ fn is_off(walls: &[Side], at_m: [f64; 2]) -> bool {
     off_m(walls.iter(), at_m) > ON_WALL_M
 }
 
-/// What is wrong with a place off the walls; whoever put it on the side of a room is told why there is no wall.
+/// Describes what is wrong with a place that is off the walls. If the place is on the side of a room, within another room, the text says why there is
+/// no wall.
 fn off_walls(does: &str, rooms: &[Enclosure], at_m: [f64; 2]) -> String {
     let sides: Vec<Side> = rooms.iter().flat_map(Enclosure::sides).collect();
     let within = if is_off(&sides, at_m) { "" } else { ": within another room a room has none" };
@@ -136,7 +137,7 @@ pub(super) fn is_in_a_room(rooms: &[Enclosure], [x_m, y_m]: [f64; 2]) -> bool {
     rooms.iter().any(|room| room.contains(Point3::new(x_m, y_m, 0.0)))
 }
 
-/// Whether a wall that faces so is near.
+/// Whether a wall that faces in the direction `heading_rad` is near the place.
 fn is_on_a_wall_facing(walls: &[Side], at_m: [f64; 2], heading_rad: f64) -> bool {
     let facing = level(heading_rad);
     off_m(walls.iter().filter(|wall| wall.inward.dot(&facing) > 0.9), at_m) <= ON_WALL_M
@@ -179,7 +180,7 @@ fn lamp_problem(scene: &Scene, rooms: &[Enclosure], walls: &[Side], lamp: &Lamp)
         .then(|| ("x_m", "lies in no room, expected a place within one".to_owned()))
 }
 
-/// A distortion that folds the image over is found at its corners and edges first.
+/// Finds lenses whose principal point is outside the image, or whose distortion folds the image over, which is found at corners and edges first.
 fn lenses(scene: &Scene, found: &mut Vec<Contradiction>) {
     let robot = &scene.robot;
     let forward = robot.forward_camera.as_ref().map(|camera| {

@@ -1,4 +1,4 @@
-//! Cameras whose exposures do not fit between two images, or whose grey levels leave none for light.
+//! Contradictions about cameras: exposures that do not fit between two images, and black levels that leave no grey levels for light.
 
 use crate::{
     loading::parse::Contradiction,
@@ -6,10 +6,10 @@ use crate::{
 };
 use localizer::reading::Camera;
 
-/// Sums like 0.0335 + 479 · 10⁻⁵ are not exact, and nobody means a period that finely.
+/// Tolerance for rounding: sums like 0.0335 + 479 · 10⁻⁵ are not exact, and nobody states a period that finely.
 const ROUNDING_S: f64 = 1e-9;
 
-/// What the cameras have in common.
+/// Keys that all cameras have in common.
 struct Keys<'a> {
     name: &'static str,
     camera: Camera,
@@ -19,7 +19,7 @@ struct Keys<'a> {
     height_px: u32,
 }
 
-/// Everything about cameras in which `scene` contradicts itself.
+/// All contradictions in `scene` about its cameras' exposures and black levels.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let robot = &scene.robot;
     let floor = robot.floor_camera.as_ref().map(Keys::floor);
@@ -59,7 +59,7 @@ fn black_level_problem(keys: &Keys) -> Option<(&'static str, String)> {
     (keys.model.black_level >= f64::from(greatest)).then(|| ("sensor.black_level", expected()))
 }
 
-/// One image is read before the next is exposed, as sensors that share a row's circuits do.
+/// Checks that one image is read out before the next is exposed, as in sensors whose rows share their circuits.
 fn period_problem(scene: &Scene, keys: &Keys) -> Option<(&'static str, String)> {
     let timing = scene.robot.camera_timing(keys.camera)?;
     let (period_s, exposure_s) = (timing.period_s, keys.model.longest_exposure_s);

@@ -1,12 +1,12 @@
-//! Errands on which nobody can go.
+//! Contradictions about errands that the robot cannot drive.
 
 use crate::{loading::parse::Contradiction, navigation::Planner, scene::Scene};
 
-/// Goals to which no way leads, and what the proximity sensor cannot be.
+/// Errands with the same name, and goals to which no path leads.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let navigation = scene.navigation();
     let is_map_missing = navigation.map.is_some() && navigation.surveyed.is_none();
-    // A goal outside the room or in furniture has been told of already, and a map that is not read plans nothing.
+    // A goal outside the room or in furniture has been reported already, and nothing can be planned on a map that is not read.
     if !scene.has_errands() || !found.is_empty() || is_map_missing {
         return;
     }

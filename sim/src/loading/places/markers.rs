@@ -1,4 +1,4 @@
-//! Markers that cannot be, or cannot be told apart.
+//! Contradictions about ceiling markers: impossible places, and markers that cannot be told apart.
 
 use crate::{
     loading::parse::Contradiction,
@@ -6,10 +6,10 @@ use crate::{
 };
 use localizer::markers::{self, MarkerId};
 
-/// From the middle of a marker to the sides of the square that is its own: half a pitch more than its dots' centres.
+/// Half the side of the square that a marker takes up: half a pitch more than the distance of its outermost dots' centres from its middle.
 const HALF_WIDTH_M: f64 = 0.08;
 
-/// Everything about markers in which `scene` contradicts itself.
+/// All contradictions in `scene` about its markers.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let Some(markers) = &scene.markers else { return };
     let words = markers::Coding::from(markers.coding).identities();
@@ -77,11 +77,11 @@ fn overlap(marker: &Marker, earlier: &[Marker]) -> Problem {
     Some(("x_m", format!("on top of markers.marker[{other}], expected a place of its own, 0.16 m wide and deep")))
 }
 
-/// Whether two squares overlap: no side of either has all of the other beyond it.
+/// Whether the squares of two markers overlap: no side of either square has the whole other square beyond it.
 fn overlaps(one: &Marker, other: &Marker) -> bool {
     let between_m = [other.x_m - one.x_m, other.y_m - one.y_m];
     let turn_rad = (other.rotation_deg - one.rotation_deg).to_radians();
-    // Half the extent of both along a side's normal.
+    // Sum of half the extents of both markers' squares along the normal of a side.
     let reach_m = HALF_WIDTH_M * (1.0 + turn_rad.sin().abs() + turn_rad.cos().abs());
     [one, other].iter().all(|marker| {
         let (sin, cos) = marker.rotation_deg.to_radians().sin_cos();
@@ -99,7 +99,7 @@ fn too_high(marker: &Marker, markers: &Markers, scene: &Scene) -> Problem {
     })
 }
 
-/// A marker has to hang above the camera, with some decimetres between them for a picture of it.
+/// Checks that a marker hangs above the ceiling camera, at least 0.1 m above it so that an image of the marker can be taken.
 fn too_low(marker: &Marker, markers: &Markers, scene: &Scene) -> Problem {
     const LEAST_RISE_M: f64 = 0.1;
     let camera = scene.robot.ceiling_camera.as_ref()?;
@@ -111,7 +111,7 @@ fn too_low(marker: &Marker, markers: &Markers, scene: &Scene) -> Problem {
     })
 }
 
-/// What was moved since the survey is still on the ceiling.
+/// Checks that a marker that was moved since the survey is still on the ceiling.
 fn misplaced_outside(marker: &Marker, scene: &Scene) -> Problem {
     let moved =
         Marker { x_m: marker.x_m + marker.misplaced_m[0], y_m: marker.y_m + marker.misplaced_m[1], ..marker.clone() };

@@ -1,5 +1,5 @@
-//! Contradictions about sensors other than cameras: periods that the physics cannot sample, bounds that allow anything, and sensors that a method needs
-//! but the robot lacks.
+//! Contradictions about sensors other than cameras: periods that the physics cannot sample, bounds that allow anything, and sensors that a
+//! method needs but the robot lacks.
 
 use crate::{
     devices::{self, unsampled},
@@ -7,7 +7,7 @@ use crate::{
     scene::Scene,
 };
 
-/// Everything about sensors in which `scene` contradicts itself.
+/// All contradictions in `scene` about its sensors other than cameras.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let (robot, localizer) = (&scene.robot, &scene.localizer);
     let mut found_at = |key: &str, expected: String| found.push(Contradiction { key: key.to_owned(), expected });

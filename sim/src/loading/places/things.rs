@@ -1,4 +1,4 @@
-//! Furniture, landmarks and people that stand nowhere or walk through walls.
+//! Contradictions about furniture, landmarks and people: places outside every room, and paths through walls.
 
 use crate::{
     building::{Enclosure, Panel, enclosures, wall_panels},
@@ -11,16 +11,16 @@ use super::short;
 
 use super::building::is_in_a_room;
 
-/// Distances like 0.4 − 0.15 are not exact.
+/// Tolerance for rounding, as distances like 0.4 − 0.15 are not exact.
 const ROUNDING_M: f64 = 1e-9;
 
-/// Everything about what stands and walks in the building in which `scene` contradicts itself.
+/// All contradictions in `scene` about what stands and walks in the building.
 pub(super) fn contradictions(scene: &Scene, found: &mut Vec<Contradiction>) {
     let rooms = enclosures(scene);
     for (index, furniture) in scene.furniture.iter().enumerate() {
         found.extend(place_problem(&rooms, &format!("furniture[{index}]"), [furniture.x_m, furniture.y_m]));
     }
-    // Only the robot's own room tells what it can see.
+    // Landmarks must be in the robot's own room, the only one that decides what the robot can see.
     for (index, landmark) in scene.landmarks.iter().enumerate() {
         found.extend(place_problem(&rooms[..1], &format!("landmark[{index}]"), [landmark.x_m, landmark.y_m]));
     }
@@ -37,14 +37,14 @@ fn place_problem(rooms: &[Enclosure], key: &str, at_m: [f64; 2]) -> Option<Contr
     }
     let own = &rooms[0];
     let extents_m = [own.width_m, own.depth_m];
-    // The coordinate that is to blame, if there is one.
+    // The coordinate that is outside the room, if there is one.
     let axis = (0..2).find(|axis| !(0.0..=extents_m[*axis]).contains(&at_m[*axis]))?;
     let further = if rooms.len() > 1 { ", or a place in a further room" } else { "" };
     let expected = format!("outside the room, expected a number from 0 to {}{further}", extents_m[axis]);
     Some(Contradiction { key: format!("{key}.{}", ["x_m", "y_m"][axis]), expected })
 }
 
-/// What is wrong with where somebody walks: places in no room, or ways that come too near to a wall. Open doors leave holes in walls.
+/// Describes what is wrong with where a person walks: places in no room, or legs that come too near to a wall. Open doors leave holes in walls.
 fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Option<String> {
     let ways_m = &person.waypoints_m;
     if let Some([x_m, y_m]) = ways_m.iter().find(|at_m| !is_in_a_room(rooms, **at_m)) {
@@ -65,9 +65,9 @@ fn person_problem(rooms: &[Enclosure], walls: &[Panel], person: &Person) -> Opti
     Some(format!("the way from [{x0_m}, {y0_m}] to [{x1_m}, {y1_m}] comes too near to a wall, {margin}"))
 }
 
-/// Somebody who stands where the robot is put down would be pushed through by both from the first step on.
+/// Checks that no person stands where the robot is put down, as each would be pushed through the other from the first step on.
 fn meets_start(scene: &Scene, person: &Person) -> Option<String> {
-    // At stations the robot is put elsewhere.
+    // A scene with stations puts the robot elsewhere than at its start.
     let at_m = person.waypoints_m.first().filter(|_| scene.stations.is_empty())?;
     let (start, body_m) = (&scene.start, scene.robot.body_radius_m);
     let away_m = (at_m[0] - start.x_m).hypot(at_m[1] - start.y_m);
@@ -84,12 +84,12 @@ fn meets_start(scene: &Scene, person: &Person) -> Option<String> {
     (away_m < person.radius_m + body_m - ROUNDING_M).then(expected)
 }
 
-/// The line on the floor above which a wall stands.
+/// The line on the floor below a wall's panel.
 fn foot(wall: &Panel) -> [Vector2<f64>; 2] {
     [wall.corner.coords.xy(), (wall.corner + wall.along).coords.xy()]
 }
 
-/// Least distance between two segments of the plane.
+/// Least distance between two line segments in the plane.
 fn distance_m(one: [Vector2<f64>; 2], other: [Vector2<f64>; 2]) -> f64 {
     let side = |[from, to]: [Vector2<f64>; 2], at: Vector2<f64>| (to - from).perp(&(at - from));
     let parts = |line: [Vector2<f64>; 2], ends: [Vector2<f64>; 2]| side(line, ends[0]) * side(line, ends[1]) < 0.0;

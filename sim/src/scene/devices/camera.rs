@@ -1,4 +1,4 @@
-//! What cameras have in common: their lenses, how well they are calibrated, when they expose and deliver.
+//! Keys that cameras have in common: lens, calibration tolerances, and times of exposure and delivery.
 
 use localizer::reading::Camera;
 use schemars::JsonSchema;
@@ -9,12 +9,12 @@ use super::{CeilingCamera, FloorCamera, ForwardCamera};
 use crate::scene::Robot;
 
 impl Robot {
-    /// The cameras that it has, in the order of [`Camera::ALL`].
+    /// The robot's cameras, in the order of [`Camera::ALL`].
     pub fn cameras(&self) -> Vec<Camera> {
         Camera::ALL.into_iter().filter(|camera| self.camera_timing(*camera).is_some()).collect()
     }
 
-    /// When one of its cameras exposes, stamps and delivers; `None` if it has no such camera.
+    /// Times at which one of the robot's cameras exposes, stamps and delivers images; `None` if the robot does not have this camera.
     pub fn camera_timing(&self, camera: Camera) -> Option<CameraTiming> {
         match camera {
             Camera::Floor => self.floor_camera.as_ref().map(FloorCamera::timing),
@@ -24,73 +24,74 @@ impl Robot {
     }
 }
 
-/// Filters before a sensor.
+/// Bands of wavelengths that pass the filter before a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Band {
-    /// 400 to 700 nm.
+    /// Visible light, 400 to 700 nm.
     Visible,
-    /// 800 to 900 nm.
+    /// Near infrared light, 800 to 900 nm.
     Infrared,
 }
 
-/// What a lens does besides projecting, and how its sensor is read out.
+/// Properties of the lens besides its projection, and the time in which the sensor is read out.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LensKeys {
-    /// Brown and Conrady's coefficients k1, k2, p1, p2, k3, in the order of OpenCV.
+    /// Distortion coefficients k1, k2, p1, p2, k3 of Brown and Conrady, in the order of OpenCV.
     #[schemars(inner(range(min = -2.0, max = 2.0)))]
     pub distortion: [f64; 5],
-    /// Whether the image falls off from its middle by the fourth power of the cosine. Where nothing is stated, forward and ceiling cameras
-    /// do so and the floor camera does not.
+    /// Whether the image darkens away from its middle by the fourth power of the cosine of the angle off the optical axis. Unless stated, images of
+    /// forward and ceiling cameras do and those of the floor camera do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vignetting: Option<bool>,
-    /// Diameter of the disc into which a point is blurred.
+    /// Diameter of the disc into which defocus blurs a point.
     #[schemars(range(min = 0.0, max = 50.0))]
     pub defocus_px: f64,
-    /// From the start of one row's exposure to that of the next; 0 for a global shutter.
+    /// Time from the start of one row's exposure to the start of the next row's; 0 for a global shutter.
     #[schemars(range(min = 0.0, max = 0.001))]
     pub row_time_s: f64,
 }
 
-/// Tolerances of a camera's calibration. Each seed draws within them, by the robot's `errors`.
+/// Tolerances of the camera's calibration: how far its mount and lens may be from the stated values. Each seed draws errors within them, distributed
+/// as the robot's key `errors` states.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Calibration {
-    /// The optical centre, along each axis of the robot frame.
+    /// Greatest error of the optical centre's position, along each axis of the robot frame.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// The attitude: as much by a tilt about any level axis, and as much by a turn about the vertical.
+    /// Greatest error of the camera's attitude: as much by a tilt about any level axis, and as much again by a turn about the vertical.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub angle_tolerance_deg: f64,
-    /// Both focal lengths alike, as a share.
+    /// Greatest error of both focal lengths, as a share. Both have the same error.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub focal_tolerance: f64,
-    /// The principal point, along u and v.
+    /// Greatest error of the principal point, along u and along v.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub principal_point_tolerance_px: f64,
-    /// Anywhere in the image, the place of a pixel by the lens's coefficients: the true k1 is another.
+    /// Greatest error, anywhere in the image, of a pixel's place by the stated distortion coefficients. The true k1 is drawn accordingly.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub distortion_tolerance_px: f64,
 }
 
-/// When a camera exposes, stamps and delivers.
+/// Times at which a camera exposes, stamps and delivers images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraTiming {
     /// Time between two images.
     pub period_s: f64,
-    /// Mid-exposure to delivery.
+    /// Time from the middle of an exposure to the delivery of its image.
     pub latency_s: f64,
-    /// Each delivery is within this of the latency.
+    /// Greatest difference of an image's actual latency from the nominal one.
     pub latency_tolerance_s: f64,
-    /// Each stamp is within this of the true middle of the exposure.
+    /// Greatest error of an image's stamp against the true middle of the exposure.
     pub stamp_tolerance_s: f64,
     /// Longest time from the start of the first row's exposure to the end of the last row's.
     pub longest_s: f64,
 }
 
 impl CameraTiming {
-    /// Latest time after the start at which the first image has arrived.
+    /// Latest time after the start of the run at which the first image has arrived.
     pub fn first_arrival_s(&self) -> f64 {
         self.longest_s + self.latency_s + self.latency_tolerance_s
     }
@@ -115,7 +116,7 @@ impl Default for Calibration {
 }
 
 impl Calibration {
-    /// What a careful user can know of one.
+    /// Calibration tolerances of a camera that a careful user can know.
     pub(super) fn careful() -> Value {
         json!({
             "position_tolerance_m": 0.002, "angle_tolerance_deg": 0.3, "focal_tolerance": 0.003,

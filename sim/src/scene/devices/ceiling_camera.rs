@@ -1,4 +1,4 @@
-//! The infrared camera that looks up.
+//! Keys of the infrared camera that looks up.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,74 +7,75 @@ use serde_json::json;
 use super::{Band, Calibration, CameraTiming, Careful, LensKeys};
 use crate::scene::{Sensor, SensorModel, SensorPreset};
 
-/// An infrared camera that looks up, with a ring of diodes around its lens. Image up is robot backward, image right is
-/// robot right.
+/// An infrared camera that looks up, with a ring of diodes around its lens. The top of the image is towards the robot's back, the right side of the
+/// image towards the robot's right.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CeilingCamera {
-    /// Image width.
+    /// Width of the camera's image.
     #[schemars(range(min = 64, max = 4096))]
     pub width_px: u32,
-    /// Image height.
+    /// Height of the camera's image.
     #[schemars(range(min = 64, max = 4096))]
     pub height_px: u32,
-    /// Focal lengths along u and v; the default is paper 5's Eq. 16.
+    /// Focal lengths along u and v. The default is that of paper 5's Eq. 16.
     #[schemars(inner(range(min = 10.0, max = 100000.0)))]
     pub focal_px: [f64; 2],
-    /// Where the optical axis meets the image; the default is paper 5's Eq. 16.
+    /// Principal point, where the optical axis meets the image. The default is that of paper 5's Eq. 16.
     #[schemars(inner(range(min = -10000.0, max = 10000.0)))]
     pub principal_point_px: [f64; 2],
-    /// Optical centre in the robot frame, forward of the axle.
+    /// Distance of the camera's optical centre forward of the wheel axle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
-    /// Optical centre in the robot frame, left of the middle.
+    /// Distance of the camera's optical centre to the left of the robot's middle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub left_m: f64,
-    /// Height of the optical centre above the floor.
+    /// Height of the camera's optical centre above the floor.
     #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
     /// Angle by which the optical axis leans forward from the body's vertical.
     #[schemars(range(min = -60.0, max = 60.0))]
     pub lean_forward_deg: f64,
-    /// Angle by which it leans to the left. Both are the components of one turn.
+    /// Angle by which the optical axis leans to the left. The leans forward and to the left are the components of a single rotation.
     #[schemars(range(min = -60.0, max = 60.0))]
     pub lean_left_deg: f64,
     /// Time between two images.
     #[schemars(range(min = 0.01, max = 100.0))]
     pub period_s: f64,
-    /// Mid-exposure to delivery.
+    /// Time from the middle of an exposure to the delivery of its image.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
-    /// Each delivery is drawn within this of the latency.
+    /// Greatest difference of an image's actual latency from `latency_s`, drawn at random for each image.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
-    /// Each stamp is drawn within this of the true middle of the exposure.
+    /// Greatest error of an image's stamp against the true middle of the exposure, drawn at random for each image.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub stamp_tolerance_s: f64,
-    /// What it sees.
+    /// Band of wavelengths that the camera sees.
     pub band: Band,
-    /// Radiant intensity of the ring along the optical axis, at 850 nm; 0 for none. It falls with the cosine of the angle
-    /// off the axis.
+    /// Radiant intensity of the ring of diodes along the optical axis, at 850 nm; 0 for no ring. The intensity falls with the cosine of the angle off
+    /// the axis.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub ring_intensity_w_per_sr: f64,
-    /// What the lens does besides projecting.
+    /// Properties of the lens besides its projection, and the time in which the sensor is read out.
     pub lens: LensKeys,
-    /// What turns light into grey levels.
+    /// Image sensor of the camera, which turns light into grey levels.
     pub sensor: Sensor,
-    /// How far mount and lens may be from what these keys state.
+    /// Tolerances of the camera's calibration: how far its mount and lens may be from the stated values. Each seed draws errors within them,
+    /// distributed as the robot's key `errors` states.
     pub calibration: Calibration,
-    /// At most this many markers of one image are assumed not to be what the map says.
+    /// Greatest number of markers in one image that are assumed to differ from the map.
     #[schemars(range(min = 0, max = 4))]
     pub q_items: usize,
 }
 
 impl CeilingCamera {
-    /// Its sensor, nothing left open.
+    /// Model of the camera's image sensor, with the values of its preset filled in.
     pub fn sensor_model(&self) -> SensorModel {
         self.sensor.model(SensorPreset::Infrared)
     }
 
-    /// When it exposes, stamps and delivers.
+    /// Times at which the camera exposes, stamps and delivers images.
     pub fn timing(&self) -> CameraTiming {
         CameraTiming {
             period_s: self.period_s,
@@ -103,7 +104,7 @@ impl Default for CeilingCamera {
             latency_tolerance_s: 0.002,
             stamp_tolerance_s: 0.0001,
             band: Band::Infrared,
-            // Twelve diodes of 25 mW/sr.
+            // The camera's ring has twelve infrared diodes of 25 mW/sr each.
             ring_intensity_w_per_sr: 0.3,
             lens: LensKeys::default(),
             sensor: Sensor::default(),
@@ -114,9 +115,9 @@ impl Default for CeilingCamera {
 }
 
 impl CeilingCamera {
-    /// What a careful user can know of it.
+    /// Bounds on the ceiling camera that a careful user can know from a data sheet and an afternoon of measuring.
     pub(super) fn careful() -> Careful {
-        // Its ring flashes with its shutter, so that it is triggered.
+        // The camera's ring of diodes flashes with the shutter, so the camera is triggered and its stamps are good.
         Careful::each(json!({ "stamp_tolerance_s": 0.001, "calibration": Calibration::careful() }))
     }
 }

@@ -1,4 +1,4 @@
-//! The camera that looks straight down.
+//! Keys of the camera that looks straight down.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,71 +7,72 @@ use serde_json::json;
 use super::{CameraTiming, Careful, LensKeys};
 use crate::scene::{Sensor, SensorModel, SensorPreset};
 
-/// A global-shutter camera that looks straight down. Image up is robot forward, image right is robot right.
+/// A global-shutter camera that looks straight down. The top of the image is towards the robot's front, the right side of the image towards the
+/// robot's right.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FloorCamera {
-    /// Image width.
+    /// Width of the camera's image.
     #[schemars(range(min = 64, max = 4096))]
     pub width_px: u32,
-    /// Image height.
+    /// Height of the camera's image.
     #[schemars(range(min = 64, max = 4096))]
     pub height_px: u32,
-    /// Width of the floor that the image shows.
+    /// Width of the area of floor that the image shows.
     #[schemars(range(min = 0.05, max = 5.0))]
     pub footprint_width_m: f64,
-    /// Height of the optical centre above the floor.
+    /// Height of the camera's optical centre above the floor.
     #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
-    /// Optical centre in the robot frame, forward of the axle.
+    /// Distance of the camera's optical centre forward of the wheel axle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
-    /// Optical centre in the robot frame, left of the middle.
+    /// Distance of the camera's optical centre to the left of the robot's middle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub left_m: f64,
     /// Time between two images.
     #[schemars(range(min = 0.01, max = 100.0))]
     pub period_s: f64,
-    /// Mid-exposure to delivery.
+    /// Time from the middle of an exposure to the delivery of its image.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
-    /// Each delivery is drawn within this of the latency.
+    /// Greatest difference of an image's actual latency from `latency_s`, drawn at random for each image.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
-    /// Each stamp is drawn within this of the true middle of the exposure.
+    /// Greatest error of an image's stamp against the true middle of the exposure, drawn at random for each image.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub stamp_tolerance_s: f64,
-    /// The mount is drawn within this of its nominal place, forward and left each.
+    /// Greatest error of the floor camera's mounted position, forward and left each; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// The mount's yaw is drawn within this.
+    /// Greatest error of the floor camera's yaw on its mount; drawn at random.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub yaw_tolerance_deg: f64,
-    /// The angle of the optical axis to the body's vertical is drawn within this, in any direction.
+    /// Greatest angle of the floor camera's optical axis to the body's vertical, in any direction; drawn at random.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub tilt_tolerance_deg: f64,
-    /// Pixels per metre are drawn within this share of nominal.
+    /// Greatest error of the floor image's pixels per metre, as a share of their nominal number; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub scale_tolerance: f64,
-    /// Anywhere in the image, the place of a pixel by the lens's coefficients is within this: the true k1 is drawn.
+    /// Greatest error, anywhere in the image, of a pixel's place by the stated distortion coefficients. The true k1 is drawn accordingly.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub distortion_tolerance_px: f64,
-    /// What the lens does besides projecting.
+    /// Properties of the lens besides its projection, and the time in which the sensor is read out.
     pub lens: LensKeys,
-    /// What turns light into grey levels.
+    /// Image sensor of the camera, which turns light into grey levels.
     pub sensor: Sensor,
-    /// At most this many wrong lines are assumed in one image.
+    /// Greatest number of wrong lines that is assumed in one floor image.
     #[schemars(range(min = 0, max = 20))]
     pub q_items: usize,
 }
 
 impl FloorCamera {
-    /// Its sensor, nothing left open.
+    /// Model of the camera's image sensor, with the values of its preset filled in.
     pub fn sensor_model(&self) -> SensorModel {
         self.sensor.model(SensorPreset::GlobalShutter)
     }
 
-    /// When it exposes, stamps and delivers.
+    /// Times at which the camera exposes, stamps and delivers images.
     pub fn timing(&self) -> CameraTiming {
         CameraTiming {
             period_s: self.period_s,
@@ -109,7 +110,7 @@ impl Default for FloorCamera {
 }
 
 impl FloorCamera {
-    /// What a careful user can know of it.
+    /// Bounds on the floor camera that a careful user can know from a data sheet and an afternoon of measuring.
     pub(super) fn careful() -> Careful {
         Careful::each(json!({
             "stamp_tolerance_s": 0.001, "position_tolerance_m": 0.002, "yaw_tolerance_deg": 0.3, "tilt_tolerance_deg": 0.3,

@@ -1,4 +1,4 @@
-//! The optical flow sensor.
+//! Keys of the optical flow sensor.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,80 +6,82 @@ use serde_json::json;
 
 use super::Careful;
 
-/// A sensor that follows the floor's texture below it and counts its own travel along two axes, as an optical mouse does.
+/// A sensor that follows the texture of the floor below it and counts its own travel along two axes, as an optical mouse does.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Flow {
-    /// What its counts make of a change of height.
+    /// Optics of the flow sensor, which decide how its counts change with the height above the floor.
     pub optics: FlowOptics,
-    /// Counts in a metre, at the height that it is mounted at.
+    /// Counts per metre of travel at the height at which the flow sensor is mounted.
     #[schemars(range(min = 100.0, max = 1000000.0))]
     pub counts_per_m: f64,
-    /// Time between two readings; a multiple of 0.001.
+    /// Time between two readings of the flow sensor; a multiple of 0.001.
     #[schemars(range(min = 0.001, max = 1.0))]
     pub period_s: f64,
-    /// Where it looks in the robot frame, forward of the axle.
+    /// Distance, forward of the wheel axle in the robot frame, of the place that the flow sensor looks at.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
-    /// Where it looks in the robot frame, left of the middle.
+    /// Distance, to the left of the robot's middle in the robot frame, of the place that the flow sensor looks at.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub left_m: f64,
-    /// The mount is drawn within this of its nominal place, forward and left each.
+    /// Greatest error of the flow sensor's mounted position, forward and left each; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// The mount's yaw is drawn within this.
+    /// Greatest error of the flow sensor's yaw on its mount; drawn at random.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub yaw_tolerance_deg: f64,
-    /// `flow.calibration`: counts per metre at the mounted height are drawn within this share of nominal, and stay so all the run.
+    /// Bound `flow.calibration`: greatest error of the flow sensor's counts per metre at its mounted height, as a share of their nominal number. It
+    /// is drawn at random and stays the same all the run.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub calibration_tolerance: f64,
-    /// Counts per metre are declared to be within this share of nominal, whatever the height. `flow.scale`: of it, what
-    /// `calibration_tolerance` leaves may vary from period to period, as the height does.
+    /// Greatest declared error of the flow sensor's counts per metre at any height, as a share of their nominal number. Bound `flow.scale`: what
+    /// `calibration_tolerance` leaves of this error may vary from period to period, as the height does.
     #[schemars(range(min = 0.0, max = 0.9))]
     pub scale_tolerance: f64,
-    /// Each surface, which is every region of the floor and what is around them, has its own counts per metre, drawn within this share: part
-    /// of what `scale_tolerance` leaves beside the calibration.
+    /// Greatest error of the flow sensor's counts per metre on a surface, as a share; drawn at random for every region of the floor and for the floor
+    /// around them. It is part of what `calibration_tolerance` leaves of `scale_tolerance`.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub surface_tolerance: f64,
-    /// In each period counts per metre are besides off by up to this share, drawn anew: part of it too.
+    /// Greatest further error of the flow sensor's counts per metre in one period, as a share; drawn at random for each period. It is also part of
+    /// what `calibration_tolerance` leaves of `scale_tolerance`.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub noise_tolerance: f64,
-    /// `flow.back_and_forth`: how much longer than its counts the way within one period is declared to be at most.
+    /// Bound `flow.back_and_forth`: greatest length by which the distance travelled to and fro within one period exceeds what the counts say.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub back_and_forth_m: f64,
-    /// It follows nothing that passes faster.
+    /// Greatest speed over the floor that the flow sensor can follow.
     #[schemars(range(max = 20.0), extend("exclusiveMinimum" = 0.0))]
     pub greatest_speed_m_per_s: f64,
-    /// It sees nothing that is farther than this above or below the height that it is mounted for.
+    /// Greatest difference between the flow sensor's height above the floor and its mounted height at which it still sees the floor.
     #[schemars(range(max = 1.0), extend("exclusiveMinimum" = 0.0))]
     pub focus_range_m: f64,
 }
 
-/// Optics of a flow sensor.
+/// Optics of the flow sensor, which decide how its counts change with the height above the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FlowOptics {
-    /// Afocal: the image keeps its size, 0.1 % per millimetre of height.
+    /// Afocal optics: the image keeps its size to 0.1 % per millimetre of height.
     #[default]
     Afocal,
-    /// One lens at a fixed distance, as in a mouse: 14.7 % per millimetre of height.
+    /// One lens at a fixed distance, as in a mouse: the image changes its size by 14.7 % per millimetre of height.
     FixedFocus,
 }
 
 impl Flow {
-    /// Share of nominal by which counts per metre at the mounted height are off at most.
+    /// Greatest error of the flow sensor's counts per metre at the mounted height, as a share of their nominal number.
     pub fn calibration_share(&self) -> f64 {
         self.calibration_tolerance.min(self.scale_tolerance)
     }
 
-    /// Share of nominal by which counts per metre depart at most from those at the mounted height.
+    /// Greatest departure of the flow sensor's counts per metre from those at the mounted height, as a share of their nominal number.
     pub fn varying_share(&self) -> f64 {
         self.scale_tolerance - self.calibration_share()
     }
 }
 
 impl FlowOptics {
-    /// Share of counts gained per metre that the floor comes closer: Yi et al. 2015, abstract, as paper 2 cites it.
+    /// Share of counts gained per metre by which the floor comes closer. From the abstract of Yi et al. 2015, as paper 2 cites it.
     pub fn share_per_m(self) -> f64 {
         match self {
             FlowOptics::Afocal => 1.0,
@@ -89,7 +91,7 @@ impl FlowOptics {
 }
 
 impl Default for Flow {
-    /// An afocal sensor of 508 counts an inch, 60 mm behind the axle.
+    /// An afocal sensor with 508 counts per inch, 60 mm behind the axle.
     fn default() -> Self {
         Flow {
             optics: FlowOptics::Afocal,
@@ -111,7 +113,7 @@ impl Default for Flow {
 }
 
 impl Flow {
-    /// What a careful user can know of it.
+    /// Bounds on the flow sensor that a careful user can know from a data sheet and an afternoon of measuring.
     pub(super) fn careful() -> Careful {
         Careful {
             keys: json!({

@@ -1,4 +1,4 @@
-//! The camera that looks ahead.
+//! Keys of the camera that looks ahead.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,71 +7,73 @@ use serde_json::json;
 use super::{Band, Calibration, CameraTiming, Careful, LensKeys};
 use crate::scene::{Sensor, SensorModel, SensorPreset};
 
-/// A camera that looks forward over the robot's head, tilted up. Image right is robot right.
+/// A camera that looks forward over the robot's head, tilted up. The right side of the image is towards the robot's right.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ForwardCamera {
-    /// Image width.
+    /// Width of the camera's image.
     #[schemars(range(min = 64, max = 4096))]
     pub width_px: u32,
-    /// Image height.
+    /// Height of the camera's image.
     #[schemars(range(min = 64, max = 4096))]
     pub height_px: u32,
-    /// Angle of view from the left to the right edge of the image, before distortion.
+    /// Angle of view from the left to the right edge of the image, without distortion.
     #[schemars(range(min = 10.0, max = 140.0))]
     pub horizontal_view_deg: f64,
-    /// Upward tilt of the optical axis; 8.7 as in paper 2.
+    /// Upward tilt of the camera's optical axis; 8.7 in paper 2.
     #[schemars(range(min = -80.0, max = 80.0))]
     pub tilt_up_deg: f64,
-    /// Direction of the optical axis from robot forward, counter-clockwise.
+    /// Direction of the camera's optical axis, counter-clockwise from robot forward.
     #[schemars(range(min = -180.0, max = 180.0))]
     pub yaw_deg: f64,
-    /// Optical centre in the robot frame, forward of the axle.
+    /// Distance of the camera's optical centre forward of the wheel axle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
-    /// Optical centre in the robot frame, left of the middle.
+    /// Distance of the camera's optical centre to the left of the robot's middle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub left_m: f64,
-    /// Height of the optical centre above the floor.
+    /// Height of the camera's optical centre above the floor.
     #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
     /// Time between two images.
     #[schemars(range(min = 0.01, max = 100.0))]
     pub period_s: f64,
-    /// Mid-exposure to delivery.
+    /// Time from the middle of an exposure to the delivery of its image.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
-    /// Each delivery is drawn within this of the latency.
+    /// Greatest difference of an image's actual latency from `latency_s`, drawn at random for each image.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
-    /// Each stamp is drawn within this of the true middle of the exposure.
+    /// Greatest error of an image's stamp against the true middle of the exposure, drawn at random for each image.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub stamp_tolerance_s: f64,
-    /// What it sees.
+    /// Band of wavelengths that the camera sees.
     pub band: Band,
-    /// Radiant intensity of a ring of diodes around the lens along the optical axis, at 850 nm; 0 for none. It falls with the cosine of
-    /// the angle off the axis. Only with `band = "infrared"` is it seen.
+    /// Radiant intensity, along the optical axis and at 850 nm, of a ring of diodes around the lens; 0 for no ring. The intensity falls with the
+    /// cosine of the angle off the axis. The camera sees the ring's light only with `band = "infrared"`.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub ring_intensity_w_per_sr: f64,
-    /// What the lens does besides projecting.
+    /// Properties of the lens besides its projection, and the time in which the sensor is read out.
     pub lens: LensKeys,
-    /// What turns light into grey levels.
+    /// Image sensor of the camera, which turns light into grey levels.
     pub sensor: Sensor,
-    /// Longest exposure while the gyroscope tells of a turn faster than 0.1 rad/s, which blurs; as otherwise unless stated.
+    /// Longest exposure while the gyroscope reads a turn faster than 0.1 rad/s, as turns blur the image. Unless stated, turns do not shorten
+    /// exposures.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.00001, max = 1.0))]
     pub turning_exposure_s: Option<f64>,
-    /// How far mount and lens may be from what these keys state.
+    /// Tolerances of the camera's calibration: how far its mount and lens may be from the stated values. Each seed draws errors within them,
+    /// distributed as the robot's key `errors` states.
     pub calibration: Calibration,
 }
 
 impl ForwardCamera {
-    /// Its sensor, nothing left open.
+    /// Model of the camera's image sensor, with the values of its preset filled in.
     pub fn sensor_model(&self) -> SensorModel {
         self.sensor.model(SensorPreset::RobotVacuum)
     }
 
-    /// When it exposes, stamps and delivers.
+    /// Times at which the camera exposes, stamps and delivers images.
     pub fn timing(&self) -> CameraTiming {
         CameraTiming {
             period_s: self.period_s,
@@ -109,9 +111,9 @@ impl Default for ForwardCamera {
 }
 
 impl ForwardCamera {
-    /// What a careful user can know of it.
+    /// Bounds on the forward camera that a careful user can know from a data sheet and an afternoon of measuring.
     pub(super) fn careful() -> Careful {
-        // A camera of a home robot hangs on USB and is stamped by who reads it.
+        // The camera of a home robot is connected by USB, and its images are stamped by the program that reads them.
         Careful::each(
             json!({ "stamp_tolerance_s": 0.02, "latency_tolerance_s": 0.01, "calibration": Calibration::careful() }),
         )

@@ -1,4 +1,4 @@
-//! A receiver of satellite navigation.
+//! Keys of a receiver of satellite navigation.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,78 +6,79 @@ use serde_json::json;
 
 use super::Careful;
 
-/// A receiver of satellite navigation with corrections: it tells the place of its antenna in the world frame, and how good that is.
+/// A receiver of satellite navigation with corrections. It reports the position of its antenna in the world frame, and the quality of that position.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gnss {
     /// Time between two positions.
     #[schemars(range(min = 0.01, max = 10.0))]
     pub period_s: f64,
-    /// Measurement to delivery.
+    /// Time from the measurement of a position to its delivery.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
-    /// Each delivery is drawn within this of the latency.
+    /// Greatest difference of a position's actual latency from `latency_s`, drawn at random for each position.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
-    /// `gnss.stamp`: each stamp is drawn within this of the true time.
+    /// Bound `gnss.stamp`: greatest error of a position's stamp against the true time, drawn at random for each position.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub stamp_tolerance_s: f64,
-    /// The antenna in the robot frame, forward of the axle: its lever arm.
+    /// Distance of the antenna forward of the wheel axle, in the robot frame: its lever arm.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
-    /// The antenna in the robot frame, left of the middle.
+    /// Distance of the antenna to the left of the robot's middle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub left_m: f64,
-    /// Height of the antenna above the floor: where the body leans, the antenna is beside its place by this times the sine of the lean.
+    /// Height of the antenna above the floor. Where the body leans, the antenna moves sideways by this height times the sine of the lean.
     #[schemars(range(min = 0.0, max = 3.0))]
     pub height_m: f64,
-    /// `gnss.antenna`: the antenna is drawn within this of its nominal place, forward and left each.
+    /// Bound `gnss.antenna`: greatest error of the antenna's mounted position, forward and left each; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// `gnss.fixed`: either coordinate of a position whose ambiguities are resolved is within this of the antenna's.
+    /// Bound `gnss.fixed`: greatest error, in either coordinate, of a position with resolved ambiguities.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub fixed_tolerance_m: f64,
-    /// `gnss.floating`: either coordinate of a position without resolved ambiguities is within this of the antenna's.
+    /// Bound `gnss.floating`: greatest error, in either coordinate, of a position without resolved ambiguities.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub floating_tolerance_m: f64,
-    /// When positions are worse than fixed, or there are none.
+    /// Times at which positions are worse than fixed, or missing.
     pub outages: Vec<Outage>,
-    /// Where they are: under trees, beside walls, in a barn. The worst of what holds at a time and a place counts.
+    /// Places at which positions are worse than fixed or missing, as under trees, beside walls or in a barn. Of all outages and shadows that hold at
+    /// a time and a place, the worst counts.
     pub shadows: Vec<Shadow>,
 }
 
-/// A time at which positions are worse.
+/// A period in which positions are worse than fixed, or missing.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Outage {
-    /// When it begins.
+    /// Time at which the outage of positions begins.
     #[schemars(range(min = 0.0, max = 36000.0))]
     pub at_s: f64,
-    /// How long it lasts.
+    /// Duration of the outage of positions.
     #[schemars(range(min = 0.02, max = 36000.0))]
     pub lasts_s: f64,
-    /// What is left of positions.
+    /// Quality of the positions that remain.
     #[serde(default)]
     pub leaves: Reception,
 }
 
-/// A rectangle along the world's axes above which positions are worse.
+/// A rectangle along the world's axes in which positions are worse than fixed, or missing.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Shadow {
-    /// World x of its middle.
+    /// World x of the middle of the rectangle with worse positions.
     pub x_m: f64,
-    /// World y of its middle.
+    /// World y of the middle of the rectangle with worse positions.
     pub y_m: f64,
-    /// Extent along world x and y.
+    /// Extent of the rectangle with worse positions along world x and world y.
     #[schemars(inner(range(min = 0.1, max = 200.0)))]
     pub size_m: [f64; 2],
-    /// What is left of positions.
+    /// Quality of the positions that remain.
     #[serde(default)]
     pub leaves: Reception,
 }
 
-/// What the sky lets through, the worst first.
+/// Quality of satellite positions, from the worst to the best.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Reception {
@@ -91,7 +92,7 @@ pub enum Reception {
 }
 
 impl Gnss {
-    /// What a careful user can know of it.
+    /// Bounds on the satellite navigation receiver that a careful user can know from a data sheet and an afternoon of measuring.
     pub(super) fn careful() -> Careful {
         Careful::each(json!({
             "stamp_tolerance_s": 0.001, "position_tolerance_m": 0.005,
@@ -101,7 +102,7 @@ impl Gnss {
 }
 
 impl Default for Gnss {
-    /// Ten positions in a second by real-time kinematics, the antenna in the middle of the robot, 0.4 m above the floor.
+    /// Ten positions per second by real-time kinematics, with the antenna in the middle of the robot, 0.4 m above the floor.
     fn default() -> Self {
         Gnss {
             period_s: 0.1,

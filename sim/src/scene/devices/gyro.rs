@@ -1,4 +1,4 @@
-//! The gyroscope, with the tolerance of its errors.
+//! Keys of the gyroscope, with the tolerances of its errors.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,56 +6,57 @@ use serde_json::json;
 
 use super::Careful;
 
-/// A gyroscope about the vertical: `read = scale·true + bias + noise`. Its Allan deviation is made of three terms (IEEE Std 952, annex C):
-/// angle random walk, bias instability and rate random walk, each truncated to a declared bound.
+/// A gyroscope about the vertical: `read = scale·true + bias + noise`. Its Allan deviation consists of three terms (IEEE Std 952, annex C), each
+/// truncated at a declared bound: angle random walk, bias instability and rate random walk.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gyro {
-    /// `gyro.bias`: the bias is drawn within this, and never wanders beyond it.
+    /// Bound `gyro.bias`: greatest bias of the gyroscope. The bias is drawn at random within this and never wanders beyond it.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub bias_tolerance_deg_per_s: f64,
-    /// The scale is drawn within this share of 1, once for a run.
+    /// Greatest error of the gyroscope's scale factor as a share of 1, drawn at random once for a run.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub scale_tolerance: f64,
-    /// `gyro.noise`: bound of one reading's noise, which is normal.
+    /// Bound `gyro.noise`: greatest noise of one reading of the gyroscope. The noise is normally distributed.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub noise_deg_per_s: f64,
-    /// Whether noise beyond this bound, or beyond `gyro.angle`, is drawn again. If not, the bounds hold but for bad luck, and a run without
-    /// it has a broken bound.
+    /// Whether noise beyond `noise_deg_per_s`, or beyond the bound `gyro.angle`, is drawn again. If not, these bounds hold except by bad luck, and a
+    /// run with such bad luck has a broken bound.
     pub noise_redrawn: bool,
-    /// Angle random walk N, white noise of the rate; unless stated a third of the bound is one reading's standard deviation.
+    /// Angle random walk N, which is white noise of the rate. Unless stated, one reading's standard deviation is a third of `noise_deg_per_s`.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub angle_random_walk_deg_per_sqrt_h: Option<f64>,
-    /// `gyro.angle`: over any span, noise and what the bias has departed from its first value by add up to at most this and
-    /// `angle_deg_per_s` times the span; noise is drawn again where it would be more. Unless stated, every reading alone is bounded.
+    /// Bound `gyro.angle`: over any span of time, the noise and the bias's departure from its first value add up to at most this angle plus
+    /// `angle_deg_per_s` times the span. Noise that would make it more is drawn again, unless `noise_redrawn` is false. If no angle is stated, only
+    /// single readings are bounded.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub angle_floor_deg: Option<f64>,
-    /// What that grows by.
+    /// Growth of the bound `gyro.angle` with the span of time, in addition to `angle_floor_deg`.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub angle_deg_per_s: f64,
-    /// Bias instability B, flicker noise of correlation times from 1 s to 1 h.
+    /// Bias instability B of the gyroscope: flicker noise with correlation times from 1 s to 1 h.
     #[schemars(range(min = 0.0, max = 10000.0))]
     pub bias_instability_deg_per_h: f64,
-    /// Rate random walk K.
+    /// Rate random walk K of the gyroscope's bias.
     #[schemars(range(min = 0.0, max = 10000.0))]
     pub rate_random_walk_deg_per_h_per_sqrt_h: f64,
-    /// `gyro.wander`: the bias changes by at most this per time; whatever would be more is cut off.
+    /// Bound `gyro.wander`: greatest change of the bias per time. A faster change is cut off.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub bias_wander_deg_per_s2: f64,
-    /// Time between two readings, over which each averages; a multiple of 0.001.
+    /// Time between two readings, over which each reading averages; a multiple of 0.001.
     #[schemars(range(min = 0.001, max = 1.0))]
     pub period_s: f64,
 }
 
 impl Gyro {
-    /// Standard deviation of one reading's noise for an angle random walk: N/√T for the mean over a period T.
+    /// Standard deviation of one reading's noise for a given angle random walk: N/√T for the mean over a period T.
     pub(crate) fn deviation_deg_per_s(&self, walk_deg_per_sqrt_h: f64) -> f64 {
         walk_deg_per_sqrt_h / 60.0 / self.period_s.sqrt()
     }
 }
 
 impl Default for Gyro {
-    /// A good gyroscope, calibrated at rest: bias within 0.02 °/s, 0.0007 °/s/√Hz at 200 Hz.
+    /// A good gyroscope, calibrated at rest: bias within 0.02 °/s, noise of 0.0007 °/s/√Hz at 200 Hz.
     fn default() -> Self {
         Gyro {
             bias_tolerance_deg_per_s: 0.02,
@@ -74,7 +75,7 @@ impl Default for Gyro {
 }
 
 impl Gyro {
-    /// What a careful user can know of it.
+    /// Bounds on the gyroscope that a careful user can know from a data sheet and an afternoon of measuring.
     pub(super) fn careful() -> Careful {
         Careful {
             keys: json!({

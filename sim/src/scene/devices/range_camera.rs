@@ -1,4 +1,4 @@
-//! The range camera for coded landmarks, with the tolerance of its errors.
+//! Keys of the range camera for coded landmarks, with the tolerances of its errors.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,25 +6,25 @@ use serde_json::json;
 
 use super::Careful;
 
-/// A stereo or structured-light camera that measures coded landmarks, looking forward over the floor.
+/// A stereo or structured-light camera that looks forward over the floor and measures coded landmarks.
 ///
-/// A stereo camera rounds the column of both views to a pixel; a structured-light one knows the projector's stripe much more finely.
+/// A stereo camera rounds the column in both views to a pixel; a structured-light camera knows the column of the projector's stripe much more finely.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RangeCamera {
-    /// Columns of each view.
+    /// Number of pixel columns in each view of the range camera.
     #[schemars(range(min = 16, max = 10000))]
     pub width_px: u32,
     /// Nominal focal length.
     #[schemars(range(min = 10.0, max = 10000.0))]
     pub focal_px: f64,
-    /// The focal length is drawn within this share of nominal.
+    /// Greatest error of the focal length, as a share of its nominal value; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub focal_tolerance: f64,
     /// Nominal distance between the two views.
     #[schemars(range(min = 0.005, max = 2.0))]
     pub baseline_m: f64,
-    /// The baseline is drawn within this share of nominal.
+    /// Greatest error of the baseline, as a share of its nominal value; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub baseline_tolerance: f64,
     /// Step to which the column in the first (left) view is rounded.
@@ -33,75 +33,75 @@ pub struct RangeCamera {
     /// Step to which the column in the second view, or the projector's stripe, is rounded.
     #[schemars(range(min = 0.001, max = 10.0))]
     pub match_step_px: f64,
-    /// `range_camera.columns`: before it is rounded, the column in either view is off by up to this, drawn anew for each.
+    /// Bound `range_camera.columns`: greatest error of a landmark's column in either view, before the column is rounded; drawn at random for each.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub column_noise_px: f64,
-    /// Optical centre of the first view in the robot frame, forward of the axle.
+    /// Distance of the optical centre of the range camera's first view forward of the wheel axle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub forward_m: f64,
-    /// Optical centre of the first view in the robot frame, left of the middle.
+    /// Distance of the optical centre of the range camera's first view to the left of the robot's middle, in the robot frame.
     #[schemars(range(min = -2.0, max = 2.0))]
     pub left_m: f64,
-    /// Height of the optical centres above the floor.
+    /// Height of the optical centres of both views above the floor.
     #[schemars(range(min = 0.02, max = 5.0))]
     pub height_m: f64,
-    /// Nominal direction of the optical axis from robot forward, counter-clockwise. Any angle.
+    /// Nominal direction of the optical axis, counter-clockwise from robot forward. Any angle.
     pub yaw_deg: f64,
-    /// Nearer landmarks are not measured.
+    /// Least distance at which the camera measures landmarks.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub least_range_m: f64,
-    /// Farther landmarks are not measured.
+    /// Greatest distance at which the camera measures landmarks.
     #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub greatest_range_m: f64,
     /// Time between two readings.
     #[schemars(range(min = 0.01, max = 100.0))]
     pub period_s: f64,
-    /// Measurement to delivery.
+    /// Time from a measurement to the delivery of its reading.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_s: f64,
-    /// `range_camera.latency`: each delivery is drawn within this of the latency. Readings overtake one another where it is half of the period
-    /// and more: landmarks are then learnt only from readings before which none can come any more.
+    /// Bound `range_camera.latency`: greatest difference of a reading's actual latency from `latency_s`, drawn at random for each reading. If this is
+    /// half of `period_s` or more, readings overtake one another, and landmarks are learnt only from readings that no earlier one can still follow.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub latency_tolerance_s: f64,
-    /// Each stamp is drawn within this of the true time.
+    /// Greatest error of a reading's stamp against the true time, drawn at random for each reading.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub stamp_tolerance_s: f64,
-    /// The mount is drawn within this of its nominal place, forward and left each.
+    /// Greatest error of the range camera's mounted position, forward and left each; drawn at random.
     #[schemars(range(min = 0.0, max = 0.1))]
     pub position_tolerance_m: f64,
-    /// The mount's yaw is drawn within this.
+    /// Greatest error of the range camera's yaw on its mount; drawn at random.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub yaw_tolerance_deg: f64,
-    /// The angle of the sensor's vertical to the body's is drawn within this, in any direction.
+    /// Greatest angle of the range camera's vertical to the body's, in any direction; drawn at random.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub tilt_tolerance_deg: f64,
-    /// Landmarks are declared to be within this of the sensor's height.
+    /// Greatest difference between a landmark's height and the range camera's, as declared to the localizer.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub height_span_m: f64,
-    /// Share of sightings that are given the code of another landmark.
+    /// Share of the range camera's sightings that are reported with the code of another landmark.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub wrong_share: f64,
-    /// At most this many of them in one reading, whatever the share.
+    /// Greatest number of sightings with a wrong landmark code in one reading, whatever `wrong_share` is.
     #[schemars(range(min = 0, max = 100))]
     pub wrong_items_max: usize,
-    /// At least so many right uses of a code lie between two wrong ones, in the order in which they were measured. With 0 any may be wrong,
-    /// and where `q_items` is more than 0, no landmark is ever learnt.
+    /// Least number of right uses of a landmark's code between two wrong uses of it, in the order in which they were measured. With 0 any use may be
+    /// wrong, and if `q_items` is more than 0 no landmark is ever learnt.
     #[schemars(range(min = 0, max = 100))]
     pub wrong_spacing: usize,
-    /// At most this many wrong correspondences are assumed in one reading.
+    /// Greatest number of wrong landmark correspondences that is assumed in one reading.
     #[schemars(range(min = 0, max = 100))]
     pub q_items: usize,
 }
 
 impl RangeCamera {
-    /// Column of the optical axis; (0, 0) is the centre of the first pixel.
+    /// Column of the optical axis in each view; 0 is the centre of the first pixel.
     pub fn centre_px(&self) -> f64 {
         0.5 * (f64::from(self.width_px) - 1.0)
     }
 }
 
 impl Default for RangeCamera {
-    /// The geometry of the first Kinect, matched to whole pixels.
+    /// The geometry of the first Kinect, with columns rounded to whole pixels.
     fn default() -> Self {
         RangeCamera {
             width_px: 640,
@@ -135,7 +135,7 @@ impl Default for RangeCamera {
 }
 
 impl RangeCamera {
-    /// What a careful user can know of it.
+    /// Bounds on the range camera that a careful user can know from a data sheet and an afternoon of measuring.
     pub(super) fn careful() -> Careful {
         Careful::each(json!({
             "stamp_tolerance_s": 0.001, "position_tolerance_m": 0.002, "yaw_tolerance_deg": 0.3, "tilt_tolerance_deg": 0.3,
