@@ -1,7 +1,9 @@
-//! Times the planar problem of paper 3 on one core; `make bench` prints it.
+//! Benchmark of the contractors for a planar pose from matched landmarks, on the problem of paper 3 (Mustafa et al., CSCS 2015) and on one core.
+//! `make bench` prints the times.
 //!
-//! Landmarks (3, 2), (−2, 3), (−3, −2.5), (2.5, −3), pose (1, 0.5, 0.4), all coordinates known to ±0.1 m in both frames, with the errors
-//! listed below; prior ±3 m, ±3 m, ±3.14 rad. Codac, when Python can import it, solves the same problem in `rigid_motion_codac.py`.
+//! The landmarks are at (3, 2), (−2, 3), (−3, −2.5), (2.5, −3) and the pose is (1, 0.5, 0.4), in metres and radians. All coordinates of
+//! landmarks are known to ±0.1 m in both frames, with the errors listed in `landmarks`; the prior of the pose is ±3 m, ±3 m, ±3.14 rad. Where
+//! Python can import the interval library Codac, `rigid_motion_codac.py` solves the same problem for comparison.
 
 use std::hint::black_box;
 use std::io::Write;
@@ -11,7 +13,7 @@ use std::time::{Duration, Instant};
 use interval::{Interval, IntervalBox, contractor::Contractor, paving};
 use localizer::rigid_motion::{LinearPose, RigidPlanar};
 
-/// Time of one call: the best of many short windows, because other work on the machine only ever adds time.
+/// Nanoseconds that one call of `work` takes: the best of many short windows, because other work on the machine only ever adds time.
 fn nanoseconds(mut work: impl FnMut()) -> f64 {
     let mut window = |n_calls: u32| {
         let start = Instant::now();
@@ -26,7 +28,7 @@ fn nanoseconds(mut work: impl FnMut()) -> f64 {
     best.as_secs_f64() * 1e9 / f64::from(n_calls)
 }
 
-/// The landmark boxes of the problem, in the first frame and in the second.
+/// The landmarks of the benchmark problem: for each one its box in the world frame and its box in the robot frame.
 fn landmarks() -> Vec<([Interval; 2], [Interval; 2])> {
     let places = [[3.0, 2.0], [-2.0, 3.0], [-3.0, -2.5], [2.5, -3.0]];
     let errors_a = [[0.5, -0.3], [-0.7, 0.2], [0.1, 0.6], [-0.4, -0.5]];
@@ -91,7 +93,7 @@ fn planar_problem() {
     println!("widths, SIVIA ε = 0.0125            {} ({} boxes)", widths(&paving::hull(&fine)), fine.len());
 }
 
-/// Seconds of Codac's paving of the same problem, when `$PYTHON` (or `python3`) can import it.
+/// Seconds that the Python library Codac takes to pave the same problem; `None` when `$PYTHON` (or `python3`) cannot import it.
 fn codac(landmarks: &[([Interval; 2], [Interval; 2])]) -> Option<f64> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/rigid_motion_codac.py");
     let python = std::env::var("PYTHON").unwrap_or("python3".into());

@@ -1,5 +1,5 @@
-//! What the papers compare themselves with, and what they print: point methods and the printed contractor, to stand beside our boxes;
-//! and the point methods of a careful engineer, which a comparison has to beat to be worth anything.
+//! Baselines to compare the interval localizer with: the point methods that the papers compare themselves with, the contractor that a paper
+//! prints, and the point methods of a careful engineer, which a comparison has to beat to be worth anything.
 
 mod corrected_reckoning;
 mod dead_reckoning;
@@ -36,7 +36,7 @@ pub use slip_decision::SlipDecision;
 pub use vertical_known::{locate_upright, vertical_known};
 pub use weighted_points::{LearntPoint, SQUARED_GATE, SQUARED_GATE_OF_POSE, WeightedPoint, WeightedPose, weighted_fit};
 
-/// The solvers of the planar pose that a run tabulates, by name.
+/// Interval solvers of the planar pose from landmarks that a run's results tabulate, by name.
 pub const SOLVERS: [(&str, Solver); 4] = [
     ("table_iv", Solver::TableIv),
     ("polar", Solver::Polar),
@@ -44,7 +44,7 @@ pub const SOLVERS: [(&str, Solver); 4] = [
     ("sivia", Solver::Sivia { resolution: 0.05 }),
 ];
 
-/// Boxes of all poses in `prior` that carry each landmark's second box into its first, by one solver.
+/// Boxes of all poses in `prior` that carry each landmark's box in the robot frame into its box in the world, by one solver.
 pub fn solve(solver: Solver, landmarks: &[Landmark], prior: &PoseBox) -> Vec<PoseBox> {
     PoseFromLandmarks::new(landmarks.to_vec(), 0, Freedom::Full, solver).branches(prior)
 }

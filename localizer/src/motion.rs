@@ -1,7 +1,8 @@
-//! Wheels to motion: an enclosure of where the robot has gone between two stamps.
+//! From wheel readings to motion: an enclosure of where the robot has gone between two stamps.
 //!
-//! The true arc of a differential drive, per-wheel bounds with a floor, side slip, and reach. Ticks telescope: over any span
-//! the quantisation counts once, because a wheel's count is a difference of two latched totals.
+//! The enclosure uses the true arc of a differential drive, slip bounds with a constant part (floor) for each wheel, a bound on side slip, and
+//! the robot's speed and acceleration limits (reach). Over any span of time the quantisation of the encoders counts once, because a wheel's
+//! count is a difference of two latched totals.
 
 mod flow;
 mod flow_history;
@@ -29,66 +30,66 @@ pub use integral::WheelIntegral;
 pub use odometry::PointOdometry;
 pub use slip_excess::SlipExcess;
 
-/// Wheels tell the way so far ahead of their latest reading: later, a way that grows with the square of time is wider than one that grows
-/// with the greatest speed.
+/// Longest time after the latest wheel reading for which motion is extrapolated from the readings. Beyond it the extrapolation's error, which
+/// grows with the square of time, exceeds the distance at greatest speed, which grows in proportion to time.
 pub const AHEAD_S: f64 = 0.25;
 
-/// Motion of the robot relative to its first pose, in that pose's robot frame: forward, left (metres), turn (radians).
+/// Motion of the robot relative to its first pose, as a box in the robot frame of that pose: forward and left in metres, turn in radians.
 pub type Motion = IntervalBox<3>;
 
-/// Body motion at a stamp as the wheels tell it: where the blur in an image comes from.
+/// Nominal velocity of the robot at a stamp, by its wheels. It causes the motion blur in an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twist {
-    /// Forward speed.
+    /// Forward speed of the robot.
     pub forward_m_per_s: f64,
-    /// Turn rate, counter-clockwise.
+    /// Turn rate of the robot, counter-clockwise.
     pub turn_rad_per_s: f64,
 }
 
-/// Encoder counts at one instant.
+/// Counts of both wheel encoders at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelSample {
-    /// When the counters were latched.
+    /// Time at which the encoder counters were latched.
     pub time_s: f64,
-    /// Cumulative ticks, left and right; fractional when interpolated between two readings.
+    /// Cumulative encoder ticks of the left and the right wheel; fractional when interpolated between two readings.
     pub ticks: [f64; 2],
-    /// Bound of the interpolation's error, in ticks; 0 at a reading.
+    /// Bound on the interpolation error of the encoder ticks, in ticks; 0 at a reading.
     pub ticks_error: f64,
 }
 
-/// Recent encoder readings, and those of the gyroscope and of the flow sensor if there are such.
+/// Recent readings of the wheel encoders, and of the gyroscope and the flow sensor if the robot has them.
 #[derive(Clone, Debug)]
 pub struct WheelHistory {
     samples: VecDeque<WheelSample>,
     gyro: Option<GyroHistory>,
     flow: Option<FlowHistory>,
     keep_s: f64,
-    /// Spans in which the wheels slip by more than declared, as somebody knows who saw them.
+    /// Spans of time in which the wheels slip by more than declared, as reported by somebody who saw the slip.
     excesses: Vec<SlipExcess>,
 }
 
 impl WheelHistory {
-    /// A history that forgets what is older than `keep_s`.
+    /// A history that forgets wheel readings older than `keep_s`.
     pub fn new(keep_s: f64) -> Self {
         WheelHistory { samples: VecDeque::new(), gyro: None, flow: None, keep_s, excesses: Vec::new() }
     }
 
-    /// The same with a gyroscope, whose turn is intersected with that of the wheels.
+    /// The same history with a gyroscope, whose turn is intersected with that of the wheels.
     pub fn with_gyro(self, model: GyroModel) -> Self {
         WheelHistory { gyro: Some(GyroHistory::new(model, self.keep_s)), ..self }
     }
 
-    /// The same with a flow sensor, which sees its own way beside the wheels and needs a gyroscope to know the turn.
+    /// The same history with a flow sensor, which measures the travel independently of the wheels and needs a gyroscope for the turn.
     pub fn with_flow(self, model: FlowModel) -> Self {
         WheelHistory { flow: Some(FlowHistory::new(model, self.keep_s)), ..self }
     }
 
-    /// Takes over where the wheels slip by more than declared.
+    /// Sets the spans of time in which the wheels slip by more than declared.
     pub fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
         self.excesses = excesses;
     }
 
-    /// The wheels' model as it holds over a span.
+    /// The wheels' model with the slip bounds that hold over a span of time.
     pub fn model_over<'a>(&self, span_s: [f64; 2], wheels: &'a WheelModel) -> Cow<'a, WheelModel> {
         SlipExcess::over(&self.excesses, span_s, wheels)
     }
@@ -100,7 +101,8 @@ impl WheelHistory {
         }
     }
 
-    /// Motion as flow sensor and gyroscope tell it, whatever the wheels do; `None` without them, and where the flow sensor saw nothing.
+    /// Motion by the flow sensor and the gyroscope, whatever the wheels do; `None` when one of them is missing, and where the flow sensor saw
+    /// nothing.
     pub fn flow_motion(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Motion> {
         self.flow.as_ref()?.motion([from_s, to_s], self.gyro.as_ref(), wheels, reach)
     }
@@ -112,20 +114,21 @@ impl WheelHistory {
         }
     }
 
-    /// Takes over a bias and a scale of the gyroscope that are known better than declared.
+    /// Replaces the gyroscope's bias and scale by intervals that are known better than the declared ones.
     pub fn learn_gyro(&mut self, bias_rad_per_s: Interval, scale: Interval) {
         if let Some(gyro) = &mut self.gyro {
             gyro.learn(bias_rad_per_s, scale);
         }
     }
 
-    /// Stamp of the last wheel reading that is not after a time.
+    /// Stamp of the last wheel reading that is not later than a given time.
     pub fn reading_before(&self, time_s: f64) -> Option<f64> {
         let after = self.samples.partition_point(|sample| sample.time_s <= time_s);
         Some(self.samples.get(after.checked_sub(1)?)?.time_s)
     }
 
-    /// Turn as the gyroscope tells it, with wheels that keep their acceleration; `None` without one.
+    /// Turn by the gyroscope between two stamps, for wheels that keep to their acceleration bound; `None` when there is no gyroscope or no
+    /// reading near.
     pub fn gyro_turn(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Interval> {
         self.gyro.as_ref()?.turn(from_s, to_s, greatest_change_rad_per_s2(wheels, reach))
     }
@@ -134,8 +137,9 @@ impl WheelHistory {
         Some(self.gyro.as_ref()?.turns_from(from_s, greatest_change_rad_per_s2(wheels, reach)))
     }
 
-    /// Motion by reach alone, whatever the wheels say; the gyroscope does not slip. Where it reads more than reach allows, one of the two is
-    /// wrong, and both are kept: what is left when everything else is doubted is never nothing. To an earlier stamp reach tells as much as to a later one.
+    /// Motion bounded by the robot's speed limits (reach) and by the gyroscope alone, whatever the wheels report; a gyroscope does not slip.
+    /// Where it reads more turn than the limits allow, one of the two is wrong and the hull of both is kept, so that the motion is never empty
+    /// when everything else is doubted. To an earlier stamp the limits hold as well as to a later one, and only they are used.
     pub fn reach_motion(&self, from_s: f64, to_s: f64, reach: &Reach) -> Motion {
         let mut motion = reach_motion((to_s - from_s).abs(), reach);
         if to_s < from_s {
@@ -152,33 +156,33 @@ impl WheelHistory {
         motion
     }
 
-    /// Carries an integral on to a sample, with the gyroscope's turn up to it.
+    /// Carries an integral of the wheels' motion on to a sample, with the gyroscope's turn up to that sample.
     pub fn advance(&self, integral: &mut WheelIntegral, sample: &WheelSample, wheels: &WheelModel, reach: &Reach) {
         let turn = self.gyro_turn(integral.start_s(), sample.time_s, wheels, reach);
         integral.advance(sample, turn, &self.model_over([integral.start_s(), sample.time_s], wheels), reach);
     }
 
-    /// Adds a reading; a reading no later than the last one is a duplicate and is dropped. Returns whether it was new.
+    /// Adds a wheel reading and returns whether it was new. A reading no later than the last one is a duplicate and is dropped.
     pub fn push(&mut self, time_s: f64, ticks: [i64; 2]) -> bool {
         if self.latest().is_some_and(|latest| time_s <= latest.time_s) {
             return false;
         }
         self.samples.push_back(WheelSample { time_s, ticks: ticks.map(|count| count as f64), ticks_error: 0.0 });
-        // One sample older than the span stays, so that every stamp inside it lies between two samples.
+        // One wheel reading older than the kept span stays, so that every stamp inside the span lies between two readings.
         while self.samples.len() > 2 && self.samples[1].time_s < time_s - self.keep_s {
             self.samples.pop_front();
         }
         true
     }
 
-    /// The newest reading.
+    /// The latest wheel reading.
     pub fn latest(&self) -> Option<&WheelSample> {
         self.samples.back()
     }
 
-    /// Counts at `time_s`, linear between the readings around it; `None` outside of the history.
+    /// Encoder counts at `time_s`, linear between the readings around that time; `None` outside of the history.
     ///
-    /// A wheel that accelerates by at most a departs from the chord of an interval T by at most a·T²/8.
+    /// The travel of a wheel that accelerates by at most a departs from the chord of a time interval T by at most a·T²/8.
     pub fn at(&self, time_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelSample> {
         let after = self.samples.partition_point(|sample| sample.time_s < time_s);
         let right = self.samples.get(after)?;
@@ -194,12 +198,12 @@ impl WheelHistory {
         Some(WheelSample { time_s, ticks, ticks_error: bend_m / least_m_per_tick })
     }
 
-    /// Counts at a time up to [`AHEAD_S`] after the latest reading, as far as the wheels can have changed their rate since; `None` later,
-    /// and before there are two readings.
+    /// Encoder counts extrapolated to a time up to [`AHEAD_S`] after the latest reading, with a bound on how far the wheels can have changed
+    /// their rate since then; `None` for later times, and before there are two readings.
     ///
-    /// Over the last T before the latest reading the mean rate is known to a tick and to what the wheel may slip in T, and no rate in it
-    /// departs from that of its end by more than a·T, so that the mean departs by at most a·T/2. A time h later the count is off by
-    /// h·((1 + slip)/T + a·T/2) + a·h²/2, with T chosen where that is least.
+    /// Over the last T before the latest reading the mean rate is known to within one tick and the wheel's slip in T. No rate within T departs
+    /// from the rate at its end by more than a·T, so that the mean departs from it by at most a·T/2. At a time h after the reading the count is
+    /// then off by h·((1 + slip)/T + a·T/2) + a·h²/2, with T chosen where that is least.
     fn ahead(&self, time_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelSample> {
         let latest = self.latest()?;
         let ahead_s = time_s - latest.time_s;
@@ -223,7 +227,7 @@ impl WheelHistory {
         Some(WheelSample { time_s, ticks, ticks_error: ticks_error * (1.0 + 1e-9) })
     }
 
-    /// The wheels' integral from `from_s` on, through every reading since; `None` if `from_s` lies outside of the history.
+    /// The integral of the wheels' motion from `from_s` on, through every later reading; `None` if `from_s` lies outside of the history.
     pub fn integrate_from(&self, from_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<WheelIntegral> {
         let mut integral = WheelIntegral::new(self.at(from_s, wheels, reach)?);
         let next = self.samples.partition_point(|sample| sample.time_s <= from_s);
@@ -235,8 +239,8 @@ impl WheelHistory {
         Some(integral)
     }
 
-    /// Motion from `from_s` to `to_s`; `None` if `from_s` lies outside of the history, or `to_s` more than [`AHEAD_S`] after it, and to an
-    /// earlier stamp: a way back is not a stand.
+    /// Motion from `from_s` to `to_s` by the wheels, and by the gyroscope if there is one. It is `None` if `from_s` lies outside of the history,
+    /// or if `to_s` is more than [`AHEAD_S`] after its end or earlier than `from_s`: a motion backward in time must not be taken for no motion.
     pub fn motion(&self, from_s: f64, to_s: f64, wheels: &WheelModel, reach: &Reach) -> Option<Motion> {
         if to_s < from_s {
             return None;
@@ -253,9 +257,9 @@ impl WheelHistory {
         Some(integral.motion(&self.model_over([from_s, to_s], wheels)))
     }
 
-    /// Nominal body motion at `time_s`, from the readings up to 20 ms around it; zero where there are none.
+    /// Nominal velocity of the robot at `time_s`, from the wheel readings up to 20 ms around that time; zero where there are none.
     pub fn twist(&self, time_s: f64, wheels: &WheelModel) -> Twist {
-        // Two readings on each side: one alone resolves a speed no better than a tick per period.
+        // Two wheel readings on each side are used, because one alone resolves a speed no better than one tick per period.
         let middle = self.samples.partition_point(|sample| sample.time_s < time_s);
         let first = middle.saturating_sub(2);
         let last = (middle + 2).min(self.samples.len().saturating_sub(1));
@@ -276,21 +280,21 @@ impl WheelHistory {
 }
 
 impl WheelModel {
-    /// Rolled distance of one tick of the left (0) or right (1) wheel.
+    /// Distance that the left (0) or right (1) wheel rolls in one encoder tick.
     pub fn metres_per_tick(&self, wheel: usize) -> Interval {
         self.radius_m[wheel] * (Interval::PI * 2.0 / self.ticks_per_turn)
     }
 }
 
-/// Motion of anything that keeps to its reach for `span_s`: it may go anywhere within speed times time.
+/// Motion in the time `span_s` of anything that keeps to the speed limits `reach`: it may go anywhere within speed times time.
 pub fn reach_motion(span_s: f64, reach: &Reach) -> Motion {
     let distance = Interval::centred(0.0, reach.speed_m_per_s * span_s);
     IntervalBox::from([distance, distance, Interval::centred(0.0, reach.turn_rate_rad_per_s * span_s)])
 }
 
-/// `pose ⊕ motion`: the poses reached from `pose` by `motion`, which is given in the frame of `pose`.
+/// The poses `pose ⊕ motion` that are reached from `pose` by `motion`, which is given in the frame of `pose`.
 ///
-/// x′ = x + f·cos θ − l·sin θ, y′ = y + f·sin θ + l·cos θ, θ′ = θ + turn.
+/// x′ = x + f·cos θ − l·sin θ, y′ = y + f·sin θ + l·cos θ, θ′ = θ + turn, with the motion f forward and l to the left.
 pub fn moved(pose: &PoseBox, motion: &Motion) -> PoseBox {
     if pose.is_empty() {
         return PoseBox::EMPTY;
@@ -303,7 +307,7 @@ pub fn moved(pose: &PoseBox, motion: &Motion) -> PoseBox {
     ])
 }
 
-/// Every branch of `union`, moved.
+/// Every branch of a union of pose boxes, moved by `motion`.
 pub fn moved_union(union: &PoseUnion, motion: &Motion) -> PoseUnion {
     PoseUnion { branches: union.branches.iter().map(|branch| moved(branch, motion)).collect() }
 }

@@ -1,7 +1,8 @@
-//! Contractors on a planar pose (x, y, heading), from the boxes of landmarks in two frames.
+//! Contractors of a planar pose (x, y, heading), from landmarks whose boxes are known in two frames.
 //!
-//! A rigid motion turns a point by the heading θ and moves it by t: a = t + R(θ) b. With a in the world frame and b in the robot frame it is the
-//! pose of the robot. All contractors here are of that constraint: they differ in what they compare, in time and in width.
+//! A rigid motion rotates a point by the heading θ and translates it by t: a = t + R(θ) b. With a in the world frame and b in the robot frame, t
+//! and θ are the pose of the robot. All contractors of this module stand for that constraint; they differ in what they compare, in computing
+//! time and in the width of the result.
 
 mod rigid_rows;
 mod rigid_planar;

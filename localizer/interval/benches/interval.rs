@@ -1,4 +1,4 @@
-//! Times the arithmetic on one core.
+//! Benchmark of the operations of interval arithmetic on one core.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ fn main() {
     arithmetic();
 }
 
-/// Throughput over arrays, as contractors use it; the loads and stores are part of it.
+/// Measures the throughput of interval operations over arrays, as contractors use them; loads and stores are part of the times.
 fn arithmetic() {
     let operands: Vec<Interval> =
         (0..1024).map(|idx| Interval::centred(f64::from(idx * 7919 % 1024) * 0.01 - 5.12, 0.15)).collect();
@@ -32,7 +32,7 @@ fn time(name: &str, operation: impl Fn(Operands), a: &[Interval], b: &[Interval]
     println!("{name:24} {:8.2} ns", per_array / a.len() as f64);
 }
 
-/// Time of one call: the best of many short windows, because other work on the machine only ever adds time.
+/// Nanoseconds that one call of `work` takes: the best of many short windows, because other work on the machine only ever adds time.
 fn nanoseconds(mut work: impl FnMut()) -> f64 {
     let mut window = |n_calls: u32| {
         let start = Instant::now();

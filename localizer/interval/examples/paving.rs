@@ -1,7 +1,7 @@
-//! Draws the three kinds of boxes of a paving: surely inside (green), undecided (orange), surely outside (grey).
+//! Draws the three kinds of boxes of a paving: boxes surely inside the set (green), undecided ones (orange), and boxes surely outside (grey).
 //!
-//! The set: places at most 3 m from one lamp and at least 1.2 m from another, and on the upper side of a wavy wall.
-//! Writes the picture that the documentation of `interval::paving` shows, to the path given.
+//! The set consists of the places that are at most 3 m from one lamp, at least 1.2 m from another, and on the upper side of a wavy wall. The
+//! picture is the one in the documentation of `interval::paving`; it is written to the path given on the command line.
 
 use image::{Rgb, RgbImage};
 use interval::{Interval, IntervalBox, contractor::ForwardBackward, paving::Paving, separator::Separator};
@@ -30,7 +30,7 @@ fn main() -> Result<(), image::ImageError> {
     picture.save(std::env::args().nth(1).unwrap_or("paving.png".into()))
 }
 
-/// Fills a box and leaves its left and upper pixels as a line.
+/// Fills a box in the picture, and draws its left column and its upper row of pixels darker, as a border line.
 fn fill(picture: &mut RgbImage, one: &IntervalBox<2>, colour: Rgb<u8>) {
     let pixel =
         |metres: f64| ((metres / METRES + 0.5) * f64::from(SIZE_PX)).round().clamp(0.0, f64::from(SIZE_PX)) as u32;

@@ -1,4 +1,4 @@
-//! Boxes: one interval for each of `N` variables.
+//! Axis-aligned boxes: one interval for each of `N` variables.
 
 use std::ops::{Index, IndexMut};
 
@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::Interval;
 
-/// A Cartesian product of `N` intervals. It is empty as soon as one of them is.
+/// An axis-aligned box: the Cartesian product of `N` intervals. It is empty as soon as one of the intervals is empty.
 ///
-/// Serialised as the list of its intervals.
+/// The box is serialised as the list of its intervals.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[serde(into = "Vec<Interval>", try_from = "Vec<Interval>")]
 pub struct IntervalBox<const N: usize> {
@@ -16,34 +16,34 @@ pub struct IntervalBox<const N: usize> {
 }
 
 impl<const N: usize> IntervalBox<N> {
-    /// No point at all.
+    /// The empty box, which contains no point.
     pub const EMPTY: Self = IntervalBox { components: [Interval::EMPTY; N] };
-    /// All of ℝᴺ.
+    /// The box of all points of ℝᴺ.
     pub const ENTIRE: Self = IntervalBox { components: [Interval::ENTIRE; N] };
 
-    /// The product of the intervals.
+    /// The box that is the product of the given intervals.
     #[inline]
     pub const fn new(components: [Interval; N]) -> Self {
         IntervalBox { components }
     }
 
-    /// Exactly one point.
+    /// The box that contains exactly one point.
     pub fn point(coordinates: &[f64; N]) -> Self {
         IntervalBox { components: coordinates.map(Interval::point) }
     }
 
-    /// Whether there is no point in it.
+    /// Whether the box contains no point.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.components.iter().any(|component| component.is_empty())
     }
 
-    /// Whether the point is in it.
+    /// Whether the box contains the given point.
     pub fn contains(&self, point: &[f64; N]) -> bool {
         self.components.iter().zip(point).all(|(component, &value)| component.contains(value))
     }
 
-    /// Smallest box around both. Exact.
+    /// Smallest box that contains both boxes. The result is exact.
     pub fn hull(&self, other: &Self) -> Self {
         if self.is_empty() {
             return *other;
@@ -54,35 +54,35 @@ impl<const N: usize> IntervalBox<N> {
         self.zip_with(other, Interval::hull)
     }
 
-    /// Common points; the canonical empty box when there is none. Exact.
+    /// Box of the points that two boxes have in common; the canonical empty box when there is none. The result is exact.
     pub fn intersect(&self, other: &Self) -> Self {
         let common = self.zip_with(other, Interval::intersect);
         if common.is_empty() { Self::EMPTY } else { common }
     }
 
-    /// Whether the two have a point in common.
+    /// Whether the two boxes have a point in common.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.components.iter().zip(&other.components).all(|(mine, theirs)| mine.overlaps(*theirs))
     }
 
-    /// Whether every point is in `other`; true for the empty box.
+    /// Whether every point of this box is in `other`; true when this box is empty.
     pub fn is_subset_of(&self, other: &Self) -> bool {
         self.is_empty()
             || self.components.iter().zip(&other.components).all(|(mine, theirs)| mine.is_subset_of(*theirs))
     }
 
-    /// The midpoints of the intervals; NaN when empty.
+    /// Midpoints of the box's intervals; NaN for an empty interval.
     pub fn midpoint(&self) -> [f64; N] {
         self.components.map(Interval::mid)
     }
 
-    /// Width along one axis, rounded up.
+    /// Width of the box along one axis, rounded up.
     #[inline]
     pub fn width(&self, axis: usize) -> f64 {
         self.components[axis].width()
     }
 
-    /// Greatest width of all axes; 0 when there is no axis, NaN when empty.
+    /// Greatest width of the box over all axes; 0 when the box has no axis, NaN when it is empty.
     pub fn max_width(&self) -> f64 {
         if self.is_empty() {
             return f64::NAN;
@@ -90,7 +90,7 @@ impl<const N: usize> IntervalBox<N> {
         self.components.iter().fold(0.0, |greatest, component| component.width().max(greatest))
     }
 
-    /// Halves that share the midpoint of `axis`; their union is the box.
+    /// Cuts the box in two at the midpoint of `axis`. Both halves contain that midpoint, and their union is the box.
     pub fn bisect(&self, axis: usize) -> (Self, Self) {
         let (mut left, mut right) = (*self, *self);
         let component = self.components[axis];
@@ -100,12 +100,12 @@ impl<const N: usize> IntervalBox<N> {
         (left, right)
     }
 
-    /// The intervals in order.
+    /// Iterates over the box's intervals, in the order of the axes.
     pub fn iter(&self) -> std::slice::Iter<'_, Interval> {
         self.components.iter()
     }
 
-    /// The intervals as an array.
+    /// The box's intervals as an array.
     #[inline]
     pub const fn components(&self) -> [Interval; N] {
         self.components
@@ -116,7 +116,7 @@ impl<const N: usize> IntervalBox<N> {
     }
 }
 
-/// Empty boxes are equal, whichever component is empty.
+/// All empty boxes are equal, whichever of their intervals are empty.
 impl<const N: usize> PartialEq for IntervalBox<N> {
     fn eq(&self, other: &Self) -> bool {
         (self.is_empty() && other.is_empty()) || self.components == other.components

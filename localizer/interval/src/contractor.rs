@@ -1,20 +1,21 @@
-//! Constraints that make boxes smaller without losing a solution. One verb, `contract`.
+//! Contractors: constraints that make boxes smaller without losing a solution. Their one operation is `contract`.
 //!
-//! A contractor stands for a constraint on some variables. Given a box of what these may be, it takes away points that violate the
-//! constraint, as many as it can tell, and no other ones. What is left of the box still holds every solution that was in it.
+//! A contractor stands for a constraint on some variables. Given a box of possible values of these variables, it removes points that violate the
+//! constraint, as many as it can detect, and no other points. The box that is left still holds every solution that was in it.
 //!
 //! | constraint | contractor |
 //! |---|---|
-//! | a formula of the variables is in an interval | [`ForwardBackward`]; several formulas, and what another contractor leaves of them, [`Inverse`] |
+//! | the value of a formula is in an interval | [`ForwardBackward`]; for several formulas whose values satisfy another contractor, [`Inverse`] |
 //! | the variables are in a fixed box | [`Within`] |
 //! | a point is at a known distance from a place | [`Distance`] |
-//! | Cartesian and polar coordinates are of one vector | [`Polar`] |
+//! | Cartesian and polar coordinates describe the same vector | [`Polar`] |
 //! | a coordinate is on one of equally spaced lines | [`Periodic`] |
-//! | a point in space is seen at a place of a picture | [`Pinhole`] |
+//! | a point in space is seen at a pixel of a picture | [`Pinhole`] |
 //! | all constraints hold but at most q | [`QRelaxed`] |
-//! | both, either, the same again, the same on other axes | [`then`](Contractor::then), [`union`](Contractor::union), [`fixpoint`](Contractor::fixpoint), [`on_axes`](Contractor::on_axes) |
+//! | both of two constraints hold, or at least one of them | [`then`](Contractor::then), [`union`](Contractor::union) |
+//! | one constraint, applied repeatedly or to other axes | [`fixpoint`](Contractor::fixpoint), [`on_axes`](Contractor::on_axes) |
 //!
-//! A contractor of your own implements [`Contractor`], and ends with [`settle`].
+//! A contractor of your own implements [`Contractor`], and its `contract` ends with a call of [`settle`].
 //!
 //! ```
 //! use interval::contractor::{Contractor, ForwardBackward};
@@ -22,12 +23,12 @@
 //!
 //! // An equation becomes a contractor: x² + y² ∈ [1, 4] …
 //! let ring = ForwardBackward::new(|[x, y]| x.sqr() + y.sqr(), Interval::new(1.0, 4.0));
-//! // … and contractors combine: also x = y, again and again until nothing moves.
+//! // … and contractors combine: x = y holds too, and both are applied until the box shrinks no more.
 //! let diagonal = ForwardBackward::new(|[x, y]| x - y, Interval::ZERO);
 //! let both = ring.then(diagonal).fixpoint(1e-6);
 //! let mut domain = IntervalBox::new([Interval::new(0.0, 9.0), Interval::new(-9.0, 9.0)]);
 //! both.contract(&mut domain);
-//! // y was known to ±9; the ring and x ≥ 0 leave 0 to 2.
+//! // y was known to be in [−9, 9]; the ring, x = y and x ≥ 0 leave [0, 2].
 //! assert!(domain[1].is_subset_of(Interval::new(-1e-9, 2.0 + 1e-9)));
 //! ```
 
@@ -53,25 +54,27 @@ pub use within::Within;
 
 use crate::IntervalBox;
 
-/// What a contraction found.
+/// Result of a contraction: whether the box still has points.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The box is not empty; it may have shrunk.
+    /// The box is not empty after the contraction; it may have shrunk.
     Feasible,
-    /// No point of the box satisfies the constraint; the text names the cause.
+    /// No point of the box satisfies the constraint. The text names the cause.
     Empty(&'static str),
 }
 
-/// A constraint on `N` variables that can shrink boxes.
+/// A constraint on `N` variables that can shrink boxes of these variables.
 ///
-/// Laws: the result is a subset of the domain, and every point of the domain that satisfies the constraint is in it.
+/// Laws of every implementation: the contracted box is a subset of the domain given, and every point of the domain that satisfies the constraint
+/// is in it.
 pub trait Contractor<const N: usize> {
-    /// Shrinks `domain`; sets it to the empty box when no solution is left.
+    /// Shrinks the box `domain` by the constraint; sets it to the empty box when no solution is left.
     fn contract(&self, domain: &mut IntervalBox<N>) -> Outcome;
 
-    /// Shrinks `domain` to boxes that may be disjoint; their union keeps every solution. None is empty.
+    /// Shrinks the box `domain` to several boxes, which may be disjoint. Their union keeps every solution, and none of them is empty.
     ///
-    /// A constraint with several solutions far apart (periodic joints, quadrants) overrides this, so that nothing between is kept.
+    /// A constraint whose solutions lie far apart (periodic joints, quadrants of an angle) overrides this method, so that nothing between the
+    /// solutions is kept.
     fn branches(&self, domain: &IntervalBox<N>) -> Vec<IntervalBox<N>> {
         let mut contracted = *domain;
         match self.contract(&mut contracted) {
@@ -80,7 +83,7 @@ pub trait Contractor<const N: usize> {
         }
     }
 
-    /// Both constraints: this one first, then `next` on what is left.
+    /// A contractor for both of two constraints: it applies this one first, then `next` to the box that is left.
     fn then<Next: Contractor<N>>(self, next: Next) -> Then<Self, Next>
     where
         Self: Sized,
@@ -88,7 +91,7 @@ pub trait Contractor<const N: usize> {
         Then { first: self, next }
     }
 
-    /// Either constraint: the hull of what each leaves.
+    /// A contractor for at least one of two constraints: it leaves the hull of the boxes that each of them leaves.
     fn union<Other: Contractor<N>>(self, other: Other) -> Union<Self, Other>
     where
         Self: Sized,
@@ -96,7 +99,7 @@ pub trait Contractor<const N: usize> {
         Union { either: self, or: other }
     }
 
-    /// The same constraint, applied until no width shrinks by more than the share `ratio` of it.
+    /// A contractor that applies this one repeatedly, until no width of the box shrinks by more than the fraction `ratio` of itself.
     fn fixpoint(self, ratio: f64) -> Fixpoint<Self>
     where
         Self: Sized,
@@ -104,7 +107,7 @@ pub trait Contractor<const N: usize> {
         Fixpoint { contractor: self, ratio }
     }
 
-    /// The same constraint on `M` variables, of which `axes` are this contractor's, in its order.
+    /// The same constraint on a box that has more variables: `axes[i]` is the index in that box of this contractor's variable i.
     fn on_axes(self, axes: [usize; N]) -> OnAxes<Self, N>
     where
         Self: Sized,
@@ -133,7 +136,8 @@ impl<const N: usize, C: Contractor<N> + ?Sized> Contractor<N> for &C {
     }
 }
 
-/// Replaces `domain` by what a contraction left of it, and says whether that is anything; `cause` names why it may be nothing.
+/// Replaces `domain` by the box `left` that a contraction has left of it, and returns whether that box has points; `cause` names why it may be
+/// empty.
 pub fn settle<const N: usize>(domain: &mut IntervalBox<N>, left: IntervalBox<N>, cause: &'static str) -> Outcome {
     if left.is_empty() {
         *domain = IntervalBox::EMPTY;

@@ -1,34 +1,35 @@
-//! Numbers with their derivatives, both as intervals: first-order models with a rigorous remainder.
+//! Dual numbers of intervals: a value and its derivatives, which make first-order models with a rigorous remainder.
 //!
-//! Over a box Φ around φ₀ a function is in f(φ₀) + Σₖ ∂ₖf(Φ)·(φₖ − φ₀ₖ) (mean value form; R. Moore, *Interval Analysis*, 1966).
+//! Over a box Φ around φ₀ a function f is in f(φ₀) + Σₖ ∂ₖf(Φ)·(φₖ − φ₀ₖ) (mean value form; R. Moore, *Interval Analysis*, 1966).
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::Interval;
 
-/// A value and its derivatives by `K` parameters.
+/// A value and its derivatives by `K` parameters, all as intervals.
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<const K: usize> {
-    /// What the number may be.
+    /// Enclosure of the number's value.
     pub value: Interval,
-    /// What its derivative by each parameter may be, over all that the parameters may be.
+    /// Enclosure of the number's derivative by each parameter, over all values that the parameters may have.
     pub slopes: [Interval; K],
 }
 
 impl<const K: usize> Dual<K> {
-    /// A number that no parameter changes.
+    /// A dual number that depends on no parameter, so that its derivatives are 0.
     pub fn constant(value: Interval) -> Self {
         Dual { value, slopes: [Interval::ZERO; K] }
     }
 
-    /// Parameter `index`, which is in `value`.
+    /// The parameter number `index` as a dual number; its interval is `value`.
     pub fn parameter(index: usize, value: Interval) -> Self {
         let mut parameter = Dual::constant(value);
         parameter.slopes[index] = Interval::ONE;
         parameter
     }
 
-    /// The same where the value at the middle of the parameters is known: no wider than the mean value form.
+    /// Narrows the value by the mean value form: `middle` is the number's value at the middle of the parameters' box, and `deviations` are the
+    /// parameters' distances from that middle.
     pub fn around(self, middle: Interval, deviations: &[Interval; K]) -> Self {
         let terms = self.slopes.iter().zip(deviations).map(|(&slope, &deviation)| slope * deviation);
         Dual { value: terms.fold(middle, |sum, term| sum + term).intersect(self.value), ..self }
@@ -36,7 +37,7 @@ impl<const K: usize> Dual<K> {
 
     fn combine(value: Interval, a: (&Self, Interval), b: (&Self, Interval)) -> Self {
         let slopes = std::array::from_fn(|k| {
-            // Most parameters enter late: zeros are common.
+            // Many slopes are zero, because most parameters enter a computation late; products with zero are left out.
             match (a.0.slopes[k] == Interval::ZERO, b.0.slopes[k] == Interval::ZERO) {
                 (true, true) => Interval::ZERO,
                 (false, true) => a.0.slopes[k] * a.1,
@@ -78,7 +79,7 @@ impl<const K: usize> Mul for Dual<K> {
 
 impl<const K: usize> Div for Dual<K> {
     type Output = Self;
-    /// (a/b)′ = a′/b − b′·(a/b)/b.
+    /// Quotient, with the derivatives (a/b)′ = a′/b − b′·(a/b)/b.
     fn div(self, other: Self) -> Self {
         let (value, inverse) = (self.value / other.value, other.value.recip());
         Dual::combine(value, (&self, inverse), (&other, -(value * inverse)))
@@ -91,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_difference_of_what_moves_alike_is_known_by_its_slopes() {
-        // By hand: (x + 1) − x is 1 whatever x is; interval arithmetic alone gives 1 ± 2.
+        // Expected by hand: (x + 1) − x is 1 whatever x is, while interval arithmetic alone gives 1 ± 2.
         let x = Dual::<1>::parameter(0, Interval::new(-1.0, 1.0));
         let apart = (x + Dual::constant(Interval::ONE)) - x;
         assert!(apart.value.width() > 3.9);
@@ -101,7 +102,7 @@ mod tests {
 
     #[test]
     fn derivatives_of_a_quotient_contain_those_worked_out_by_hand() {
-        // f = (x·y − x)/y at x = 3, y = 2: f = 1.5, ∂x = (y − 1)/y = 0.5, ∂y = x/y² = 0.75.
+        // Expected by hand for f = (x·y − x)/y at x = 3, y = 2: f = 1.5, ∂f/∂x = (y − 1)/y = 0.5, ∂f/∂y = x/y² = 0.75.
         let (x, y) = (Dual::<2>::parameter(0, Interval::point(3.0)), Dual::<2>::parameter(1, Interval::point(2.0)));
         let f = (x * y - x) / y;
         for (interval, expected) in [(f.value, 1.5), (f.slopes[0], 0.5), (f.slopes[1], 0.75)] {

@@ -1,11 +1,10 @@
-//! Closed intervals of real numbers with outward rounding: every operation contains every possible result.
+//! Closed intervals of real numbers with outward rounding: the result of every operation contains every possible result.
 //!
-//! An interval is the set { x ∈ ℝ : lo ≤ x ≤ hi }. Infinite bounds are allowed and are not members, as in IEEE 1788-2015
-//! (set-based flavour). The empty interval is a value, absorbs every arithmetic operation and equals itself.
+//! An interval is the set { x ∈ ℝ : lo ≤ x ≤ hi }. Infinite bounds are allowed and are not members, as in IEEE 1788-2015 (set-based flavour).
+//! The empty interval is a value: arithmetic with it gives the empty interval, and it equals itself.
 //!
-//! Bounds are computed in round-to-nearest and then moved one step outward (`rounding`), so that no rounding mode is ever
-//! switched: basic operations exceed the tightest result by at most one unit in the last place a side, elementary
-//! functions by at most two.
+//! Bounds are computed in round-to-nearest and then moved one step outward (`rounding`), so that no rounding mode is ever switched. Results of
+//! basic operations exceed the tightest result by at most one unit in the last place on each side, those of elementary functions by at most two.
 
 mod arithmetic;
 mod elementary;
@@ -18,63 +17,65 @@ mod trigonometry;
 pub use predicates::Overlap;
 pub use text::ParseIntervalError;
 
-/// A closed interval, possibly unbounded or empty.
+/// A closed interval of real numbers, possibly unbounded or empty.
 #[derive(Clone, Copy)]
 pub struct Interval {
-    // Both NaN when empty, so that arithmetic absorbs emptiness without a branch; otherwise lo ≤ hi, lo < ∞, hi > −∞.
+    // Both bounds are NaN when the interval is empty, so that arithmetic keeps emptiness without a branch. Otherwise lo ≤ hi, lo < ∞ and hi >
+    // −∞.
     lo: f64,
     hi: f64,
 }
 
 impl Interval {
-    /// No number at all.
+    /// The empty interval, which contains no number.
     pub const EMPTY: Interval = Interval { lo: f64::NAN, hi: f64::NAN };
-    /// All real numbers.
+    /// The interval of all real numbers.
     pub const ENTIRE: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
-    /// Exactly 0.
+    /// The interval that contains exactly 0.
     pub const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
-    /// Exactly 1.
+    /// The interval that contains exactly 1.
     pub const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
-    /// Tightest enclosure of π: the nearest double is below π.
+    /// Tightest enclosure of π. The double nearest to π is its lower bound, because that double is below π.
     pub const PI: Interval = Interval { lo: std::f64::consts::PI, hi: std::f64::consts::PI.next_up() };
 
-    /// All numbers from `lo` to `hi`; empty when `lo > hi`, a bound is NaN, or both are the same infinity.
+    /// The interval of all numbers from `lo` to `hi`. It is empty when `lo > hi`, when a bound is NaN, or when both bounds are the same
+    /// infinity.
     #[inline]
     pub const fn new(lo: f64, hi: f64) -> Interval {
         if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY { Interval { lo, hi } } else { Interval::EMPTY }
     }
 
-    /// Exactly `value`; empty when it is not finite.
+    /// The interval that contains exactly `value`; empty when `value` is not finite.
     #[inline]
     pub const fn point(value: f64) -> Interval {
         Interval::new(value, value)
     }
 
-    /// All numbers within `radius` of `mid`, rounded outward; empty when the radius is negative.
+    /// The interval of all numbers within `radius` of `mid`, rounded outward; empty when the radius is negative or NaN.
     #[inline]
     pub fn centred(mid: f64, radius: f64) -> Interval {
         Interval::point(mid).inflate(radius)
     }
 
-    // For callers that have just proven the invariant.
+    // Makes an interval of unchecked bounds, for callers that have just proven that the bounds are valid.
     #[inline(always)]
     const fn from_bounds(lo: f64, hi: f64) -> Interval {
         Interval { lo, hi }
     }
 
-    /// Greatest lower bound; NaN when empty.
+    /// Greatest lower bound of the interval; NaN when the interval is empty.
     #[inline]
     pub const fn lo(self) -> f64 {
         self.lo
     }
 
-    /// Least upper bound; NaN when empty.
+    /// Least upper bound of the interval; NaN when the interval is empty.
     #[inline]
     pub const fn hi(self) -> f64 {
         self.hi
     }
 
-    /// A finite member close to the middle: 0 for the whole line, ±`f64::MAX` for a half line, NaN when empty.
+    /// A finite member close to the interval's middle: 0 for the whole line, ±`f64::MAX` for a half line. NaN when the interval is empty.
     #[inline]
     pub fn mid(self) -> f64 {
         let sum = self.lo + self.hi;
@@ -95,7 +96,8 @@ impl Interval {
         }
     }
 
-    /// An upper bound of the distance from [`mid`](Self::mid) to either end: `centred(mid, radius)` contains the interval. NaN when empty.
+    /// An upper bound of the distance from [`mid`](Self::mid) to either end of the interval, so that `centred(mid, radius)` contains the
+    /// interval. NaN when the interval is empty.
     #[inline]
     pub fn radius(self) -> f64 {
         let mid = self.mid();
@@ -104,20 +106,20 @@ impl Interval {
         if below > above { below } else { above }
     }
 
-    /// `hi − lo` rounded up; NaN when empty.
+    /// Width `hi − lo` of the interval, rounded up; NaN when the interval is empty.
     #[inline]
     pub fn width(self) -> f64 {
         rounding::up_sum(self.hi - self.lo)
     }
 
-    /// Largest absolute value of a member; NaN when empty.
+    /// Largest absolute value of a member of the interval; NaN when the interval is empty.
     #[inline]
     pub fn magnitude(self) -> f64 {
         let (below, above) = (self.lo.abs(), self.hi.abs());
         if below > above { below } else { above }
     }
 
-    /// Smallest absolute value of a member; NaN when empty.
+    /// Smallest absolute value of a member of the interval; NaN when the interval is empty.
     #[inline]
     pub fn mignitude(self) -> f64 {
         if self.lo > 0.0 {
@@ -131,37 +133,37 @@ impl Interval {
         }
     }
 
-    /// Whether there is no member.
+    /// Whether the interval has no member.
     #[inline]
     pub const fn is_empty(self) -> bool {
         self.lo.is_nan()
     }
 
-    /// Whether the number is a member; infinities never are.
+    /// Whether a number is a member of the interval; infinities never are.
     #[inline]
     pub const fn contains(self, value: f64) -> bool {
         self.lo <= value && value <= self.hi && value.is_finite()
     }
 
-    /// Whether 0 is a member.
+    /// Whether 0 is a member of the interval.
     #[inline]
     pub const fn contains_zero(self) -> bool {
         self.lo <= 0.0 && 0.0 <= self.hi
     }
 
-    /// Whether every member is a member of `other`; true for the empty interval.
+    /// Whether every member of this interval is a member of `other`; true when this interval is empty.
     #[inline]
     pub const fn is_subset_of(self, other: Interval) -> bool {
         self.is_empty() || (other.lo <= self.lo && self.hi <= other.hi)
     }
 
-    /// Whether the two have a member in common.
+    /// Whether the two intervals have a member in common.
     #[inline]
     pub const fn overlaps(self, other: Interval) -> bool {
         self.lo <= other.hi && other.lo <= self.hi
     }
 
-    /// Common members. Exact.
+    /// Interval of the members that two intervals have in common. The result is exact.
     #[inline]
     pub fn intersect(self, other: Interval) -> Interval {
         if !self.overlaps(other) {
@@ -172,14 +174,14 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Smallest interval around both. Exact.
+    /// Smallest interval that contains both intervals. The result is exact.
     #[inline]
     pub fn hull(self, other: Interval) -> Interval {
-        // f64::min and f64::max return the other operand when one is NaN, which is what an empty side asks for.
+        // f64::min and f64::max return the other operand when one is NaN, so that the hull with an empty interval is the other interval.
         Interval::from_bounds(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 
-    /// All numbers within `radius` of a member, rounded outward; empty when the radius is negative or NaN.
+    /// The interval of all numbers within `radius` of a member of this one, rounded outward; empty when the radius is negative or NaN.
     #[inline]
     pub fn inflate(self, radius: f64) -> Interval {
         if radius >= 0.0 { self + Interval::from_bounds(-radius, radius) } else { Interval::EMPTY }

@@ -1,14 +1,15 @@
-//! Sets covered by boxes: those that are surely inside, those that are surely outside, and small ones that may cut the boundary.
+//! Pavings: sets covered by boxes that are surely inside, boxes that are surely outside, and small boxes that may cut the boundary.
 //!
-//! A paving comes about by set inversion (SIVIA): a separator decides what it can of a box, the rest is cut in two, and so on until boxes are as
-//! small as wanted. [`Paving`] does so for sets with an inside, [`cover`] for the solutions of a contractor, which may be thin.
+//! A paving is made by set inversion (SIVIA): a separator decides what it can of a box, the rest is cut in two, and so on until the boxes are as
+//! small as wanted. [`Paving`] does that for sets with an interior, [`cover`] for the solutions of a contractor, which may be a thin set.
 //!
-//! Source: L. Jaulin, É. Walter, "Set inversion via interval analysis for nonlinear bounded-error estimation", Automatica 29
-//! (1993); with contractors and separators, L. Jaulin, B. Desrochers (2014).
+//! Source: L. Jaulin, É. Walter, "Set inversion via interval analysis for nonlinear bounded-error estimation", Automatica 29 (1993); with
+//! contractors and separators, L. Jaulin, B. Desrochers (2014).
 //!
-//! ![Green boxes fill a disc with a hole and a wavy lower edge, small orange ones line its boundary, grey ones surround it](../../../../localizer/interval/examples/paving.png)
+//! ![Green boxes fill a disc with a hole and a wavy lower edge, small orange ones line its boundary, grey ones surround
+//! it](../../../../localizer/interval/examples/paving.png)
 //!
-//! *What `cargo run -p wherein-interval --example paving` draws: inside, undecided, outside.*
+//! *The picture that `cargo run -p wherein-interval --example paving` draws, of boxes inside, undecided and outside.*
 
 use std::collections::VecDeque;
 
@@ -16,33 +17,33 @@ use crate::contractor::Contractor;
 use crate::separator::Separator;
 use crate::{Interval, IntervalBox};
 
-/// What is known of a set in a domain. The three lists together cover the domain.
+/// Lists of boxes that say which parts of a domain are in a set. The three lists together cover the domain.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Paving<const N: usize> {
-    /// Every point is in the set.
+    /// Boxes of which every point is in the set.
     pub inner: Vec<IntervalBox<N>>,
-    /// Undecided: no bisected side is wider than the resolution.
+    /// Undecided boxes, which may cut the set's boundary. None of their bisected sides is wider than the resolution.
     pub boundary: Vec<IntervalBox<N>>,
-    /// No point is in the set.
+    /// Boxes of which no point is in the set.
     pub outer: Vec<IntervalBox<N>>,
 }
 
 impl<const N: usize> Paving<N> {
-    /// Smallest box around all that may be in the set.
+    /// Smallest box around all points of the domain that may be in the set.
     pub fn hull(&self) -> IntervalBox<N> {
         hull(self.inner.iter().chain(&self.boundary))
     }
 
-    /// Paves a set: decides what the separator can, bisects the rest along the widest of `axes` until all of these are at most
-    /// `resolution` wide.
+    /// Paves a set: the separator decides what it can of each box, and the rest is bisected along the widest of `axes`, until all of these axes
+    /// are at most `resolution` wide.
     ///
-    /// Variables that are not in `axes` are only contracted: the paving is of those that are.
+    /// Variables that are not in `axes` are contracted but never bisected, so the paving is one of the listed axes.
     pub fn new(set: &impl Separator<N>, domain: IntervalBox<N>, axes: &[usize], resolution: f64) -> Self {
         let mut paving = Paving::default();
         let mut pending = vec![domain];
         while let Some(candidate) = pending.pop() {
             let (inside, outside) = set.separate(&candidate);
-            // What the complement's contractor removed is in the set; what the set's contractor removed is not.
+            // Points that the complement's contractor removed are in the set; points that the set's contractor removed are not.
             difference(&candidate, &outside, &mut paving.inner);
             difference(&candidate, &inside, &mut paving.outer);
             let undecided = inside.intersect(&outside);
@@ -58,9 +59,9 @@ impl<const N: usize> Paving<N> {
     }
 }
 
-/// Covers the solutions of a contractor with boxes that are at most `resolution` wide along `axes`.
+/// Covers the solutions of a contractor's constraint with boxes that are at most `resolution` wide along `axes`.
 ///
-/// Every solution in `domain` is in one of the boxes. Boxes are contracted, so that they are often much smaller.
+/// Every solution in `domain` is in one of the boxes. The boxes are contracted, so that they are often much smaller than the resolution.
 pub fn cover<const N: usize>(
     constraint: &impl Contractor<N>,
     domain: IntervalBox<N>,
@@ -82,9 +83,10 @@ pub fn cover<const N: usize>(
     leaves
 }
 
-/// As [`cover`], but gives up after `most_boxes` contractions: what is pending then counts as leaves, however wide.
+/// Covers the solutions of a contractor as [`cover`] does, but gives up after `most_boxes` contractions: boxes that are pending then count as
+/// leaves, however wide they are.
 ///
-/// The oldest boxes are bisected first, so that the widest are never left over while smaller ones are cut.
+/// The oldest boxes are bisected first, so that the widest boxes are never left over while smaller ones are cut.
 pub fn cover_at_most<const N: usize>(
     constraint: &impl Contractor<N>,
     domain: IntervalBox<N>,
@@ -109,16 +111,16 @@ pub fn cover_at_most<const N: usize>(
     leaves
 }
 
-/// Smallest box around boxes; empty when there is none.
+/// Smallest box around all of the given boxes; empty when there is none.
 pub fn hull<'a, const N: usize>(boxes: impl IntoIterator<Item = &'a IntervalBox<N>>) -> IntervalBox<N> {
     boxes.into_iter().fold(IntervalBox::EMPTY, |hull, one| hull.hull(one))
 }
 
-/// The widest of `axes` if it is wider than the resolution.
+/// The one of `axes` along which the box is widest; `None` if the box is no wider than the resolution there.
 fn axis_to_bisect<const N: usize>(candidate: &IntervalBox<N>, axes: &[usize], resolution: f64) -> Option<usize> {
     let widest = axes.iter().copied().max_by(|a, b| candidate.width(*a).total_cmp(&candidate.width(*b)))?;
     let component = candidate[widest];
-    // An interval of two neighbouring doubles cannot be halved.
+    // An interval between two neighbouring doubles cannot be halved.
     let is_divisible = component.lo() < component.mid() && component.mid() < component.hi();
     (component.width() > resolution && is_divisible).then_some(widest)
 }
@@ -128,7 +130,7 @@ fn halves<const N: usize>(candidate: &IntervalBox<N>, axis: usize) -> [IntervalB
     [right, left]
 }
 
-/// Adds boxes that cover `whole` without `part`: one slab at most on each side of each axis.
+/// Adds to `slabs` boxes that cover `whole` without `part`: at most one slab on each side of `part` along each axis.
 fn difference<const N: usize>(whole: &IntervalBox<N>, part: &IntervalBox<N>, slabs: &mut Vec<IntervalBox<N>>) {
     if part.is_empty() {
         slabs.push(*whole);

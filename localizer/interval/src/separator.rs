@@ -1,23 +1,23 @@
-//! A set and its complement, each with a contractor, so that a box can be proven inside, outside or neither.
+//! Separators: a set and its complement, each with a contractor, so that a box can be proven to be inside, outside or neither.
 //!
-//! A contractor alone can only prove that a box is outside of its set: it is left empty. A separator has a second one for all points that are not in
-//! the set, which proves in the same way that a box is inside. Sets combine by `and`, `or` and `complement`.
+//! A contractor alone can only prove that a box is outside of its set, by leaving the box empty. A separator has a second contractor for all
+//! points that are not in the set, which proves in the same way that a box is inside. Sets combine by `and`, `or` and `complement`.
 //!
-//! Source: L. Jaulin, B. Desrochers, "Introduction to the algebra of separators with application to path planning",
-//! Engineering Applications of Artificial Intelligence 33 (2014).
+//! Source: L. Jaulin, B. Desrochers, "Introduction to the algebra of separators with application to path planning", Engineering Applications of
+//! Artificial Intelligence 33 (2014).
 
 use crate::contractor::{Contractor, ForwardBackward};
 use crate::{Interval, IntervalBox};
 
-/// A set that boxes can be compared with.
+/// A set of points with which boxes can be compared.
 ///
-/// Law: with (inside, outside) = `separate(domain)`, every point of the domain that is in the set is in `inside`, every other
-/// one is in `outside`; both are subsets of the domain and may share the boundary.
+/// Law: with (inside, outside) = `separate(domain)`, every point of the domain that is in the set is in `inside`, and every other point of the
+/// domain is in `outside`. Both boxes are subsets of the domain and may share the set's boundary.
 pub trait Separator<const N: usize> {
-    /// What of `domain` may be in the set, and what may be outside.
+    /// Returns the part of `domain` that may be in the set, and the part that may be outside of the set.
     fn separate(&self, domain: &IntervalBox<N>) -> (IntervalBox<N>, IntervalBox<N>);
 
-    /// The points of both sets.
+    /// Separator of the intersection of two sets.
     fn and<Other: Separator<N>>(self, other: Other) -> And<Self, Other>
     where
         Self: Sized,
@@ -25,16 +25,16 @@ pub trait Separator<const N: usize> {
         And { one: self, other }
     }
 
-    /// The points of either set.
+    /// Separator of the union of two sets.
     fn or<Other: Separator<N>>(self, other: Other) -> Complement<And<Complement<Self>, Complement<Other>>>
     where
         Self: Sized,
     {
-        // De Morgan.
+        // De Morgan's law: the union is the complement of the intersection of both complements.
         self.complement().and(other.complement()).complement()
     }
 
-    /// All other points.
+    /// Separator of the set's complement.
     fn complement(self) -> Complement<Self>
     where
         Self: Sized,
@@ -43,12 +43,12 @@ pub trait Separator<const N: usize> {
     }
 }
 
-/// A set given by a contractor for its points and one for the others.
+/// A separator made of two contractors: one for the points of a set and one for all other points.
 #[derive(Clone, Debug)]
 pub struct ContractorPair<Inside, Outside> {
-    /// Removes points that are not in the set.
+    /// Contractor that removes points that are not in the set.
     pub keeps_inside: Inside,
-    /// Removes points that are in the set.
+    /// Contractor that removes points that are in the set.
     pub keeps_outside: Outside,
 }
 
@@ -61,9 +61,9 @@ impl<const N: usize, Inside: Contractor<N>, Outside: Contractor<N>> Separator<N>
     }
 }
 
-/// { x : f(x) ∈ range } separates by its formula alone: outside, f(x) is below or above the range.
+/// The set { x : f(x) ∈ range } needs no more than its formula to be a separator: outside of the set, f(x) is below or above the range.
 ///
-/// Points at which the formula has no value are outside for the contractor, so the formula has to be defined on the whole domain.
+/// Both contractions remove points at which the formula has no value, so the formula has to be defined on the whole domain.
 impl<const N: usize> Separator<N> for ForwardBackward<N> {
     fn separate(&self, domain: &IntervalBox<N>) -> (IntervalBox<N>, IntervalBox<N>) {
         let part = |range: Interval| {
@@ -78,7 +78,7 @@ impl<const N: usize> Separator<N> for ForwardBackward<N> {
     }
 }
 
-/// Intersection of two sets.
+/// Separator of the intersection of two sets.
 #[derive(Clone, Debug)]
 pub struct And<One, Other> {
     one: One,
@@ -93,7 +93,7 @@ impl<const N: usize, One: Separator<N>, Other: Separator<N>> Separator<N> for An
     }
 }
 
-/// Complement of a set.
+/// Separator of the complement of a set.
 #[derive(Clone, Debug)]
 pub struct Complement<Of> {
     of: Of,

@@ -1,4 +1,5 @@
-//! Paper 2's whole system as a point: dead reckoning, headings of vanishing points by way of the database, and the pose graph.
+//! The whole system of paper 2 (Yi, Lee and Cho 2018) as a point method: dead reckoning, headings from vanishing points by way of the database
+//! of directions, and the pose graph.
 
 use std::collections::VecDeque;
 
@@ -9,28 +10,29 @@ use super::{
     pose_graph::{Step, Weights, optimised},
 };
 
-/// Pictures whose poses the graph holds; the paper keeps all of them and optimises at the end.
+/// Number of pictures whose poses the pose graph holds; the paper keeps all of them and optimises at the end.
 const HELD: usize = 20;
-/// The paper states none: 1 % of half a metre, a quarter degree of gyroscope, and as much as its vanishing points are off at 0.1 lx.
+/// Standard deviations for the pose graph, of which the paper states none: 1 % of half a metre of travel, a quarter degree of turn by the
+/// gyroscope, and for a heading as much as the paper's vanishing points are off at 0.1 lx.
 const WEIGHTS: Weights = Weights { travel_m: 0.005, turn_rad: 0.005, heading_rad: 0.01 };
-/// Pictures are no later than this.
+/// Greatest delay between a picture and its arrival; dead-reckoned poses are kept for that long.
 const LATEST_S: f64 = 1.0;
 
-/// Dead reckoning that headings correct.
+/// Dead reckoning that is corrected by headings from pictures.
 #[derive(Clone, Debug)]
 pub struct CorrectedReckoning {
     database: DirectionDatabase,
-    /// The pose before the graph's first step.
+    /// The pose from which the pose graph's first step starts.
     first: Pose,
     steps: VecDeque<Step>,
-    /// Pose of the latest picture by the graph, and by dead reckoning.
+    /// Pose at the latest picture by the pose graph, and the pose at the same picture by dead reckoning.
     latest: (Pose, Pose),
-    /// Dead reckoning of the last while, by time.
+    /// Dead-reckoned poses of the last `LATEST_S` seconds, each with its time.
     way: VecDeque<(f64, Pose)>,
 }
 
 impl CorrectedReckoning {
-    /// Starts at a pose.
+    /// Corrected dead reckoning that starts at the pose `start`.
     pub fn new(start: Pose) -> Self {
         CorrectedReckoning {
             database: DirectionDatabase::default(),
@@ -41,7 +43,7 @@ impl CorrectedReckoning {
         }
     }
 
-    /// Takes in where dead reckoning is now.
+    /// Adds the current pose by dead reckoning.
     pub fn reckon(&mut self, time_s: f64, reckoned: Pose) {
         self.way.push_back((time_s, reckoned));
         while self.way.front().is_some_and(|(since_s, _)| *since_s < time_s - LATEST_S) {
@@ -49,7 +51,7 @@ impl CorrectedReckoning {
         }
     }
 
-    /// Takes in the direction of the walls from robot forward, seen in a picture of `measured_s`.
+    /// Adds the direction of the walls relative to robot forward, seen in a picture that was taken at `measured_s`.
     pub fn see(&mut self, measured_s: f64, seen_rad: f64) {
         let before = self.way.iter().rev().find(|(time_s, _)| *time_s <= measured_s);
         let Some(&(_, reckoned)) = before.or(self.way.front()) else { return };
@@ -68,7 +70,7 @@ impl CorrectedReckoning {
         self.latest = (poses.last().copied().unwrap_or(here), reckoned);
     }
 
-    /// The pose now.
+    /// The current pose: that of the latest picture by the pose graph, carried on by dead reckoning.
     pub fn pose(&self) -> Pose {
         let (graph, at) = self.latest;
         self.way.back().map_or(graph, |(_, reckoned)| Step::between(at, *reckoned).after(graph))

@@ -1,5 +1,6 @@
-//! Dead reckoning as a point: paper 2's odometry of 10 ms by wheels and gyroscope, with or without its flow sensor, and what a careful
-//! engineer makes of the same sensors: the gyroscope's bias taken off, and the way by the flow sensor alone.
+//! Dead reckoning as a point method. It is the odometry of paper 2 (Yi, Lee and Cho 2018), in steps of 10 ms by wheels and gyroscope, with or
+//! without the flow sensor; and what a careful engineer makes of the same sensors: the gyroscope's bias is subtracted, and the travel is that of
+//! the flow sensor alone.
 
 use std::collections::VecDeque;
 
@@ -10,18 +11,18 @@ use crate::{
 
 use super::{GyroAtRest, SlipDecision};
 
-/// By what the way is told; the turn is always the gyroscope's.
+/// Sensor from which the travel is taken; the turn always comes from the gyroscope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
-    /// The wheels.
+    /// The wheel encoders.
     Wheels,
-    /// Paper 2's decision between wheels and flow sensor.
+    /// The wheels or the flow sensor, by the slip decision of paper 2 (Yi, Lee and Cho 2018).
     Decided(FlowModel, SlipDecision),
-    /// The flow sensor, which slip does not concern; the wheels where it is blind.
+    /// The flow sensor, which wheel slip does not affect; the wheels while the flow sensor is blind.
     Flow(FlowModel),
 }
 
-/// A pose that is carried on by nominal sensors.
+/// A pose that is carried on by sensors with their nominal calibration.
 #[derive(Clone, Debug)]
 pub struct DeadReckoning {
     pose: Pose,
@@ -30,33 +31,36 @@ pub struct DeadReckoning {
     at_rest: Option<GyroAtRest>,
     way: Way,
     ticks: Option<[i64; 2]>,
-    /// Turn by the gyroscope, and counts of the flow sensor, since the wheels' latest reading.
+    /// Turn by the gyroscope since the wheels' latest reading.
     turn_rad: f64,
+    /// Totals of the flow sensor at its latest reading.
     counts: Option<[i64; 2]>,
+    /// Counts of the flow sensor that have not been used in a step.
     counted: [i64; 2],
-    /// What wheels and gyroscope told since the flow sensor's latest reading.
+    /// Motion by wheels and gyroscope since the flow sensor's latest reading.
     unseen: Unseen,
-    /// Whether the flow sensor saw nothing since then.
+    /// Total number of periods in which the flow sensor saw nothing, at its latest reading.
     blind_periods: u64,
+    /// Whether the flow sensor was blind in a period since its counts were last used.
     is_blind: bool,
-    /// What the wheels rolled and the flow sensor saw, in each of the latest steps.
+    /// Distance by the wheels and travel by the flow sensor, forward and left, in each of the latest steps.
     latest_m: VecDeque<(f64, [f64; 2])>,
 }
 
-/// Motion that the flow sensor has not yet told of.
+/// Motion by wheels and gyroscope for which no reading of the flow sensor has been used yet.
 #[derive(Clone, Copy, Debug, Default)]
 struct Unseen {
     rolled_m: f64,
     turn_rad: f64,
-    /// Whether it has told now.
+    /// Whether a flow sensor reading that covers this motion has arrived.
     is_over: bool,
 }
 
-/// Steps over which the two are compared: in one of 10 ms the encoders' own steps are as large as slip is.
+/// Number of steps over which wheels and flow sensor are compared: within one step of 10 ms the encoders' quantisation is as large as slip is.
 const COMPARED_STEPS: usize = 10;
 
 impl DeadReckoning {
-    /// Starts at `start`, with the gyroscope's nominal bias.
+    /// Dead reckoning that starts at the pose `start`, with the gyroscope's nominal bias.
     pub fn new(start: Pose, wheels: WheelModel, gyro: GyroModel, way: Way) -> Self {
         DeadReckoning {
             pose: start,
@@ -75,12 +79,12 @@ impl DeadReckoning {
         }
     }
 
-    /// The same with the gyroscope's bias as it is found whenever the robot stands.
+    /// The same dead reckoning with the gyroscope's bias as it is found whenever the robot stands.
     pub fn with_gyro_at_rest(self) -> Self {
         DeadReckoning { at_rest: Some(GyroAtRest::new(self.gyro)), ..self }
     }
 
-    /// Takes in a turn rate, the mean over the gyroscope's period.
+    /// Adds a turn rate of the gyroscope, which is the mean over its period.
     pub fn turn(&mut self, rate_rad_per_s: f64) {
         let nominal_rad_per_s = self.gyro.bias_rad_per_s.mid();
         let bias_rad_per_s = self.at_rest.as_mut().map_or(nominal_rad_per_s, |at_rest| {
@@ -91,7 +95,7 @@ impl DeadReckoning {
         self.turn_rad += rate_rad_per_s * self.gyro.period_s;
     }
 
-    /// Takes in totals of the flow sensor.
+    /// Adds a reading of the flow sensor: its totals of counts and of blind periods.
     pub fn flow(&mut self, counts: [i64; 2], blind_periods: u64) {
         if let Some(before) = self.counts.replace(counts) {
             (0..2).for_each(|axis| self.counted[axis] += counts[axis] - before[axis]);
@@ -101,7 +105,7 @@ impl DeadReckoning {
         self.blind_periods = blind_periods;
     }
 
-    /// Goes on to the next encoder reading: (dx_r, dy_r, dθ_gyro), in the frame of the robot at the middle of the step.
+    /// Carries the pose on to the next encoder reading by the step (dx_r, dy_r, dθ_gyro), in the robot's frame at the middle of the step.
     pub fn roll(&mut self, ticks: [i64; 2]) {
         let turn_rad = std::mem::take(&mut self.turn_rad);
         let Some(before) = self.ticks.replace(ticks) else {
@@ -128,7 +132,7 @@ impl DeadReckoning {
         self.pose.heading_rad += turn_rad;
     }
 
-    /// What the flow sensor counted since this was last asked, in metres of its own axes; `None` if it was blind.
+    /// What the flow sensor has counted since the last call of this function, in metres along its own axes; `None` if it was blind in that time.
     fn take_counted_m(&mut self, model: &FlowModel) -> Option<[f64; 2]> {
         let (counted, is_blind) = (std::mem::take(&mut self.counted), std::mem::take(&mut self.is_blind));
         (!is_blind).then(|| counted.map(|count| count as f64 * model.metres_per_count.mid()))
@@ -148,7 +152,8 @@ impl DeadReckoning {
         SlipDecision { level_m, ..*decision }.travel_m(rolled_m, flow_m)
     }
 
-    /// Nothing until the flow sensor's next reading, which may be of several steps of the wheels.
+    /// Travel by the flow sensor, forward and left. It is zero until the flow sensor's next reading, which may cover several steps of the
+    /// wheels.
     fn seen_m(&mut self, model: &FlowModel, rolled_m: f64, turn_rad: f64) -> [f64; 2] {
         self.unseen.rolled_m += rolled_m;
         self.unseen.turn_rad += turn_rad;
@@ -162,13 +167,13 @@ impl DeadReckoning {
         without_arm(model, in_robot_m, unseen.turn_rad)
     }
 
-    /// The pose so far.
+    /// The pose at the latest encoder reading.
     pub fn pose(&self) -> Pose {
         self.pose
     }
 }
 
-/// The robot origin's way, of what a sensor saw whose own place moves by turn × arm.
+/// Travel of the robot origin, from what a sensor saw at its own place, which moves by turn × arm relative to the origin.
 fn without_arm(model: &FlowModel, seen_m: [f64; 2], turn_rad: f64) -> [f64; 2] {
     let [arm_forward_m, arm_left_m] = model.position_m.map(|at| at.mid());
     [seen_m[0] + turn_rad * arm_left_m, seen_m[1] - turn_rad * arm_forward_m]

@@ -1,21 +1,23 @@
-//! Paper 2's database of directions, Eqs. (2) and (3), with points: each remembered direction inherits the heading's error.
+//! The database of directions of paper 2 (Yi, Lee and Cho 2018), Eqs. (2) and (3), with points in place of intervals: each remembered direction
+//! inherits the error of the heading at which it was seen.
 
 use std::f64::consts::FRAC_PI_2;
 
-/// Directions of the building modulo quarter turns, each the mean of its observations.
+/// Directions of the building's walls modulo quarter turns, each the mean of its observations.
 #[derive(Clone, Debug, Default)]
 pub struct DirectionDatabase {
-    /// Mean direction in the world, and the number of observations in it.
+    /// Mean of a direction in the world frame, and the number of observations in that mean.
     directions: Vec<(f64, f64)>,
 }
 
-/// A direction farther from all others is a new one; the paper states no value.
+/// A seen direction that is farther than this from all known ones counts as new; the paper states no value.
 const NEW_RAD: f64 = 0.17;
 
 impl DirectionDatabase {
-    /// The heading, corrected by the direction that is seen at `seen_rad` from robot forward; `None` when the direction was new.
+    /// The heading, corrected by the direction that is seen at `seen_rad` from robot forward; `None` when that direction was new.
     ///
-    /// Eq. (2): direction in the world = seen + heading. Eq. (3) as printed would return only the innovation; meant is heading = mean direction − seen.
+    /// Eq. (2): direction in the world = seen + heading. Eq. (3) as printed would return only the innovation; what it means is heading = mean
+    /// direction − seen.
     pub fn correct(&mut self, seen_rad: f64, heading_rad: f64) -> Option<f64> {
         let in_world_rad = seen_rad + heading_rad;
         let off = |mean: f64| {

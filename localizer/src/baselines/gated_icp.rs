@@ -1,24 +1,26 @@
-//! Iterative closest point as one would field it: predicted, gated, one to one, on a map that is learnt without any code.
+//! Iterative closest point as an engineer would field it: predicted, gated, with one-to-one matches, on a map that is learnt without landmark
+//! codes.
 
 use super::weighted_points::{LearntPoint, SQUARED_GATE, WeightedPoint, WeightedPose, weighted_fit};
 
-/// Rounds of matching at most.
+/// Greatest number of rounds of matching points to the map.
 const MOST_ROUNDS: usize = 50;
-/// A map of points that have no names.
+/// A map of points that have no names, to which views are matched by iterative closest point.
 ///
-/// Matches are the nearest by Mahalanobis' distance, each point in one of them, none beyond the gate: Z. Zhang, "Iterative point matching
-/// for registration of free-form curves and surfaces", International Journal of Computer Vision 13 (1994), with the gate of
-/// Y. Bar-Shalom, T. Fortmann, *Tracking and Data Association* (1988) in the place of his distance. It ends when no match changes any more.
+/// Matches are the nearest pairs by Mahalanobis distance, each point is in at most one of them, and none is beyond the gate: Z. Zhang,
+/// "Iterative point matching for registration of free-form curves and surfaces", International Journal of Computer Vision 13 (1994), with the
+/// gate of Y. Bar-Shalom, T. Fortmann, *Tracking and Data Association* (1988) in place of Zhang's distance threshold. The matching ends when no
+/// match changes any more.
 #[derive(Clone, Debug, Default)]
 pub struct GatedIcp {
     landmarks: Vec<LearntPoint>,
 }
 
 impl GatedIcp {
-    /// The pose from which `view` is seen, where odometry predicts `predicted`; learns the map from it.
+    /// The pose from which `view` is seen, where odometry predicts `predicted`. The map is learnt from that pose.
     pub fn fix(&mut self, view: &[WeightedPoint], predicted: WeightedPose) -> WeightedPose {
         if self.landmarks.is_empty() {
-            // The first view defines the frame: where it was taken from is known in it.
+            // The first view defines the map's frame, so the pose that it was taken from is known exactly in that frame.
             let first = WeightedPose { covariance: Default::default(), ..predicted };
             self.landmarks.extend(view.iter().filter_map(|seen| LearntPoint::new(seen, &first)));
             return first;
@@ -36,13 +38,14 @@ impl GatedIcp {
         fixed
     }
 
-    /// How many landmarks it takes there to be.
+    /// Number of landmarks in the map, as far as this method can tell them apart.
     pub fn n_landmarks(&self) -> usize {
         self.landmarks.len()
     }
 }
 
-/// The pose, and the matches of places and points of the view that it stands on: none where it is the predicted one.
+/// The pose, and the matches between places of the map and points of the view on which the pose is based. Where the pose is the predicted one
+/// there are no matches.
 fn closest(
     places: &[WeightedPoint],
     view: &[WeightedPoint],
@@ -60,11 +63,12 @@ fn closest(
         let Some(found) = weighted_fit(&pairs, Some(fixed.pose)) else { return (predicted, Vec::new()) };
         fixed = found;
     }
-    // What odometry excludes stands on the wrong matches.
+    // A fit that odometry excludes is based on wrong matches.
     if fixed.agrees_with(&predicted) { (fixed, matches) } else { (predicted, Vec::new()) }
 }
 
-/// The nearest pair within the gate, then the nearest of what is left, and so on.
+/// Matches places of the map with points of the view, each at most once: the nearest pair within the gate first, then the nearest pair of those
+/// that are left, and so on.
 fn one_to_one(places: &[WeightedPoint], view: &[WeightedPoint], from: &WeightedPose) -> Vec<(usize, usize)> {
     let mut near: Vec<(f64, usize, usize)> = Vec::new();
     for (seen, point) in view.iter().enumerate() {

@@ -1,13 +1,14 @@
-//! Rigid motion from matched points by least squares.
+//! Rigid motion between two sets of matched points, by least squares.
 
 use nalgebra::{Matrix2, Vector2};
 
 use crate::Pose;
 
-/// The pose (R, t) that minimises Σ |aᵢ − t − R·bᵢ|² over pairs (a in the world, b in the robot frame); `None` for fewer than two.
+/// The pose (R, t) that minimises Σ |aᵢ − t − R·bᵢ|² over pairs of points (a in the world, b in the robot frame); `None` for fewer than two
+/// pairs.
 ///
-/// With both centroids taken off, R = V·diag(1, det(V·Uᵀ))·Uᵀ of the singular value decomposition H = Σ b·aᵀ = U·Σ·Vᵀ: the determinant
-/// keeps a noisy set from being mirrored. Source: D. Eggert, A. Lorusso, R. Fisher, Machine Vision and Applications 9 (1997), section 2.1.
+/// With both centroids subtracted, R = V·diag(1, det(V·Uᵀ))·Uᵀ by the singular value decomposition H = Σ b·aᵀ = U·Σ·Vᵀ: the determinant keeps a
+/// noisy set from being mirrored. Source: D. Eggert, A. Lorusso, R. Fisher, Machine Vision and Applications 9 (1997), section 2.1.
 pub fn least_squares(pairs: &[([f64; 2], [f64; 2])]) -> Option<Pose> {
     if pairs.len() < 2 {
         return None;

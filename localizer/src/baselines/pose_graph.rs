@@ -1,25 +1,26 @@
-//! Paper 2's pose graph, Eq. (4), by Levenberg and Marquardt: odometry between poses, headings from vanishing points.
+//! The pose graph of paper 2 (Yi, Lee and Cho 2018), Eq. (4), by the method of Levenberg and Marquardt: odometry between poses, and headings
+//! from vanishing points.
 //!
-//! Eq. (4) as printed adds metres to radians without weights, does not wrap angles and leaves the first pose free. Here each
-//! residual is divided by its standard deviation, angles are wrapped, and the first pose is held.
+//! Eq. (4) as printed adds squared metres to squared radians without weights, does not wrap angles and leaves the first pose free. Here each
+//! residual is divided by its standard deviation, angles are wrapped, and the first pose is fixed.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::Pose;
 
-/// A step of odometry in the frame of the pose before it.
+/// A step of odometry from one pose to the next, in the frame of the pose before the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Forward and left.
+    /// Travel in the step, forward and left.
     pub travel_m: [f64; 2],
-    /// Counter-clockwise.
+    /// Turn in the step, counter-clockwise.
     pub turn_rad: f64,
-    /// Heading of the pose after the step, where the camera gave one.
+    /// Heading of the pose after the step, where the camera measured one.
     pub heading_rad: Option<f64>,
 }
 
 impl Step {
-    /// The step from one pose to another, without a heading seen.
+    /// The step of odometry from one pose to another, without a heading measured by the camera.
     pub(super) fn between(from: Pose, to: Pose) -> Self {
         let (sin, cos) = from.heading_rad.sin_cos();
         let (x_m, y_m) = (to.x_m - from.x_m, to.y_m - from.y_m);
@@ -30,7 +31,7 @@ impl Step {
         }
     }
 
-    /// The pose after this step from another.
+    /// The pose that this step leads to from the pose `from`.
     pub(super) fn after(&self, from: Pose) -> Pose {
         let ((sin, cos), [forward, left]) = (from.heading_rad.sin_cos(), self.travel_m);
         Pose {
@@ -41,18 +42,18 @@ impl Step {
     }
 }
 
-/// Standard deviations of the residuals.
+/// Standard deviations of the pose graph's residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// Of a step's travel along each axis.
+    /// Standard deviation of a step's travel along each axis.
     pub travel_m: f64,
-    /// Of a step's turn.
+    /// Standard deviation of a step's turn.
     pub turn_rad: f64,
-    /// Of a heading seen.
+    /// Standard deviation of a heading measured by the camera.
     pub heading_rad: f64,
 }
 
-/// Poses after each step, from a first one that is known.
+/// Optimised poses after each step, from a first pose that is known and stays fixed.
 pub fn optimised(first: Pose, steps: &[Step], weights: &Weights) -> Vec<Pose> {
     let mut poses = dead_reckoned(first, steps);
     let (mut damping, mut cost) = (1e-4, residuals(first, &poses, steps, weights).norm_squared());
@@ -97,7 +98,7 @@ fn moved(poses: &[Pose], change: &DVector<f64>) -> Vec<Pose> {
     poses.iter().enumerate().map(of).collect()
 }
 
-/// Four for each step: travel forward, travel left, turn, heading seen (0 where there is none).
+/// Residuals of the pose graph, four for each step: travel forward, travel left, turn, and heading measured (0 where there is none).
 fn residuals(first: Pose, poses: &[Pose], steps: &[Step], weights: &Weights) -> DVector<f64> {
     let mut all = DVector::zeros(4 * steps.len());
     let mut before = first;
@@ -142,7 +143,7 @@ fn jacobian(first: Pose, poses: &[Pose], steps: &[Step], weights: &Weights) -> D
     slope
 }
 
-/// The same turn within half a turn of 0.
+/// The same turn, wrapped to within half a turn of 0.
 fn wrapped(turn_rad: f64) -> f64 {
     turn_rad - (turn_rad / std::f64::consts::TAU).round() * std::f64::consts::TAU
 }

@@ -1,19 +1,20 @@
-//! The forward-backward contractor of paper 3 as its Table IV prints it, for the comparison only: **it loses solutions**.
+//! The forward-backward contractor of paper 3 (Mustafa et al., CSCS 2015) as its Table IV prints it, for the comparison only: **it loses
+//! solutions**.
 //!
-//! Rows 31 and 32 contract the heading by arcsin and arccos, whose values lie in [−π/2, π/2] and [0, π]: a heading outside of
-//! [0, π/2] is cut away by one of them. The rows are in the order of the print, with a, b, t and θ as its names.
+//! Rows 31 and 32 contract the heading by arcsin and arccos, whose values lie in [−π/2, π/2] and [0, π], so that one of the two cuts away a
+//! heading outside of [0, π/2]. The rows are in the order of the print, and a and b have its names; its t and θ are the pose.
 
 use interval::{Interval, IntervalBox};
 
 use crate::{PoseBox, rigid_motion::Landmark};
 
-/// Passes end when no width shrinks by more than this share; the print says "while contraction is significant".
+/// Passes end when no width of the pose shrinks by more than this fraction; the print says "while contraction is significant".
 const SIGNIFICANT: f64 = 0.01;
 
-/// Passes at most.
+/// Greatest number of passes.
 const MOST_PASSES: usize = 100;
 
-/// The pose as Table IV contracts it; empty when it finds no pose at all.
+/// The pose as the printed Table IV contracts it; empty when the table leaves no pose at all.
 pub fn printed_table_iv(landmarks: &[Landmark], prior: &PoseBox) -> PoseBox {
     let mut places: Vec<[Interval; 2]> = landmarks.iter().map(|(a, _)| *a).collect();
     let mut pose = *prior;
@@ -32,7 +33,7 @@ pub fn printed_table_iv(landmarks: &[Landmark], prior: &PoseBox) -> PoseBox {
     pose
 }
 
-/// Rows 03 to 32 for one landmark.
+/// Applies rows 03 to 32 of paper 3's printed Table IV to the pose and one landmark.
 fn pass(pose: &mut PoseBox, a: &mut [Interval; 2], b: &[Interval; 2]) {
     let mut z1 = pose[2].cos();
     let mut z2 = pose[2].sin();

@@ -1,4 +1,5 @@
-//! Least squares as one would field it: weighted, without the correspondences that contradict the others, on a map that is a running mean.
+//! Least squares as an engineer would field it: weighted, without the correspondences that contradict the others, on a map whose places are
+//! running means.
 
 use std::collections::BTreeMap;
 
@@ -6,18 +7,18 @@ use crate::reading::LandmarkId;
 
 use super::weighted_points::{LearntPoint, SQUARED_GATE, WeightedPoint, WeightedPose, weighted_fit};
 
-/// So many that agree may do so by chance: they count only where odometry says the same.
+/// Number of correspondences that may agree on a pose by chance: a pose with no more of them counts only where odometry says the same.
 const BY_CHANCE: usize = 3;
-/// A fit is made again from those that agree with it, so often at most.
+/// Greatest number of times that a fit is repeated from the correspondences that agree with it.
 const MOST_REFITS: usize = 5;
 
-/// The pose that most correspondences (place in the world, point of the robot frame) agree with, and which of them do; `None` where fewer
-/// than three agree, or fewer than both of two.
+/// The pose that most correspondences (place in the world, point of the robot frame) agree with, and which of the correspondences do. It is
+/// `None` where fewer than three agree, or, of only two correspondences, fewer than both.
 ///
-/// Each pair of correspondences proposes a pose, so that nothing is left to chance; those within the gate of it are fitted together,
-/// weighted, until they stay the same; the most that agree win, and of as many the ones that agree best. Source: M. Fischler,
-/// R. Bolles, "Random sample consensus", Communications of the ACM 24 (1981); the refits are those of O. Chum et al., "Locally optimized
-/// RANSAC" (2003).
+/// Each pair of correspondences proposes a pose, so that nothing is left to chance. The correspondences within the gate of that pose are fitted
+/// together, weighted, until they stay the same. The pose with the most of them wins, and among poses with equally many the one that they agree
+/// with best. Source: M. Fischler, R. Bolles, "Random sample consensus", Communications of the ACM 24 (1981); the refits are those of O. Chum et
+/// al., "Locally optimized RANSAC" (2003).
 pub fn ransac(matches: &[(WeightedPoint, WeightedPoint)]) -> Option<(WeightedPose, Vec<bool>)> {
     let needed = matches.len().clamp(2, 3);
     let mut best: Option<(usize, f64, WeightedPose, Vec<bool>)> = None;
@@ -53,16 +54,16 @@ fn chosen(matches: &[(WeightedPoint, WeightedPoint)], agree: &[bool]) -> Vec<(We
     matches.iter().zip(agree).filter(|(_, agrees)| **agrees).map(|(one, _)| *one).collect()
 }
 
-/// A map of coded landmarks, some of whose sights are of others.
+/// A map of coded landmarks, for sightings of which some belong to other landmarks than their codes say.
 #[derive(Clone, Debug, Default)]
 pub struct RansacMap {
     landmarks: BTreeMap<LandmarkId, LearntPoint>,
 }
 
 impl RansacMap {
-    /// The pose from which `view` is seen, or the predicted one where the view does not tell; learns the map from it.
+    /// The pose from which `view` is seen, or the predicted pose where the view does not decide on one. The map is learnt from that pose.
     pub fn fix(&mut self, view: &[(LandmarkId, WeightedPoint)], predicted: WeightedPose) -> WeightedPose {
-        // The first view defines the frame: where it was taken from is known in it.
+        // The first view defines the map's frame, so the pose that it was taken from is known exactly in that frame.
         let is_first = self.landmarks.is_empty();
         let known: Vec<_> =
             view.iter().filter_map(|(code, seen)| Some((*code, (self.landmarks.get(code)?.place(), *seen)))).collect();
@@ -85,7 +86,8 @@ impl RansacMap {
                 } else if landmark.n_sights == 1
                     && let Some(again) = LearntPoint::new(&seen, &fixed)
                 {
-                    // One of two sights is of another landmark; if it is this one, the next puts it right.
+                    // One of the two sightings with this landmark's code is of another landmark. The later sighting is kept; if it is
+                    // the wrong one, the next sighting corrects that.
                     *landmark = again;
                 }
             }

@@ -1,17 +1,18 @@
-//! Paper 2's decision on slip: encoders while they agree with the flow sensor, its weighted mean with them when they do not.
+//! The slip decision of paper 2 (Yi, Lee and Cho 2018): the encoders' travel while it agrees with the flow sensor's, and the weighted mean of
+//! both when it does not.
 
-/// Level and weight; the paper states neither.
+/// Threshold and weight of the slip decision; the paper states neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipDecision {
-    /// Greatest difference, over one step, of encoders and flow sensor that is no slip.
+    /// Greatest difference between the encoders' and the flow sensor's travel over one step that does not count as slip.
     pub level_m: f64,
-    /// Share of the flow sensor in the travel of a step with slip.
+    /// Weight of the flow sensor, from 0 to 1, in the travel of a step with slip.
     pub flow_weight: f64,
 }
 
 impl SlipDecision {
-    /// Travel in one step, forward and left, of a robot whose wheels tell `rolled_m` forward and whose flow sensor, its lever arm
-    /// accounted for, tells `flow_m`. Wheels know of no travel to the side.
+    /// Travel of the robot in one step, forward and left, when its wheels report `rolled_m` forward and its flow sensor reports `flow_m`, from
+    /// which the effect of the lever arm is subtracted. Wheels do not report travel to the side.
     pub fn travel_m(&self, rolled_m: f64, flow_m: [f64; 2]) -> [f64; 2] {
         let off_m = (rolled_m - flow_m[0]).hypot(flow_m[1]);
         if off_m <= self.level_m {

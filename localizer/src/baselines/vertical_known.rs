@@ -1,10 +1,12 @@
-//! Paper 5's markers with what a robot on a level floor knows besides: its camera's vertical, and how far the ceiling is.
+//! The pose from the ceiling markers of paper 5 (Zhou et al. 2016), with what a robot on a level floor knows besides: its camera's vertical, and
+//! how far the ceiling is.
 //!
-//! The paper solves for six numbers from three dots, of which a tenth of a pixel tilts the camera by so much that the robot is a hand's
-//! breadth away. With the vertical known each pixel is a place on the ceiling as seen from the robot, and x, y and heading are the planar
-//! least squares of all dots of all markers in view. The camera stands nearly level, so that a pixel is as long on the ceiling wherever it
-//! is, and all dots weigh alike. Source: Z. Kukelova, M. Bujnak, T. Pajdla, "Closed-form solutions to minimal absolute pose problems with known
-//! vertical direction", ACCV 2010; with the height known too, what is left is D. Eggert et al.'s closed form of [`least_squares`].
+//! The paper solves for six numbers from three dots, where an error of a tenth of a pixel tilts the camera by so much that the robot is
+//! misplaced by a hand's breadth. With the vertical known, each pixel is a place on the ceiling relative to the robot, and x, y and heading are
+//! the planar least-squares fit to all dots of all markers in view. The camera stands nearly level, so that a pixel is as long on the ceiling
+//! wherever it is, and all dots have the same weight. Source: Z. Kukelova, M. Bujnak, T. Pajdla, "Closed-form solutions to minimal absolute pose
+//! problems with known vertical direction", ACCV 2010; with the height known too, what remains is D. Eggert et al.'s closed form of
+//! [`least_squares`].
 
 use interval::Interval;
 
@@ -22,13 +24,15 @@ use crate::{
 
 use super::least_squares;
 
-/// Greatest root mean square of a marker's dots from the grid that they are read as: a centroid further off than the dot's own radius
-/// is of another dot.
+/// Greatest root mean square distance of a marker's dots from the grid that they are read as: a centroid that is further off than the dot's own
+/// radius belongs to another dot.
 const MOST_MISFIT_M: f64 = DOT_RADIUS_M;
-/// Markers agree on a pose that puts their dots so near, root mean square: half of a marker's side, as two cannot hang nearer than a whole one.
+/// Greatest root mean square distance of a marker's dots from where a pose puts them for the marker to agree with the pose: half of a marker's
+/// side, as two markers cannot hang nearer to each other than a whole side.
 const AGREE_M: f64 = 0.06;
 
-/// Reads every marker as the paper reads one, and fits the pose to all that agree; `None` without a marker of the map.
+/// Reads every marker in the image as the paper reads one, and fits the pose to all markers that agree; `None` when no marker of the map is
+/// read.
 pub fn locate_upright(image: &image::GrayImage, map: &MarkerMap, robot: &RobotModel) -> Option<Pose> {
     let camera = robot.ceiling_camera.as_ref()?;
     vertical_known(&detect_all(image, dot_radius_px(map, camera)), map, camera)
@@ -44,13 +48,14 @@ pub fn vertical_known(seen: &[PaperMarker], map: &MarkerMap, camera: &CeilingCam
         (misfit_m(&alone, marker) <= MOST_MISFIT_M).then(|| markers.iter().filter(agrees).flatten().copied().collect())
     };
     let most = markers.iter().filter_map(agreeing).fold(Vec::new(), |most, dots| {
-        // Of as many, those of the marker nearest to the middle of the picture, which comes first.
+        // Of groups with equally many dots, the one of the marker nearest to the middle of the picture is kept, which comes first.
         if dots.len() > most.len() { dots } else { most }
     });
     least_squares(&most)
 }
 
-/// Each dot in the world and from the robot, level; `None` of a marker that is not on the map or of which a dot cannot be.
+/// Pairs of each dot's place in the world and its place relative to the robot on a level floor. `None` for a marker that is not on the map, or
+/// if the pixel of one of its dots belongs to no direction towards the ceiling.
 fn pairs(seen: &PaperMarker, map: &MarkerMap, camera: &CeilingCameraModel) -> Option<Vec<([f64; 2], [f64; 2])>> {
     let placed = map.markers.iter().find(|placed| placed.id == seen.id)?;
     let body_from_camera = body_from_camera(camera);
@@ -67,7 +72,7 @@ fn pairs(seen: &PaperMarker, map: &MarkerMap, camera: &CeilingCameraModel) -> Op
     seen.dots_px.iter().map(|(place, pixel)| pair(*place, *pixel)).collect()
 }
 
-/// Root mean square distance of dots in the world from where a pose puts them.
+/// Root mean square distance between the dots' places in the world and where a pose puts them.
 fn misfit_m(pose: &Pose, dots: &[([f64; 2], [f64; 2])]) -> f64 {
     let (sin, cos) = pose.heading_rad.sin_cos();
     let squares = dots.iter().map(|([x_m, y_m], [ahead_m, aside_m])| {

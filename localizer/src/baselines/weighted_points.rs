@@ -1,8 +1,8 @@
-//! Points with the spread that a stereo camera gives them, and the pose that fits many of them best.
+//! Points with the covariance that a stereo camera gives them, and the pose that fits many of them best.
 //!
-//! A stereo camera errs along its ray by far more than across, and with the square of the distance. Fits that weigh all points alike, or by
-//! one number each, lose most of what near points and all bearings tell: L. Matthies, S. Shafer, "Error modeling in stereo navigation",
-//! IEEE Journal of Robotics and Automation 3 (1987).
+//! A stereo camera's error is far greater along the ray than across it, and grows with the square of the distance. Fits that weigh all points
+//! alike, or by one number each, lose most of the information in near points and in all bearings: L. Matthies, S. Shafer, "Error modeling in
+//! stereo navigation", IEEE Journal of Robotics and Automation 3 (1987).
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Rotation2, Vector2, Vector3};
 
@@ -12,50 +12,54 @@ use crate::{Pose, robot::WheelModel};
 
 use super::{least_squares, pose_graph::Step};
 
-/// Greatest squared Mahalanobis distance of a point from the place that it is of: χ² with two degrees of freedom is above it once in a thousand.
+/// Greatest squared Mahalanobis distance of a point from the place to which it is matched: χ² with two degrees of freedom exceeds it once in a
+/// thousand.
 pub const SQUARED_GATE: f64 = 13.82;
 
-/// Greatest squared Mahalanobis distance of a pose from a prediction of it: χ² with three degrees of freedom is above it once in a thousand.
+/// Greatest squared Mahalanobis distance of a pose from a prediction of it: χ² with three degrees of freedom exceeds it once in a thousand.
 pub const SQUARED_GATE_OF_POSE: f64 = 16.27;
 
-/// A standard deviation of a value of which only the half-width of its bounds is told: as if all between were equally likely.
+/// Standard deviation of a value per half-width of its bounds, 1/√3: only the bounds are known, and all values between them are taken as equally
+/// likely.
 const DEVIATION_OF_BOUND: f64 = 0.577_350_269_189_625_8;
-/// Steps of Gauss and Newton's method at most, and the least that is one, in metres and radians.
+/// Greatest number of Gauss-Newton steps.
 const MOST_STEPS: usize = 20;
+/// Gauss-Newton steps end when one is smaller than this, in metres and radians.
 const SETTLED: f64 = 1e-10;
 
-/// A point with its spread.
+/// A point with the covariance of its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WeightedPoint {
-    /// Where it is.
+    /// Position of the point.
     pub at_m: Vector2<f64>,
-    /// Covariance of that.
+    /// Covariance of the point's position.
     pub covariance_m2: Matrix2<f64>,
 }
 
-/// A pose with its spread: of x, y and heading.
+/// A pose with the covariance of its x, y and heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WeightedPose {
     /// The pose.
     pub pose: Pose,
-    /// Covariance of its three numbers.
+    /// Covariance of the pose's x, y and heading.
     pub covariance: Matrix3<f64>,
 }
 
-/// A landmark as it is learnt: the running weighted mean of all that agreed with it.
+/// A landmark as it is learnt: the running weighted mean of all sightings that agreed with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearntPoint {
     mean_m: Vector2<f64>,
     information_per_m2: Matrix2<f64>,
-    /// What the first sight inherited from the pose that it was seen from: no later sight takes it off again.
+    /// Covariance that the first sighting inherited from the pose that it was seen from; no later sighting reduces it.
     inherited_m2: Matrix2<f64>,
-    /// Sights in the mean.
+    /// Number of sightings of the landmark in the mean.
     pub n_sights: usize,
 }
 
 impl WeightedPoint {
-    /// In the robot frame, from the box that a reading claims. Its diagonal is the error along the ray, which is f·b/d² times that of the
-    /// disparity d; across, a column errs by as much as the disparity does, which leaves baseline over range of the error along.
+    /// A point in the robot frame with its covariance, from the box that a stereo reading claims. The box's diagonal is the error along the ray,
+    /// which is f·b/d² times the error of the disparity d, with the focal length f and the baseline b. Across the ray a column errs by as much
+    /// as the disparity does, so that the error across is baseline over range times the error along.
     pub fn of_stereo(in_robot_m: [Interval; 2], baseline_m: f64) -> Self {
         let at_m = Vector2::from(in_robot_m.map(Interval::mid));
         let along_m = DEVIATION_OF_BOUND * Vector2::from(in_robot_m.map(Interval::radius)).norm();
@@ -66,7 +70,7 @@ impl WeightedPoint {
         WeightedPoint { at_m, covariance_m2 }
     }
 
-    /// This point of the robot frame in the world, its own spread alone.
+    /// This point of the robot frame, carried into the world by `pose`; the covariance is the point's alone, without the pose's.
     pub fn in_world(&self, pose: Pose) -> Self {
         let rotation = Rotation2::new(pose.heading_rad);
         WeightedPoint {
@@ -75,7 +79,7 @@ impl WeightedPoint {
         }
     }
 
-    /// Squared Mahalanobis distance from a place, the spread of the pose counted too.
+    /// Squared Mahalanobis distance of this point, seen from the pose `from`, to a place in the world; the covariance of the pose counts too.
     pub fn squared_distance(&self, from: &WeightedPose, place: &WeightedPoint) -> f64 {
         let seen = self.in_world(from.pose);
         let slope = slope(from.pose, self.at_m);
@@ -86,13 +90,13 @@ impl WeightedPoint {
 }
 
 impl WeightedPose {
-    /// A pose that is known within bounds.
+    /// A pose that is known within bounds, with the covariance of equally likely values between them.
     pub fn of_bounds(pose: Pose, half_widths: [f64; 3]) -> Self {
         let variances = Vector3::from(half_widths.map(|half| (DEVIATION_OF_BOUND * half).powi(2)));
         WeightedPose { pose, covariance: Matrix3::from_diagonal(&variances) }
     }
 
-    /// This pose carried on as odometry went from one of its poses to another. The spread grows by what slip and unequal wheels can do
+    /// This pose carried on by the motion between two poses of the odometry. The covariance grows by what slip and unequal wheels can cause
     /// within their declared bounds.
     pub fn carried_on(&self, from: Pose, to: Pose, wheels: &WheelModel) -> Self {
         let step = Step::between(from, to);
@@ -112,7 +116,7 @@ impl WeightedPose {
         WeightedPose { pose, covariance: carry * self.covariance * carry.transpose() + grown.covariance }
     }
 
-    /// Whether this pose and another, found apart from each other, may be the same.
+    /// Whether this pose and another, estimated independently, may be the same.
     pub fn agrees_with(&self, other: &WeightedPose) -> bool {
         let (here, there) = (self.pose.to_array(), other.pose.to_array());
         let off = Vector3::from_fn(|axis, _| here[axis] - there[axis]);
@@ -120,7 +124,7 @@ impl WeightedPose {
         inverse.is_some_and(|inverse| off.dot(&(inverse * off)) <= SQUARED_GATE_OF_POSE)
     }
 
-    /// The same pose with its heading in the turn nearest to another's: headings are on the real line.
+    /// The same pose with its heading shifted by whole turns to be nearest to `heading_rad`: headings are on the real line (not wrapped).
     pub fn near(self, heading_rad: f64) -> Self {
         let turns = ((self.pose.heading_rad - heading_rad) / std::f64::consts::TAU).round();
         let heading_rad = self.pose.heading_rad - turns * std::f64::consts::TAU;
@@ -129,7 +133,7 @@ impl WeightedPose {
 }
 
 impl LearntPoint {
-    /// A landmark at first sight; `None` for a point without spread.
+    /// A landmark after its first sighting; `None` for a point whose covariance is singular.
     pub fn new(seen: &WeightedPoint, from: &WeightedPose) -> Option<Self> {
         let slope = slope(from.pose, seen.at_m);
         let first = seen.in_world(from.pose);
@@ -141,13 +145,13 @@ impl LearntPoint {
         })
     }
 
-    /// Where it is, and how well that is known.
+    /// Where the landmark is, and how well that is known.
     pub fn place(&self) -> WeightedPoint {
         let own_m2 = self.information_per_m2.try_inverse().unwrap_or_default();
         WeightedPoint { at_m: self.mean_m, covariance_m2: own_m2 + self.inherited_m2 }
     }
 
-    /// Takes in another sight.
+    /// Adds another sighting of the landmark to the mean.
     pub fn learn(&mut self, seen: &WeightedPoint, from: Pose) {
         let again = seen.in_world(from);
         let Some(information) = again.covariance_m2.try_inverse() else { return };
@@ -159,8 +163,9 @@ impl LearntPoint {
     }
 }
 
-/// The pose that carries points of the robot frame nearest to their places in the world, each distance weighed by its spread: Gauss and
-/// Newton's method from [`least_squares`], or from `start` if there is one. `None` for fewer than two points, or where the pose stays open.
+/// The pose that carries points of the robot frame nearest to their places in the world, each distance weighted by its covariance. The
+/// Gauss-Newton method starts from the pose `start` if there is one, otherwise from [`least_squares`]. The result is `None` for fewer than two
+/// points, and where the points do not determine the pose.
 pub fn weighted_fit(matches: &[(WeightedPoint, WeightedPoint)], start: Option<Pose>) -> Option<WeightedPose> {
     if matches.len() < 2 {
         return None;
@@ -192,7 +197,7 @@ pub fn weighted_fit(matches: &[(WeightedPoint, WeightedPoint)], start: Option<Po
     Some(WeightedPose { pose, covariance })
 }
 
-/// Derivatives of a point's place in the world by x, y and heading.
+/// Derivatives of a point's place in the world with respect to the pose's x, y and heading.
 fn slope(pose: Pose, at_m: Vector2<f64>) -> Matrix2x3<f64> {
     let arm_m = Rotation2::new(pose.heading_rad) * at_m;
     Matrix2x3::new(1.0, 0.0, -arm_m.y, 0.0, 1.0, arm_m.x)

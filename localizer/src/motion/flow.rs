@@ -1,26 +1,27 @@
-//! Optical flow to motion: an enclosure of where the robot has gone, that knows of no wheel.
+//! From optical flow to motion: an enclosure of where the robot has gone that does not depend on the wheels.
 //!
-//! The sensor sees the floor pass at its own place a (the lever arm). Its travel d in the body's frame is that of the axle middle plus
-//! turn × a, so that dF = dS_f + dφ·a_l and dL = dS_l − dφ·a_f; over a span, ∫ R(φ) dd.
+//! The sensor sees the floor pass at its own place a (the lever arm). Its travel d in the body's frame is that of the axle middle plus turn × a,
+//! so that the axle middle travels d_f + dφ·a_l forward and d_l − dφ·a_f to the left. Over a span of time the sensor is displaced by ∫ R(φ) dd.
 //!
-//! **Scale.** It counts dc = s(t)·n·dd with n nominal counts per metre. s(t) = s₀ but for what its height over the floor makes of it:
-//! s₀ is one unknown of the whole run, while |s(t)/s₀ − 1| ≤ κ may be another at every instant. With the run's own m = 1/(n·s₀),
-//! dd = m·(s₀/s)·dc, and s₀/s lies in [1/(1 + κ), 1/(1 − κ)], which is 1/(1 − κ²)·(1 ± κ). So with m′ = m/(1 − κ²)
+//! **Scale.** The sensor counts dc = s(t)·n·dd with n nominal counts per metre. The scale s(t) is s₀ except for what the sensor's height over
+//! the floor makes of it: s₀ is one unknown of the whole run, while |s(t)/s₀ − 1| ≤ κ may have another value at every instant. With the run's
+//! own metres per count m = 1/(n·s₀), dd = m·(s₀/s)·dc, and s₀/s lies in [1/(1 + κ), 1/(1 − κ)], which is 1/(1 − κ²)·(1 ± κ).
+//! With m′ = m/(1 − κ²) that gives
 //!
 //! ```text
 //! ∫ R(φ) dd = m′·∫ R(φ) dc + rest,   |rest along x| ≤ κ·m′·∫ |cos φ|·|dc_f| + |sin φ|·|dc_l|,   along y with both exchanged
 //! ```
 //!
-//! The first is one unknown times a sum; the second is paid by the way, step by step, and by the lever arm's way in a turn on the spot too:
-//! a scale that flips when the sensor comes back does not cancel.
+//! The first term is one unknown times a sum. The rest grows with the length of the path, step by step, and with the path of the lever arm in a
+//! turn on the spot too: where the scale changes before the sensor comes back, the errors do not cancel.
 //!
-//! **Way.** Of a period's way P no more than b goes back and forth, P ≤ |∫ dd| + b: at most b/2 of it goes against the rest, and is counted at
-//! (1 + κ)/m per metre at most. So ∫ |dc| ≤ |Δc| + (1 + κ)·b/m and m′·∫ |dc| ≤ m′·|Δc| + b/(1 − κ); and |∫ dd| ≤ m·|Δc| + κ·P (by
+//! **Path.** Of the length P of a period's path no more than b goes back and forth, P ≤ |∫ dd| + b: at most b/2 of it goes against the rest, and
+//! is counted at (1 + κ)/m per metre at most. So ∫ |dc| ≤ |Δc| + (1 + κ)·b/m and m′·∫ |dc| ≤ m′·|Δc| + b/(1 − κ); and |∫ dd| ≤ m·|Δc| + κ·P (by
 //! dd = m·dc + (1 − s/s₀)·dd), hence P ≤ (m·|Δc| + b)/(1 − κ).
 //!
-//! **Quantisation.** What is read is c plus an error that lies, per axis, in one interval of width w at all stamps, hence within w/2 of
-//! its middle: a vector of length w/√2 at most. It telescopes in ∫ R dc: by summation by parts it acts at both ends and with the
-//! total turning, (2 + ∫ |dφ|)·w/√2. Where the scale varies it does not telescope in metres: every step's |Δc| may be greater by w.
+//! **Quantisation.** What is read is c plus an error that lies, per axis, in one interval of width w at all stamps, hence within w/2 of its
+//! middle: a vector of length w/√2 at most. The error telescopes in ∫ R dc: by summation by parts it acts at both ends and with the total
+//! turning, (2 + ∫ |dφ|)·w/√2. Where the scale varies, it does not telescope in metres: every step's |Δc| may be greater by w.
 
 use interval::{Interval, IntervalBox};
 
@@ -28,23 +29,24 @@ use crate::robot::FlowModel;
 
 use super::Motion;
 
-/// Motion since a stamp as the flow sensor tells it, one reading at a time.
+/// Motion since a stamp by the flow sensor, integrated one reading at a time.
 #[derive(Clone, Debug)]
 pub struct FlowIntegral {
-    /// Σ Δc·cos φ and Σ Δc·sin φ, for the counts forward and left.
+    /// Sum Σ Δc·cos φ over the readings, for the counts forward and left; φ is the heading since the start.
     cos_counts: [Interval; 2],
+    /// Sum Σ Δc·sin φ over the readings, for the counts forward and left; φ is the heading since the start.
     sin_counts: [Interval; 2],
     turn_rad: Interval,
-    /// Greatest total turning.
+    /// Bound on the robot's total turning ∫ |dφ| since the start.
     turning_rad: f64,
-    /// Bound, along x and along y at the start, of what a scale that varies makes of the way.
+    /// Bound on the error that a varying scale of the counts makes in the travel, along x and along y of the frame at the start.
     varied_m: [f64; 2],
-    /// Bound of what the heading of a step's middle leaves out.
+    /// Bound on the travel error from using the heading at a step's middle for the whole step.
     remainder_m: f64,
 }
 
 impl FlowIntegral {
-    /// An integral that has not moved.
+    /// An integral of the flow sensor's motion at its start, without motion.
     pub fn new() -> Self {
         FlowIntegral {
             cos_counts: [Interval::ZERO; 2],
@@ -56,10 +58,11 @@ impl FlowIntegral {
         }
     }
 
-    /// Goes on by the counts of one reading, forward and left.
+    /// Adds the counts of one flow sensor reading, forward and left.
     ///
-    /// `turn_rad` encloses the turn since the start at the reading's stamp, and `step_turn_rad` bounds the turning between this reading and the
-    /// one before; both come from another sensor. `excess_m` bounds what the way of the step is longer than its ends tell, on either axis.
+    /// `turn_rad` encloses the turn from the start to the reading's stamp, and `step_turn_rad` bounds the turning between this reading and the
+    /// one before; both come from another sensor. `excess_m` bounds by how much the path of the step is longer than the distance between its
+    /// ends, on either axis.
     pub fn advance(
         &mut self,
         counts: [f64; 2],
@@ -76,25 +79,25 @@ impl FlowIntegral {
         }
         let change = model.scale_change;
         let counted_m = counts.map(|counts| (counts.abs() + model.quantisation_counts) * model.metres_per_count.hi());
-        // κ·m′·∫ |dc|, forward and left.
+        // The bound κ·m′·∫ |dc| on the effect of a varying scale of the counts, forward and left.
         let varied_m =
             counted_m.map(|counted_m| change * (counted_m / (1.0 - change * change) + excess_m / (1.0 - change)));
         let (cos, sin) = (cos.magnitude(), sin.magnitude());
         self.varied_m[0] += cos * varied_m[0] + sin * varied_m[1];
         self.varied_m[1] += sin * varied_m[0] + cos * varied_m[1];
-        // P, forward and left.
+        // The length P of the step's path, forward and left.
         let way_m = counted_m.map(|counted_m| (counted_m + excess_m) / (1.0 - change));
-        // Within a step the heading departs from the mean of its ends by at most half of the turning.
+        // Within a step the heading departs from the mean of its values at both ends by at most half of the turning.
         self.remainder_m += 0.5 * step_turn_rad * (way_m[0] + way_m[1]);
         self.turning_rad += step_turn_rad;
         self.turn_rad = turn_rad;
     }
 
-    /// Motion of the axle middle from the start to the latest reading; the turn is the one that was told. Where totals at the ends were
-    /// interpolated, the sensor was up to `bent_m` from there, at both ends together.
+    /// Motion of the axle middle from the start to the latest reading; its turn is the one that was given for that reading. Where the totals at
+    /// the ends were interpolated, the sensor was up to `bent_m` away from the place interpolated, at both ends together.
     pub fn motion(&self, bent_m: f64, model: &FlowModel) -> Motion {
         let (mount_cos, mount_sin) = (model.yaw_rad.cos(), model.yaw_rad.sin());
-        // Σ R(φ)·(counts forward, counts left), then the mount's turn, which commutes with those about the same axis.
+        // The sum Σ R(φ)·(counts forward, counts left). The rotation by the mount's yaw follows later, as rotations about the same axis commute.
         let x_counts = self.cos_counts[0] - self.sin_counts[1];
         let y_counts = self.sin_counts[0] + self.cos_counts[1];
         let lost_counts = std::f64::consts::FRAC_1_SQRT_2 * model.quantisation_counts * (2.0 + self.turning_rad);
@@ -105,7 +108,7 @@ impl FlowIntegral {
                 .inflate((varied_m + self.remainder_m + bent_m) * ABOVE)
         });
         let (x, y) = (x * mount_cos - y * mount_sin, x * mount_sin + y * mount_cos);
-        // The sensor's place moves by (R(φ) − 1)·a while the axle middle stays.
+        // While the axle middle stays and the robot turns by φ, the sensor's place moves by (R(φ) − 1)·a, which is subtracted.
         let [a_f, a_l] = model.position_m;
         let (cos, sin) = (self.turn_rad.cos(), self.turn_rad.sin());
         let one = Interval::point(1.0);
@@ -119,19 +122,21 @@ impl Default for FlowIntegral {
     }
 }
 
-/// Makes up for the few roundings of a sum of positive terms.
+/// Factor that makes up for the few roundings of a sum of positive terms.
 const ABOVE: f64 = 1.0 + 1e-12;
 
-/// One motion as two sensors tell it.
+/// Result of comparing the wheels' enclosure of a motion with the flow sensor's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Agreement {
-    /// What both allow.
+    /// The motions that both sensors allow.
     Both(Motion),
-    /// They have nothing in common: the wheels slipped more than their bound, for the flow sensor knows of no wheel.
+    /// The flow sensor's motion, which has nothing in common with the wheels' motion: the wheels slipped by more than their bound, since the
+    /// flow sensor does not depend on the wheels.
     SlipCertified(Motion),
 }
 
-/// Wheels and flow sensor as contractors of one motion. A flow sensor that saw nothing leaves the wheels alone.
+/// Intersects the wheels' enclosure of a motion with the flow sensor's. Where the flow sensor saw nothing (`None`), the wheels' enclosure stands
+/// alone.
 pub fn agree(wheels: &Motion, flow: Option<&Motion>) -> Agreement {
     let Some(flow) = flow else { return Agreement::Both(*wheels) };
     let both = wheels.intersect(flow);

@@ -1,4 +1,4 @@
-//! Counts of a flow sensor to an enclosure of the motion between two stamps.
+//! From the counts of a flow sensor to an enclosure of the motion between two stamps.
 
 use std::collections::VecDeque;
 
@@ -14,7 +14,7 @@ pub struct FlowHistory {
     keep_s: f64,
 }
 
-/// Totals at one stamp.
+/// Totals of a flow sensor at one stamp.
 #[derive(Clone, Copy, Debug)]
 struct FlowReading {
     time_s: f64,
@@ -22,16 +22,16 @@ struct FlowReading {
     blind_periods: u64,
 }
 
-/// Stamps closer than this are the same instant: periods are decimal, stamps binary.
+/// Time difference below which two stamps are the same instant: periods are decimal numbers, stamps binary ones.
 const SAME_S: f64 = 1e-9;
 
 impl FlowHistory {
-    /// A history that forgets what is older than `keep_s`.
+    /// A history that forgets flow sensor readings older than `keep_s`.
     pub fn new(model: FlowModel, keep_s: f64) -> Self {
         FlowHistory { model, readings: VecDeque::new(), keep_s }
     }
 
-    /// Adds a reading at its place, as totals need no order of arrival; a duplicate is dropped.
+    /// Adds a flow sensor reading at its place in time, as totals need not arrive in order; a duplicate is dropped.
     pub fn push(&mut self, time_s: f64, counts: [i64; 2], blind_periods: u64) {
         let place = self.readings.partition_point(|reading| reading.time_s < time_s - SAME_S);
         if self.readings.get(place).is_some_and(|reading| reading.time_s <= time_s + SAME_S) {
@@ -44,11 +44,12 @@ impl FlowHistory {
         }
     }
 
-    /// Motion from `from_s` to a later `to_s`, with the turns that a gyroscope tells. `None` where readings do not reach, and where the
-    /// sensor saw nothing for a period.
+    /// Motion from `from_s` to a later `to_s` by the flow sensor, with the turn by the gyroscope. It is `None` without a gyroscope, where the
+    /// readings do not cover the span of time, and where the flow sensor saw nothing for a period.
     ///
-    /// Between two readings the travel is interpolated: the sensor's place accelerates by at most a + v·ω + (α + ω²)·arm =: A, so that in a
-    /// time T it departs from the chord by at most A·T²/8, and goes back and forth by at most A·T²/4.
+    /// Between two readings the travel is interpolated. The sensor's place accelerates by at most A := a + v·ω + (α + ω²)·arm, with the limits a
+    /// and v of acceleration and speed and ω and α of the turn rate and its change. So in a time T the place departs from the chord by at most
+    /// A·T²/8, and goes back and forth by at most A·T²/4.
     pub fn motion(
         &self,
         [from_s, to_s]: [f64; 2],
@@ -96,8 +97,8 @@ impl FlowHistory {
             bent_m += cut_m;
             let excess_m = cut_m + self.back_and_forth_m(span_s, acceleration_m_per_s2);
             let step_s = until_s - before_s;
-            // Between two readings the robot may turn further than their difference tells, and back: with the turn rate changing by at most
-            // `change_rad_per_s2`, by up to a quarter of that times the time squared.
+            // Between two readings the robot may turn further than their difference shows, and back: by up to a quarter of `change_rad_per_s2`,
+            // which bounds the change of the turn rate, times the time squared.
             let turning_rad = gyro?.turn(before_s, until_s, change_rad_per_s2)?.magnitude()
                 + 0.25 * change_rad_per_s2 * step_s * step_s;
             let step = [now[0] - before[0], now[1] - before[1]];
@@ -107,8 +108,8 @@ impl FlowHistory {
         Some(integral.motion(bent_m, &self.model))
     }
 
-    /// What the way between two readings is longer than their difference at most. Where readings are missing between them, as much may go
-    /// back and forth in each of their periods, and from one period to the next as far as the acceleration allows.
+    /// Greatest length by which the path between two flow sensor readings exceeds their difference. Where readings are missing in between, the
+    /// sensor may go back and forth in each of their periods, and from one period to the next as far as the acceleration allows.
     fn back_and_forth_m(&self, span_s: f64, acceleration_m_per_s2: f64) -> f64 {
         let n_periods = (span_s / self.model.period_s - 1e-6).ceil().max(1.0);
         let between_m = if n_periods > 1.0 { 0.25 * acceleration_m_per_s2 * span_s * span_s } else { 0.0 };

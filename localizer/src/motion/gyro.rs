@@ -1,8 +1,8 @@
-//! Turn rates to an enclosure of the turn between two stamps.
+//! From the turn rates of a gyroscope to an enclosure of the turn between two stamps.
 //!
-//! A reading r averages ω = (r − bias − noise)/scale over the period before its stamp. Bias and scale are the same in all readings and
-//! so act on sums. Noise is bounded for each reading, so its bound adds up, and may be bounded over any span besides, together with what
-//! the bias departs from that of all the run.
+//! A reading r averages ω = (r − bias − noise)/scale over the period before its stamp. Bias and scale are the same in all readings and so act on
+//! sums. Noise is bounded for each reading, so that its bounds add up. Besides, noise may be bounded over any span of time, together with the
+//! departure of the bias from the bias of the whole run.
 
 use std::collections::VecDeque;
 
@@ -10,36 +10,36 @@ use interval::Interval;
 
 use crate::robot::{GyroModel, Reach, WheelModel};
 
-/// Recent turn rates.
+/// Recent turn rates read from a gyroscope.
 #[derive(Clone, Debug)]
 pub struct GyroHistory {
     model: GyroModel,
-    /// The bias that any span's mean departs from by no more than `gyro.angle` allows.
+    /// Gyroscope bias of the whole run: over any span of time the mean bias departs from it by no more than the bound `gyro.angle` allows.
     run_bias_rad_per_s: Interval,
-    /// Stamp and rate.
+    /// Stamp and turn rate of each gyroscope reading.
     readings: VecDeque<(f64, f64)>,
     keep_s: f64,
 }
 
-/// Stamps closer than this are the same instant: periods are decimal, stamps binary.
+/// Time difference below which two stamps are the same instant: periods are decimal numbers, stamps binary ones.
 const SAME_S: f64 = 1e-9;
 
-/// Share of a period by which two may overlap and still be one after the other.
+/// Fraction of a period by which the periods of two gyroscope readings may overlap and still count as one after the other.
 const PERIOD_S_SLACK: f64 = 1e-3;
 
 impl GyroHistory {
-    /// A history that forgets what is older than `keep_s`.
+    /// A history that forgets gyroscope readings older than `keep_s`.
     pub fn new(model: GyroModel, keep_s: f64) -> Self {
         GyroHistory { model, run_bias_rad_per_s: model.bias_rad_per_s, readings: VecDeque::new(), keep_s }
     }
 
-    /// Span that a reading averages over.
+    /// Span of time that a gyroscope reading averages over.
     pub(super) fn period_s(&self) -> f64 {
         self.model.period_s
     }
 
-    /// Adds a reading where its period has its place among the others. A duplicate has none and is dropped, and so is a reading that comes
-    /// after all that its memory holds has gone by.
+    /// Adds a gyroscope reading at the place of its period in time. A late reading is dropped if its period overlaps that of another reading, as
+    /// a duplicate's does, or if it is older than all readings in memory.
     pub fn push(&mut self, time_s: f64, rate_rad_per_s: f64) {
         let place = self.readings.partition_point(|(end_s, _)| *end_s < time_s);
         let begin_s = time_s - self.model.period_s;
@@ -59,17 +59,18 @@ impl GyroHistory {
         }
     }
 
-    /// Turn from `from_s` to `to_s` while turn rates change by at most `change_rad_per_s2`; `None` where no reading is near, and to an earlier
-    /// stamp.
+    /// Turn by the gyroscope from `from_s` to `to_s`, while turn rates change by at most `change_rad_per_s2`; `None` where no reading is near,
+    /// and if `to_s` is earlier than `from_s`.
     ///
-    /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. Time that no reading covers is
-    /// turned at the rate of the reading beside it, give or take what that can have changed by since.
+    /// Inside the period T of a reading the heading departs from the chord by at most change·T²/8. In time that no reading covers, the robot is
+    /// taken to turn at the rate of the reading beside it, plus or minus what the rate can have changed by since.
     pub fn turn(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
         self.turns_from(from_s, change_rad_per_s2).to(to_s)
     }
 
-    /// What readings add up to, ∫ r dt = scale·turn + bias·Δt, while turn rates change by at most `change_rad_per_s2`; `None` where no
-    /// reading is near. Noise is in it; bias and scale are not. Where `gyro.angle` is declared, the bias is the one of all the run.
+    /// Sum of the gyroscope's readings over a span of time, ∫ r dt = scale·turn + bias·Δt, while turn rates change by at most
+    /// `change_rad_per_s2`; `None` where no reading is near. The enclosure includes the noise, but neither bias nor scale. Where `gyro.angle` is
+    /// declared, the bias is that of the whole run.
     pub fn sum(&self, from_s: f64, to_s: f64, change_rad_per_s2: f64) -> Option<Interval> {
         let sums = self.sums([from_s, to_s], change_rad_per_s2)?;
         let model = &self.model;
@@ -81,12 +82,13 @@ impl GyroHistory {
         Walk::new(self, from_s, change_rad_per_s2).sums_to(to_s)
     }
 
-    /// Turns from one stamp to one after the other, each as [`turn`](Self::turn) tells it, in one pass over the readings.
+    /// Turns by the gyroscope from `from_s` to one later stamp after the other, each as [`turn`](Self::turn) gives it, in one pass over the
+    /// readings.
     pub fn turns_from(&self, from_s: f64, change_rad_per_s2: f64) -> TurnsFrom<'_> {
         TurnsFrom { walk: Walk::new(self, from_s, change_rad_per_s2) }
     }
 
-    /// Takes over a bias and a scale that are known better than declared.
+    /// Replaces the gyroscope's bias and scale by intervals that are known better than the declared ones.
     pub fn learn(&mut self, bias_rad_per_s: Interval, scale: Interval) {
         self.run_bias_rad_per_s = bias_rad_per_s;
         if !self.model.bounds_angle() {
@@ -96,14 +98,14 @@ impl GyroHistory {
     }
 }
 
-/// Turns that begin at the same stamp; see [`GyroHistory::turns_from`].
+/// Turns by the gyroscope that begin at the same stamp; see [`GyroHistory::turns_from`].
 #[derive(Clone, Debug)]
 pub struct TurnsFrom<'a> {
     walk: Walk<'a>,
 }
 
 impl TurnsFrom<'_> {
-    /// The turn to a stamp that is not before the one asked for last.
+    /// The turn by the gyroscope up to a stamp, which must not be earlier than the stamp of the previous call.
     pub fn to(&mut self, to_s: f64) -> Option<Interval> {
         let sums = self.walk.sums_to(to_s)?;
         let model = &self.walk.history.model;
@@ -113,14 +115,14 @@ impl TurnsFrom<'_> {
     }
 }
 
-/// A pass over readings: what those add up to whose periods have ended.
+/// A pass over gyroscope readings: the sums of those readings whose periods have ended.
 #[derive(Clone, Debug)]
 struct Walk<'a> {
     history: &'a GyroHistory,
     change_rad_per_s2: f64,
     from_s: f64,
     done_s: f64,
-    /// Index of the first reading that has not been added.
+    /// Index of the first gyroscope reading that has not been added to the sums.
     next: usize,
     sums: Sums,
 }
@@ -131,8 +133,8 @@ impl<'a> Walk<'a> {
         Walk { history, change_rad_per_s2, from_s, done_s: from_s, next, sums: Sums::default() }
     }
 
-    /// What readings add up to until a stamp that is not before the one asked for last; `None` where no reading is near, and before the
-    /// beginning: the way back is no stand.
+    /// Sums of the gyroscope's readings up to a stamp that is not earlier than that of the previous call. They are `None` where no reading is
+    /// near, and for a stamp before the beginning: a motion backward in time must not be taken for no motion.
     fn sums_to(&mut self, to_s: f64) -> Option<Sums> {
         if to_s < self.from_s - SAME_S {
             return None;
@@ -141,7 +143,8 @@ impl<'a> Walk<'a> {
         while self.reading().is_some_and(|(end_s, _)| end_s <= to_s && end_s - period_s < to_s - SAME_S) {
             self.add_next(to_s);
         }
-        // What lies only in part in the span that ends here may lie in the next one altogether.
+        // A gyroscope reading that lies only partly in the span that ends here may lie in the next span as a whole, so such readings are added
+        // to a copy of the pass.
         let mut last = self.clone();
         while last.reading().is_some_and(|(end_s, _)| end_s - period_s < to_s - SAME_S) {
             last.add_next(to_s);
@@ -151,17 +154,17 @@ impl<'a> Walk<'a> {
         Some(last.sums)
     }
 
-    /// The first reading that has not been added.
+    /// The first gyroscope reading that has not been added to the sums.
     fn reading(&self) -> Option<(f64, f64)> {
         self.history.readings.get(self.next).copied()
     }
 
-    /// The reading before it.
+    /// The gyroscope reading before the first one that has not been added to the sums.
     fn before(&self) -> Option<(f64, f64)> {
         self.history.readings.get(self.next.checked_sub(1)?).copied()
     }
 
-    /// Adds the next reading, which begins before `to_s`, as far as there.
+    /// Adds the next gyroscope reading to the sums. Its period begins before `to_s`, and only its part up to `to_s` is added.
     fn add_next(&mut self, to_s: f64) {
         let Some((end_s, rate)) = self.reading() else { return };
         let period_s = self.history.model.period_s;
@@ -177,8 +180,9 @@ impl<'a> Walk<'a> {
         self.next += 1;
     }
 
-    /// Adds a span beside a reading's period: the rate was somewhere in it the mean that was read, and from there it changed for as long as
-    /// from the farther end of the period to the farther end of the span.
+    /// Adds a span of time beside a gyroscope reading's period to the sums, at the rate of that reading. Somewhere in the period the turn rate
+    /// was the mean that was read, and from there it has changed for at most the time from the farther end of the period to the farther end of
+    /// the span.
     fn add_beside(&mut self, (end_s, rate): (f64, f64), [from_s, to_s]: [f64; 2]) {
         let span_s = to_s - from_s;
         if span_s > SAME_S {
@@ -190,18 +194,18 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// What readings of a span add up to.
+/// Sums of the gyroscope readings in a span of time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     read_rad: f64,
     lasts_s: f64,
-    /// How much of the span no reading covers.
+    /// Time of the span that no gyroscope reading covers.
     beside_s: f64,
-    /// Parts of the span without a gap between readings.
+    /// Number of parts of the span without a gap between readings.
     n_runs: usize,
-    /// Bound of the turn that the sum leaves out.
+    /// Bound on the turn that the sum of gyroscope readings leaves out.
     bend_rad: f64,
-    /// Σ |r|·T, for the rounding of the sums.
+    /// Sum Σ |r|·T over the gyroscope readings r, for the bound on the rounding errors of the sums.
     size_rad: f64,
 }
 
@@ -213,17 +217,18 @@ impl Sums {
     }
 
     fn within(&self, noise_rad: f64) -> Interval {
-        // Stamps themselves are rounded, by far less than `SAME_S` for each reading.
+        // The stamps of gyroscope readings are rounded too, by far less than `SAME_S` for each reading.
         Interval::point(self.read_rad).inflate(noise_rad + 1e-12 * (self.size_rad + self.lasts_s))
     }
 
-    /// scale·turn + ∫ bias dt: every reading is within its noise.
+    /// Enclosure of scale·turn + ∫ bias dt, where every reading is off by at most its own noise.
     fn by_reading(&self, model: &GyroModel) -> Interval {
         self.within(model.noise_rad_per_s * self.lasts_s)
     }
 
-    /// scale·turn + bias·Δt with the bias of all the run: noise and what the bias departs from that are bounded span by span, and for a
-    /// reading at either end that lies in it only in part, and beside readings, one by one.
+    /// Enclosure of scale·turn + bias·Δt with the bias of the whole run. Noise and the departure of the bias from that one are bounded together
+    /// over each part of the span without a gap. They are bounded reading by reading beside the readings' periods, and for a reading at either
+    /// end that lies only partly in the span.
     fn by_span(&self, model: &GyroModel) -> Interval {
         if !model.bounds_angle() {
             return Interval::ENTIRE;
@@ -234,14 +239,14 @@ impl Sums {
     }
 }
 
-/// Greatest change of the turn rate while each wheel accelerates by at most its bound: (a + a)/W.
+/// Greatest change of the robot's turn rate while each wheel accelerates by at most its bound: (a + a)/W, with the acceleration a and the track
+/// width W.
 pub fn greatest_change_rad_per_s2(wheels: &WheelModel, reach: &Reach) -> f64 {
     2.0 * reach.acceleration_m_per_s2 / wheels.track_m.lo()
 }
 
-/// Greatest change of the turn rate of a robot that is pushed: it may change its rate Ω to its opposite at once. In a part s of a
-/// period T the turn then departs from the mean by up to 2·Ω·s·(1 − s/T), at most Ω·T/2: that of a rate which changes by 4·Ω in
-/// each period.
+/// Greatest change of the turn rate of a robot that is pushed: it may change its rate Ω to the opposite at once. In a part s of a period T the
+/// turn then departs from the mean by up to 2·Ω·s·(1 − s/T), at most Ω·T/2, which is that of a rate that changes by 4·Ω in each period.
 pub fn sudden_change_rad_per_s2(reach: &Reach, period_s: f64) -> f64 {
     4.0 * reach.turn_rate_rad_per_s / period_s
 }

@@ -1,8 +1,9 @@
-//! The gyroscope's bias and scale, known together.
+//! The gyroscope's bias and scale, estimated together as a set.
 //!
-//! Over a span of length T in which the robot turns by Δθ, readings r = scale·ω + bias + noise add up to
-//! ∫r dt = scale·Δθ + bias·T ± noise. So a turn that is known from elsewhere leaves a strip of the plane (bias, scale), askew unless the
-//! robot was at rest: what laps of one sense hide of the bias in the scale is hidden again when it is used, and costs nothing.
+//! Over a span of length T in which the robot turns by Δθ, readings r = scale·ω + bias + noise add up to ∫r dt = scale·Δθ + bias·T ± noise. So a
+//! turn that is known from elsewhere leaves a strip of the plane (bias, scale), which is oblique unless the robot was at rest. Laps in one
+//! direction of turning leave errors of bias and scale that compensate each other; they compensate again when they are used in such laps, and
+//! cost nothing.
 
 use interval::{Interval, contractor::Outcome};
 
@@ -10,29 +11,30 @@ use crate::{bounds, bounds::Assumption, robot::GyroModel};
 
 use super::polygon::Polygon;
 
-/// What was learnt is taken back stamp by stamp no further back than this; a doubt that goes further back takes back all.
+/// How far back, in seconds, the learnt bias and scale can be taken back stamp by stamp; a doubt that reaches further back takes back all that
+/// was learnt.
 const UNLEARN_S: f64 = 300.0;
 
-/// What is known of bias and scale, and since when.
+/// What is known of the gyroscope's bias and scale, and since which stamps.
 #[derive(Clone, Debug)]
 pub struct GyroErrors {
     declared: Polygon,
     drift: Drift,
-    /// Stamp, and what was known at that stamp; the latest last.
+    /// Stamps, each with the set of biases and scales that was known at that stamp; the latest is last.
     known: Vec<(f64, Polygon)>,
 }
 
-/// How far the bias may depart from the one that is known.
+/// How far the gyroscope's bias may depart from the bias that is known.
 #[derive(Clone, Copy, Debug)]
 enum Drift {
-    /// Known is the bias that `gyro.angle` counts from: it is the same all the run.
+    /// The known gyroscope bias is the one that the bound `gyro.angle` counts from, which is the same in the whole run.
     None,
-    /// Known is the bias at a stamp: it changes by at most this per time.
+    /// The known gyroscope bias is that at a stamp; it changes by at most this amount per time.
     Wander(f64),
 }
 
 impl Drift {
-    /// Greatest distance of a bias in a span from the one known at a stamp.
+    /// Greatest distance of the gyroscope's bias in a span of time from the bias known at a stamp.
     fn departs(self, known_s: f64, [from_s, to_s]: [f64; 2]) -> f64 {
         match self {
             Drift::None => 0.0,
@@ -42,13 +44,13 @@ impl Drift {
 }
 
 impl GyroErrors {
-    /// Bias and scale as declared.
+    /// The gyroscope's declared bias and scale, before anything is learnt.
     pub fn new(model: &GyroModel) -> Self {
         let drift = if model.bounds_angle() { Drift::None } else { Drift::Wander(model.bias_wander_rad_per_s2) };
         GyroErrors { declared: Polygon::rectangle([model.bias_rad_per_s, model.scale]), drift, known: Vec::new() }
     }
 
-    /// The bound on the bias's change that this stands on.
+    /// Declared bound on the change of the gyroscope's bias, on which the learnt bias and scale rely.
     pub fn relies_on(&self) -> Assumption {
         match self.drift {
             Drift::None => bounds::GYRO_ANGLE,
@@ -56,34 +58,34 @@ impl GyroErrors {
         }
     }
 
-    /// Enclosure of the bias over a span, or of that of all the run where `gyro.angle` is declared.
+    /// Enclosure of the gyroscope's bias over a span of time, or of the whole run's bias where `gyro.angle` is declared.
     pub fn bias_over(&self, span_s: [f64; 2]) -> Interval {
         let (known_s, known) = self.latest(span_s[1]);
         known.side(0).inflate(self.drift.departs(known_s, span_s)).intersect(self.declared.side(0))
     }
 
-    /// Enclosure of the scale.
+    /// Enclosure of the gyroscope's scale.
     pub fn scale(&self) -> Interval {
         self.latest(0.0).1.side(1)
     }
 
-    /// Turn in a span whose readings add up to `read`.
+    /// Turn of the robot in a span of time in which the gyroscope's readings add up to `read`.
     pub fn turn(&self, span_s: [f64; 2], read: Interval) -> Interval {
         let (known_s, known) = self.latest(span_s[1]);
         let lasts_s = span_s[1] - span_s[0];
         let departs = self.drift.departs(known_s, span_s);
         let declared = self.declared.side(0);
-        // Monotonic in the bias, and in the scale, wherever the other is: extreme at corners.
+        // The turn is monotonic in the bias for any scale, and in the scale for any bias, so that it is extreme at corners of the set.
         known.corners().fold(Interval::EMPTY, |turn, [bias, scale]| {
-            // A corner may lie outside of what is declared by a rounding, and counts all the same.
+            // A corner of the set of biases and scales may lie outside of the declared interval by a rounding error, and counts all the same.
             let bias = Interval::centred(bias, departs).intersect(declared.hull(Interval::point(bias)));
             turn.hull((read - bias * lasts_s) / Interval::point(scale))
         })
     }
 
-    /// Learns from a span in which the robot turned by `turn` and readings added up to `read`.
+    /// Learns bias and scale from a span of time in which the robot turned by `turn` and the gyroscope's readings added up to `read`.
     ///
-    /// Nothing in common with what was known certifies that an assumption failed; nothing is learnt then.
+    /// If no bias and scale agree with both the span and what was known before, an assumption certainly failed; nothing is learnt then.
     pub fn learn(&mut self, span_s: [f64; 2], read: Interval, turn: Interval) -> Outcome {
         let [from_s, to_s] = span_s;
         let lasts_s = Interval::point(to_s) - Interval::point(from_s);
@@ -91,7 +93,8 @@ impl GyroErrors {
             return Outcome::Feasible;
         }
         let (known_s, latest) = self.latest(to_s);
-        // What a late reading tells is known from now on, not since its stamp: it is cut from all that was known before it came.
+        // What a late reading teaches about bias and scale counts as known from the latest stamp on, not from its own stamp, because the new set
+        // is a part of all that was known before the reading came.
         let at_s = known_s.max(to_s);
         let known = match self.drift {
             Drift::None => latest.clone(),
@@ -100,7 +103,7 @@ impl GyroErrors {
                 latest.wider(rad_per_s2 * (at_s - known_s)).below(0.0, declared.hi()).above(0.0, declared.lo())
             }
         };
-        // bias + scale·Δθ/T = R/T, for some turn and some sum of their enclosures.
+        // The span constrains bias and scale by bias + scale·Δθ/T = R/T, for some turn Δθ and some sum R of readings in their enclosures.
         let mean = (read / lasts_s).inflate(self.drift.departs(at_s, span_s));
         let rate = turn / lasts_s;
         let left = known.below(rate.lo(), mean.hi()).above(rate.hi(), mean.lo());
@@ -108,7 +111,7 @@ impl GyroErrors {
             return Outcome::Empty("the turn known from elsewhere contradicts the gyroscope's bias and scale");
         }
         if left != *latest {
-            // One a stamp: what unlearns goes by stamps.
+            // For each stamp at most one set of biases and scales is kept, because sets are taken back by their stamps.
             self.known.pop_if(|(stamp_s, _)| *stamp_s == at_s);
             self.known.push((at_s, left));
             let deepest_s = at_s - UNLEARN_S;
@@ -118,12 +121,13 @@ impl GyroErrors {
         Outcome::Feasible
     }
 
-    /// Unlearns what was learnt later than `since_s`: an assumption failed, perhaps since then.
+    /// Takes back what was learnt about bias and scale later than `since_s`, because an assumption failed, perhaps since then.
     pub fn forget_since(&mut self, since_s: f64) {
         self.known.retain(|(stamp_s, _)| *stamp_s <= since_s);
     }
 
-    /// What is known, and at which stamp; as declared, it is known at any.
+    /// The set of biases and scales that is known, and the stamp at which it is. The declared set is valid at any stamp, and is returned with
+    /// `any_s`.
     fn latest(&self, any_s: f64) -> (f64, &Polygon) {
         self.known.last().map_or((any_s, &self.declared), |(known_s, known)| (*known_s, known))
     }

@@ -1,9 +1,9 @@
-//! The wheels' motion since a stamp, one reading at a time.
+//! The wheels' motion since a stamp, integrated one reading at a time.
 //!
-//! With R the distance rolled by the axle middle as the ticks tell it, e the error of its travel and φ the true heading
-//! relative to the start, the displacement is ∫ (cos φ, sin φ) d(R + e) plus the side slip's ∫ (−sin φ, cos φ) dL. Only the
-//! totals |e| and |L| are bounded, not their parts; summation by parts turns ∫ cos φ de into e·cos φ at the end and a remainder of
-//! at most |e| times the total turning.
+//! With R the distance rolled by the axle middle according to the ticks, e the error of its travel, L its lateral travel and φ the true heading
+//! relative to the start, the displacement is ∫ (cos φ, sin φ) d(R + e) plus the side slip's ∫ (−sin φ, cos φ) dL. Only the totals |e| and |L|
+//! are bounded, not their parts; summation by parts turns ∫ cos φ de into e·cos φ at the end and a remainder of at most |e| times the total
+//! turning.
 
 use interval::{Interval, IntervalBox};
 
@@ -11,26 +11,27 @@ use crate::robot::{Reach, WheelModel};
 
 use super::{Motion, WheelSample};
 
-/// Motion since a stamp.
+/// Motion by the wheels since a stamp.
 #[derive(Clone, Debug)]
 pub struct WheelIntegral {
     start: WheelSample,
     latest: WheelSample,
-    /// Per wheel: Σ Δn·cos φ and Σ Δn·sin φ over the readings, in ticks.
+    /// For each wheel, the sum Σ Δn·cos φ of ticks times the heading's cosine over the readings, in ticks.
     cos_ticks: [Interval; 2],
+    /// For each wheel, the sum Σ Δn·sin φ of ticks times the heading's sine over the readings, in ticks.
     sin_ticks: [Interval; 2],
-    /// Per wheel: Σ |Δn|, the ticks rolled without regard to sign.
+    /// For each wheel, the sum Σ |Δn| of the ticks rolled without regard to sign.
     path_ticks: [f64; 2],
-    /// Heading relative to the start, at the latest sample.
+    /// Heading at the latest sample relative to that at the start.
     turn_rad: Interval,
-    /// Greatest total turning, |Δφ| summed over the readings.
+    /// Greatest total turning since the start: the sum of |Δφ| over the readings.
     turning_rad: f64,
-    /// Bound of what the midpoint rule leaves out, in metres.
+    /// Bound on the displacement that the midpoint rule leaves out, in metres.
     remainder_m: f64,
 }
 
 impl WheelIntegral {
-    /// An integral that has not moved.
+    /// An integral of the wheels' motion at its start, without motion.
     pub fn new(start: WheelSample) -> Self {
         WheelIntegral {
             start,
@@ -44,39 +45,39 @@ impl WheelIntegral {
         }
     }
 
-    /// Where the integral begins.
+    /// Stamp at which the integral of the wheels' motion begins.
     pub fn start_s(&self) -> f64 {
         self.start.time_s
     }
 
-    /// Goes on to the next sample, which must be later than the latest one; an equal one changes nothing.
+    /// Carries the integral on to the next sample, which must be later than the latest one; a sample with the same stamp changes nothing.
     ///
-    /// `turn` is the turn since the start as another sensor tells it; without anything in common with the wheels' it leaves no motion.
+    /// `turn` is the turn since the start as another sensor encloses it. If it has nothing in common with the wheels' turn, no motion is left.
     pub fn advance(&mut self, sample: &WheelSample, turn: Option<Interval>, wheels: &WheelModel, reach: &Reach) {
         let step_s = sample.time_s - self.latest.time_s;
         if step_s <= 0.0 {
             return;
         }
         let delta = [0, 1].map(|wheel| sample.ticks[wheel] - self.latest.ticks[wheel]);
-        // Between readings and ahead of them counts are off by more than their quantisation.
+        // Encoder counts that are interpolated between readings, or extrapolated beyond the latest one, are off by more than their quantisation.
         let counts = 1.0 + self.latest.ticks_error + sample.ticks_error;
         let turn_before = self.turn_rad;
         self.latest = *sample;
         (0..2).for_each(|wheel| self.path_ticks[wheel] += delta[wheel].abs());
         let travel = [self.travel(0, wheels), self.travel(1, wheels)];
-        // θ̇ = (v_r − v_l)/W, Eq. (2c): exact for the true travels of the two contact points.
+        // θ̇ = (v_r − v_l)/W, Eq. (2c), is exact for the true travels of the two wheels' contact points.
         self.turn_rad = (travel[1] - travel[0]) / wheels.track_m;
         if let Some(turn) = turn {
             self.turn_rad = self.turn_rad.intersect(turn);
         }
 
-        // Over one step both ends of φ share the same errors of start and scale, so that the step's own turn is known
-        // much better than the difference of the two enclosures.
+        // Over one step the headings φ at both ends share the same errors of start and scale, so that the step's own turn is known much better
+        // than the difference of the two enclosures of φ.
         let step_turn_rad = self.step_turn(delta, counts, wheels);
         let middle = (turn_before + self.turn_rad) * 0.5;
         let half = 0.5 * step_turn_rad.magnitude();
         self.turning_rad += 2.0 * half + half * half / 6.0;
-        // The chord of an arc is sinc(Δφ/2) of its length, and 1 − h²/6 ≤ sinc(h) ≤ 1.
+        // The chord of an arc of angle Δφ is sinc(h) times as long as the arc, with h = Δφ/2, and 1 − h²/6 ≤ sinc(h) ≤ 1.
         let chord = Interval::new(1.0 - half * half / 6.0 * (1.0 + 1e-9), 1.0);
         let (cos, sin) = (middle.cos() * chord, middle.sin() * chord);
         for (wheel, ticks) in delta.into_iter().enumerate() {
@@ -86,13 +87,13 @@ impl WheelIntegral {
         self.remainder_m += midpoint_remainder(delta, counts, step_turn_rad.magnitude(), step_s, wheels, reach);
     }
 
-    /// Motion from the start to the latest sample.
+    /// Motion from the start of the integral to the latest sample.
     pub fn motion(&self, wheels: &WheelModel) -> Motion {
         let middle =
             |ticks: &[Interval; 2]| (wheels.metres_per_tick(0) * ticks[0] + wheels.metres_per_tick(1) * ticks[1]) * 0.5;
         let error_m = 0.5 * (self.travel_error(0, wheels) + self.travel_error(1, wheels));
         let side_m = self.side_slip(wheels);
-        // The remainders of the summation by parts are at right angles to what they accompany, hence common to both axes.
+        // The remainders of the summation by parts are at right angles to the terms that they belong to, so that both axes share one bound.
         let parts_m = (error_m + side_m) * self.turning_rad + self.remainder_m;
         let (cos, sin) = (self.turn_rad.cos(), self.turn_rad.sin());
         let (error, side) = (Interval::centred(0.0, error_m), Interval::centred(0.0, side_m));
@@ -103,13 +104,14 @@ impl WheelIntegral {
         ])
     }
 
-    /// True travel of one contact point since the start.
+    /// Enclosure of the true travel of one wheel's contact point since the start.
     fn travel(&self, wheel: usize, wheels: &WheelModel) -> Interval {
         let ticks = self.latest.ticks[wheel] - self.start.ticks[wheel];
         (wheels.metres_per_tick(wheel) * ticks).inflate(self.travel_error(wheel, wheels))
     }
 
-    /// Bound of the travel's error: quantisation once, slip in proportion to what was rolled, and the floor of each window.
+    /// Bound on the error of a wheel's travel: the quantisation once, slip in proportion to the rolled distance, and the constant part (floor)
+    /// of the slip bound for each window.
     fn travel_error(&self, wheel: usize, wheels: &WheelModel) -> f64 {
         let per_tick_m = wheels.metres_per_tick(wheel).hi();
         let counts = 1.0 + self.start.ticks_error + self.latest.ticks_error;
@@ -117,7 +119,7 @@ impl WheelIntegral {
         (counts * per_tick_m + wheels.slip_ratio * rolled_m + self.windows(wheels) * wheels.slip_floor_m) * ABOVE
     }
 
-    /// Bound of the lateral travel of the axle middle.
+    /// Bound on the lateral travel of the axle middle since the start.
     fn side_slip(&self, wheels: &WheelModel) -> f64 {
         let counts = 2.0 + self.start.ticks_error + self.latest.ticks_error;
         let rolled_m = 0.5
@@ -125,13 +127,13 @@ impl WheelIntegral {
         (wheels.side_slip_ratio * rolled_m + self.windows(wheels) * wheels.side_slip_floor_m) * ABOVE
     }
 
-    /// Number of started slip windows.
+    /// Number of slip windows that have started since the integral's start.
     fn windows(&self, wheels: &WheelModel) -> f64 {
-        // A hair less than a whole number of windows, so that 0.2 s in binary is one window of 0.2 s.
+        // The quotient is lowered by a hair, so that 0.2 s in binary is one window of 0.2 s, not two.
         ((self.latest.time_s - self.start.time_s) / wheels.slip_window_s - 1e-6).ceil().max(1.0)
     }
 
-    /// Turn of one step alone, with the step's own slip and counts that are off by up to `counts`.
+    /// Turn in one step alone, with the slip of that step and with counts that are off by up to `counts`.
     fn step_turn(&self, delta: [f64; 2], counts: f64, wheels: &WheelModel) -> Interval {
         let travel = [0, 1].map(|wheel| {
             let per_tick = wheels.metres_per_tick(wheel);
@@ -143,11 +145,11 @@ impl WheelIntegral {
     }
 }
 
-/// Makes up for the few roundings of a sum of positive terms.
+/// Factor that makes up for the few roundings of a sum of positive terms.
 const ABOVE: f64 = 1.0 + 1e-12;
 
-/// Bound of |∫ (cos φ, sin φ) dS − chord| over one step when speeds and turn rates change by at most their accelerations:
-/// |D|·α·T²/8 + a·|ω|·T³/8, for counts that are off by up to `counts`.
+/// Bound on |∫ (cos φ, sin φ) dS − chord| over one step, when speeds and turn rates change by at most their acceleration limits a and α:
+/// |D|·α·T²/8 + a·|ω|·T³/8, with the distance D, the turn rate ω and the duration T, for counts that are off by up to `counts`.
 fn midpoint_remainder(
     delta: [f64; 2],
     counts: f64,

@@ -1,8 +1,9 @@
-//! Odometry alone, as a point: the baseline that drifts.
+//! Wheel odometry alone, as a point estimate: the baseline that drifts.
 
 use crate::{Pose, robot::WheelModel};
 
-/// Eq. (5) of Lv, Kang and Qin, *FVO: floor vision aided odometry*: nominal wheels, heading at the middle of each step.
+/// Wheel odometry by Eq. (5) of Lv, Kang and Qin, *FVO: floor vision aided odometry*: nominal wheels, and the heading at the middle of each
+/// step.
 #[derive(Clone, Debug)]
 pub struct PointOdometry {
     pose: Pose,
@@ -10,12 +11,12 @@ pub struct PointOdometry {
 }
 
 impl PointOdometry {
-    /// Odometry that starts at `start`.
+    /// Odometry that starts at the pose `start`.
     pub fn new(start: Pose) -> Self {
         PointOdometry { pose: start, ticks: None }
     }
 
-    /// Goes on to the next encoder reading.
+    /// Carries the pose on to the next encoder reading.
     pub fn advance(&mut self, ticks: [i64; 2], wheels: &WheelModel) {
         if let Some(before) = self.ticks {
             let rolled_m =
@@ -30,7 +31,7 @@ impl PointOdometry {
         self.ticks = Some(ticks);
     }
 
-    /// The pose so far.
+    /// The pose at the latest encoder reading.
     pub fn pose(&self) -> Pose {
         self.pose
     }

@@ -1,14 +1,15 @@
-//! A convex polygon that half-planes cut.
+//! A convex polygon that can be cut by half-planes.
 
 use interval::Interval;
 
-/// Share of a coordinate's size by which every cut leaves more than it was told to: far more than its arithmetic can lose.
+/// Fraction of a coordinate's size by which every cut keeps more than its half-plane: far more than the arithmetic of the cut can lose.
 const SLACK: f64 = 1e-12;
 
-/// A cut that would leave more corners than this is left out: what is known then stays a little wider.
+/// Greatest number of corners of a polygon. A cut that would leave more corners is left out; the polygon then stays a little larger than it
+/// could be.
 const MOST_CORNERS: usize = 32;
 
-/// A convex polygon, by its corners in counter-clockwise order.
+/// A convex polygon, given by its corners in counter-clockwise order.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Polygon {
     corners: Vec<[f64; 2]>,
@@ -28,22 +29,22 @@ impl Polygon {
         self.corners.is_empty()
     }
 
-    /// Enclosure of one coordinate.
+    /// Enclosure of one coordinate of the polygon's points.
     pub(super) fn side(&self, axis: usize) -> Interval {
         self.corners().fold(Interval::EMPTY, |side, corner| side.hull(Interval::point(corner[axis])))
     }
 
-    /// The part where x + slope·y ≤ bound.
+    /// The part of the polygon where x + slope·y ≤ bound.
     pub(super) fn below(&self, slope: f64, bound: f64) -> Polygon {
         self.cut(|[x, y]| bound + SLACK * (1.0 + x.abs() + (slope * y).abs()) - (x + slope * y))
     }
 
-    /// The part where x + slope·y ≥ bound.
+    /// The part of the polygon where x + slope·y ≥ bound.
     pub(super) fn above(&self, slope: f64, bound: f64) -> Polygon {
         self.cut(|[x, y]| x + slope * y + SLACK * (1.0 + x.abs() + (slope * y).abs()) - bound)
     }
 
-    /// The part where a function that is all but linear is not negative.
+    /// The part of the polygon where a function that is linear but for its slack is not negative.
     fn cut(&self, inside: impl Fn([f64; 2]) -> f64) -> Polygon {
         let mut corners = Vec::new();
         for (idx, &corner) in self.corners.iter().enumerate() {
@@ -63,13 +64,14 @@ impl Polygon {
         Polygon { corners }
     }
 
-    /// All that lies within `reach` of it along x.
+    /// The polygon of all points that lie within `reach` of this polygon along x.
     pub(super) fn wider(&self, reach: f64) -> Polygon {
         let n = self.corners.len();
         let mut corners = Vec::with_capacity(n + 2);
         for (idx, corner) in self.corners().enumerate() {
             let rises = [corner[1] - self.corners[(idx + n - 1) % n][1], self.corners[(idx + 1) % n][1] - corner[1]];
-            // Counter-clockwise, the right side goes up and the left side down; where one turns into the other, both count.
+            // In counter-clockwise order the right side goes up and the left side goes down. A corner where one turns into the other is moved
+            // both ways.
             for rise in rises.into_iter().filter(|rise| *rise != 0.0) {
                 let moved = [corner[0] + reach.copysign(rise), corner[1]];
                 if corners.last() != Some(&moved) {
@@ -85,12 +87,12 @@ impl Polygon {
 mod tests {
     use super::*;
 
-    /// A rectangle with its corner at (2, 2) cut off.
+    /// A square with its corner at (2, 2) cut off.
     fn house() -> Polygon {
         Polygon::rectangle([Interval::new(0.0, 2.0); 2]).below(1.0, 3.0)
     }
 
-    /// What of a level line is in a polygon, by its edges.
+    /// The part of a horizontal line that is in a polygon, computed from the polygon's edges.
     fn slice(polygon: &Polygon, y: f64) -> Interval {
         let n = polygon.corners.len();
         let crossings = (0..n).filter_map(|idx| {
@@ -104,7 +106,7 @@ mod tests {
     fn half_planes_leave_what_is_on_both_sides_and_nothing_else() {
         let cut = house().above(-0.5, -0.25);
         for step in 0..10_000 {
-            // Irrational, so that none is on an edge.
+            // The coordinates are irrational, so that no test point is on an edge.
             let [x, y] = [step % 100, step / 100].map(|at| f64::from(at) * 0.03 - 0.2_f64.sqrt());
             let expected = Interval::new((0.5 * y - 0.25).max(0.0), (3.0 - y).min(2.0));
             let is_in = (0.0..=2.0).contains(&y) && expected.contains(x);
@@ -124,7 +126,7 @@ mod tests {
             polygon = polygon.below(slope, (1.0 + slope * slope).sqrt());
         }
         assert!(polygon.corners.len() <= MOST_CORNERS);
-        // The circle that all cuts touch is still in it.
+        // The circle to which all cuts are tangent is still in the polygon.
         let side = polygon.side(1);
         assert!(side.contains(1.0) && side.contains(-1.0));
     }

@@ -1,27 +1,29 @@
-//! Slip beyond its declared bound, in spans that somebody knows of who saw it: the simulator, when it asks what a run would have been.
+//! Slip beyond its declared bound, in spans of time that are given by somebody who saw the slip: by the simulator, when it computes what a run
+//! would have been with wider bounds.
 
 use std::borrow::Cow;
 
 use crate::robot::WheelModel;
 
-/// A span in which bounds of slip are exceeded.
+/// A span of time in which the declared bounds of slip are exceeded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipExcess {
-    /// Its begin and end.
+    /// Begin and end of the span of time in which slip exceeds its bounds.
     pub span_s: [f64; 2],
-    /// What the floor of the slip bound lacks, over any window that has time in common with the span.
+    /// Amount by which the constant part (floor) of the slip bound is too small, in any window that has time in common with the span.
     pub slip_m: f64,
-    /// What the floor of the side slip's lacks.
+    /// Amount by which the constant part (floor) of the side slip's bound is too small.
     pub side_slip_m: f64,
 }
 
 impl SlipExcess {
-    /// The wheels' model over a span: its floors as wide as slip was where the span meets excesses, and as declared elsewhere.
+    /// The wheels' model over a span of time: where the span meets excesses, the slip bounds' constant parts (floors) are as wide as the slip
+    /// was, elsewhere as declared.
     pub(super) fn over<'a>(excesses: &[SlipExcess], span_s: [f64; 2], wheels: &'a WheelModel) -> Cow<'a, WheelModel> {
         let meets = |excess: &&SlipExcess| excess.span_s[0] <= span_s[1] && span_s[0] <= excess.span_s[1];
         excesses.iter().filter(meets).fold(Cow::Borrowed(wheels), |mut wheels, excess| {
             let wider = wheels.to_mut();
-            // One window may meet two excesses, and hold what is beyond in both.
+            // One window may meet two excesses and contain the slip of both, so their amounts add up.
             wider.slip_floor_m += excess.slip_m;
             wider.side_slip_floor_m += excess.side_slip_m;
             wheels

@@ -1,4 +1,4 @@
-//! The planar pose from matched landmarks in one shot: linear elimination, then thin slices of heading.
+//! The planar pose from matched landmarks without bisection: linear elimination, then thin slices of heading.
 
 use interval::contractor::{Contractor, Outcome, settle};
 use interval::{Interval, IntervalBox};
@@ -7,28 +7,29 @@ use super::RigidPlanar;
 use super::rigid_planar::{CAUSE, common};
 use super::rigid_rows::{About, LANES, Row, SLACK};
 
-/// Pose boxes without bisection.
+/// Contractor of the planar pose from matched landmarks, which needs no bisection.
 ///
-/// **Constraint.** That of [`RigidPlanar`], of which this is a stronger contractor: it looks at pairs of landmarks.
+/// **Constraint.** That of [`RigidPlanar`]. This is a stronger contractor for it, because it compares pairs of landmarks.
 ///
-/// **Sound.** Each row says value ∈ mᵢ + δ gᵢ ± eᵢ (`rigid_rows`) with the *same* value for all landmarks i. The difference of two
-/// rows has no translation in it and bounds δ; a convex combination of two rows with slopes of opposite sign has no δ in it and bounds the
-/// translation. Both are consequences of the rows, whatever the multipliers. Slices of heading cover the heading.
+/// **Sound.** Each row (`rigid_rows`) says value ∈ mᵢ + δ gᵢ ± eᵢ with the *same* value for all landmarks i, where δ is the heading's deviation
+/// from the middle. The difference of two rows does not contain the translation and bounds δ. A convex combination of two rows with slopes of
+/// opposite sign does not contain δ and bounds the translation. Both are consequences of the rows, whatever the multipliers. The slices of
+/// heading cover the whole heading interval.
 ///
-/// **Optimal** for the linearised rows along x and y: in a linear problem with two unknowns a bound is always given by two rows.
-/// What is lost is Lagrange's remainder, which slices make as small as wanted: with k slices the result tends to the hull of the solutions.
+/// **Optimal** for the linearised rows along x and y: in a linear problem with two unknowns a bound is always given by two rows. What is lost is
+/// Lagrange's remainder, which slices make as small as wanted: the more slices, the closer the result is to the hull of the solutions.
 ///
-/// **Source.** The elimination is Fourier and Motzkin's; its use on a linearisation with a rigorous remainder is that of
-/// A. Neumaier, *Interval Methods for Systems of Equations*, Cambridge 1990, chapter 5.
+/// **Source.** The elimination is Fourier and Motzkin's; its use on a linearisation with a rigorous remainder is that of A. Neumaier, *Interval
+/// Methods for Systems of Equations*, Cambridge 1990, chapter 5.
 #[derive(Clone, Debug)]
 pub struct LinearPose {
-    /// The landmarks in both frames.
+    /// The matched landmarks in both frames.
     pub motion: RigidPlanar,
-    /// Slices of heading after the elimination; 0 for the elimination alone.
+    /// Number of slices into which the heading is cut after the linear elimination; 0 for the elimination alone.
     pub n_slices: usize,
 }
 
-/// Elimination is repeated about the new middle while the heading shrinks by at least this share.
+/// The elimination is repeated about the new middle heading as long as it narrows the heading to less than this fraction of its width.
 const WORTHWHILE: f64 = 0.9;
 
 impl Contractor<3> for LinearPose {
@@ -44,7 +45,8 @@ impl Contractor<3> for LinearPose {
         let mut branches = Vec::with_capacity(1);
         for heading in self.motion.turns(domain[2]) {
             let part = self.motion.bound_by_lengths(&IntervalBox::new([domain[0], domain[1], heading]));
-            // Without a baseline that decides the heading, the remainder would swallow everything.
+            // Where no baseline between landmarks decides the heading, Lagrange's remainder would exceed everything that the elimination can
+            // gain.
             let left = if part.is_empty() || part[2].width() > 3.0 {
                 self.motion.contract_turn(&part)
             } else {
@@ -60,7 +62,7 @@ impl Contractor<3> for LinearPose {
 
 impl LinearPose {
     fn eliminate(&self, mut domain: IntervalBox<3>) -> IntervalBox<3> {
-        // Any point serves as the origin of the translation; a good one makes the remainders small.
+        // Any point can be the origin of the translation; a point near the solution makes the remainders small.
         let mut origin = self.motion.aligned_centroids(domain[2].mid());
         for _ in 0..6 {
             let about = About {
@@ -112,7 +114,7 @@ fn entry(rows: &[[Row; 4]], direction: usize, idx: usize) -> (f64, f64, f64) {
     (row.m[idx % LANES], row.g[idx % LANES], row.e[idx % LANES])
 }
 
-/// δ from the difference of every two rows of a direction: δ (gᵢ − gⱼ) ∈ mⱼ − mᵢ ± (eᵢ + eⱼ).
+/// Range of the heading's deviation δ by the differences of every two rows of a direction: δ (gᵢ − gⱼ) ∈ mⱼ − mᵢ ± (eᵢ + eⱼ).
 fn turn_by_pairs(rows: &[[Row; 4]], reach: f64) -> (f64, f64) {
     let mut turn = (-reach, reach);
     for direction in 0..4 {
@@ -121,7 +123,7 @@ fn turn_by_pairs(rows: &[[Row; 4]], reach: f64) -> (f64, f64) {
             for j in 0..i {
                 let (other_m, other_g, other_e) = entry(rows, direction, j);
                 let slope = g - other_g;
-                // Nearly equal slopes tell nothing, and would magnify the rounding of their difference.
+                // Nearly equal slopes say nothing about δ, and would magnify the rounding error of their difference.
                 if slope.abs() < 1e-3 {
                     continue;
                 }
@@ -136,7 +138,7 @@ fn turn_by_pairs(rows: &[[Row; 4]], reach: f64) -> (f64, f64) {
     turn
 }
 
-/// The value of a direction from single rows over all δ, and from convex combinations of two rows that cancel δ.
+/// Range of the translation along a direction, by single rows over all δ, and by convex combinations of two rows in which δ cancels.
 fn value_by_pairs(rows: &[[Row; 4]], direction: usize, turn: (f64, f64)) -> (f64, f64) {
     let mut value = (f64::NEG_INFINITY, f64::INFINITY);
     let reach = turn.0.abs().max(turn.1.abs());
@@ -150,7 +152,7 @@ fn value_by_pairs(rows: &[[Row; 4]], direction: usize, turn: (f64, f64)) -> (f64
             if g * other_g >= 0.0 {
                 continue;
             }
-            // λ gᵢ + (1 − λ) gⱼ = 0; what rounding leaves of it multiplies δ and is in the slack.
+            // The share λ solves λ gᵢ + (1 − λ) gⱼ = 0. What rounding leaves of that sum multiplies δ and is covered by the slack.
             let share = other_g.abs() / (g.abs() + other_g.abs());
             let rest = 1.0 - share;
             let middle = share * m + rest * other_m;

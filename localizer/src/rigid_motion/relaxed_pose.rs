@@ -1,4 +1,4 @@
-//! The rigid motion when some landmarks are wrong.
+//! Rigid motion from landmarks of which some are matched wrongly.
 
 use interval::contractor::{Contractor, Outcome, q_intersection, settle};
 use interval::{Interval, IntervalBox};
@@ -6,38 +6,39 @@ use interval::{Interval, IntervalBox};
 use super::Landmark;
 use super::rigid_planar::{CAUSE, is_divisible};
 
-/// Boxes of the same landmarks in two frames, of which at most `q` are of different ones.
+/// Contractor of the planar pose from boxes of landmarks in two frames, of which at most `q` pairs belong to different landmarks.
 ///
 /// **Constraint.** a = t + R(θ) b for all landmarks but at most q; the variables are tx, ty, θ.
 ///
-/// **Sound.** The headings are covered by thin slices. For any heading of a slice every right landmark puts t into the box a − R(\[θ\]) b, along the
-/// axes of the world and along those of the turned boxes; t is in all but q of them, and a slice in which no point is goes. No pair of
-/// landmarks is compared: a pair is wrong as soon as one of the two is.
+/// **Sound.** The headings are covered by thin slices. For any heading of a slice, every rightly matched landmark puts t into the box a −
+/// R(\[θ\]) b, along the axes of the world and along those of the rotated boxes. So t is in all but q of these boxes, and a slice without a
+/// point in so many of them is dropped. No pair of landmarks is compared, because a pair is wrong as soon as one of the two is.
 ///
-/// **Not optimal.** The q-intersection projects on axes, and a slice of width w leaves |b|·w/2 open. Slices are renewed while they narrow the
-/// heading, so that what is left in the end is a sixteenth of its width.
+/// **Not optimal.** The q-intersection projects on axes, and a slice of width w leaves an uncertainty of |b|·w/2. The slicing is repeated while
+/// it narrows the heading, so that in the end each slice has a sixteenth of the remaining width.
 ///
 /// **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009), on the problem of Table IV of M. Mustafa et al.,
 /// CSCS 2015.
 #[derive(Clone, Debug)]
 pub struct RelaxedPose {
-    /// The landmarks in both frames.
+    /// The matched landmarks in both frames.
     pub landmarks: Vec<Landmark>,
-    /// How many of them may be wrong.
+    /// Greatest number of landmarks that may be matched wrongly.
     pub q: usize,
 }
 
-/// Headings wider than this are halved first: at 5 m such a slice leaves a decimetre open, about what tells landmarks apart.
+/// Headings wider than this are halved before they are sliced. At 5 m a slice this wide leaves a decimetre of uncertainty, about the distance
+/// that tells landmarks apart.
 const COARSE_RAD: f64 = 0.02;
-/// Slices of what the halving leaves.
+/// Number of slices of each heading interval that the halving leaves.
 const N_SLICES: usize = 16;
-/// New slices are worth their time while the last ones narrowed the heading to this share.
+/// The slicing is repeated as long as it narrows the heading to less than this fraction of its width.
 const WORTHWHILE: f64 = 0.7;
-/// Rounds of slices at most.
+/// Greatest number of rounds of slicing.
 const MOST_ROUNDS: usize = 4;
 
 impl RelaxedPose {
-    /// What all but q landmarks leave of a box whose heading is a thin slice.
+    /// The part of a pose box that all but q landmarks allow; the box's heading is a thin slice.
     fn slice(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
         let heading = domain[2];
         let (cosine, sine) = (heading.cos(), heading.sin());
@@ -49,7 +50,7 @@ impl RelaxedPose {
         if place.is_empty() {
             return IntervalBox::EMPTY;
         }
-        // The same, seen from a frame turned to the middle heading: boxes b keep their axes there.
+        // The slice is contracted again in a frame rotated by the middle heading, in which the landmarks' boxes b keep their axes.
         let middle = Interval::point(heading.mid());
         let (cosine, sine) = (middle.cos(), middle.sin());
         let rest = heading - middle;
@@ -65,7 +66,7 @@ impl RelaxedPose {
         if place.is_empty() { IntervalBox::EMPTY } else { IntervalBox::new([place[0], place[1], heading]) }
     }
 
-    /// The part of `known` that all but q landmarks allow, each of which allows a box.
+    /// A box around the part of `known` that all but q landmarks allow; `allowed` gives the box that one landmark allows.
     fn places(&self, known: IntervalBox<2>, allowed: impl Fn(&Landmark) -> [Interval; 2]) -> IntervalBox<2> {
         let boxes: Vec<IntervalBox<2>> =
             self.landmarks.iter().map(|landmark| known.intersect(&IntervalBox::new(allowed(landmark)))).collect();
@@ -75,7 +76,7 @@ impl RelaxedPose {
         known.intersect(&q_intersection(&boxes, self.q))
     }
 
-    /// Halves the headings until they are narrow enough to be sliced; neighbours are joined again.
+    /// Halves the headings until they are narrow enough to be sliced, drops those that fit no pose, and joins neighbouring ones again.
     fn coarse(&self, domain: &IntervalBox<3>) -> Vec<IntervalBox<3>> {
         let mut parts: Vec<IntervalBox<3>> = Vec::new();
         let mut pending = vec![*domain];
@@ -97,9 +98,9 @@ impl RelaxedPose {
         parts
     }
 
-    /// Slices of a part of the headings, until they narrow it no more.
+    /// Slices a part of the headings repeatedly, until the slices do not narrow it any more.
     fn fine(&self, mut part: IntervalBox<3>) -> IntervalBox<3> {
-        // All directions are in there, again and again: no slice of them is any narrower.
+        // A heading interval of many turns contains all directions again and again, so that no slicing narrows it.
         if !is_divisible(part[2]) {
             return part;
         }
@@ -120,7 +121,7 @@ impl RelaxedPose {
     }
 }
 
-/// A box of vectors, turned.
+/// Rotates a box of vectors by an angle with the given cosine and sine.
 fn rotated(cosine: Interval, sine: Interval, [x, y]: [Interval; 2]) -> [Interval; 2] {
     [cosine * x - sine * y, sine * x + cosine * y]
 }

@@ -1,4 +1,4 @@
-//! A planar rigid motion between two views of the same landmarks.
+//! Planar rigid motion between two views of the same landmarks.
 
 use interval::contractor::{Contractor, Outcome, settle};
 use interval::{Interval, IntervalBox};
@@ -7,21 +7,21 @@ use super::rigid_rows::{About, Landmark, Lanes, SLACK};
 
 pub(super) const CAUSE: &str = "no rigid motion carries the landmarks of one view into those of the other";
 
-/// Boxes of the same landmarks in two frames.
+/// Contractor of the planar pose from boxes of the same landmarks in two frames.
 ///
-/// **Constraint.** aᵢ = t + R(θ) bᵢ for all landmarks i, with aᵢ and bᵢ in boxes; the variables are tx, ty, θ. With aᵢ in the world
-/// frame and bᵢ in the robot frame they are the pose. Correspondences are known; see `QRelaxed` when some may be wrong.
+/// **Constraint.** aᵢ = t + R(θ) bᵢ for all landmarks i, with aᵢ and bᵢ in boxes; the variables are tx, ty, θ. With aᵢ in the world frame and bᵢ
+/// in the robot frame they are the robot's pose. Correspondences are known; see `QRelaxed` when some may be wrong.
 ///
-/// **Sound.** Landmarks are compared along the axes of both boxes, linearised about the middle heading with Lagrange's remainder
-/// (`rigid_rows`); a box so large that the remainder dominates is cut into headings first. The heading of the vector from one
+/// **Sound.** The two boxes of each landmark are compared along the axes of both, linearised about the middle heading with Lagrange's remainder
+/// (`rigid_rows`). A pose box so large that the remainder dominates is cut along the heading first. The direction of the vector from one
 /// landmark to another, which no translation changes, bounds θ before any bisection.
 ///
-/// **Optimal** in the limit of small boxes: for one heading, two rectangles, one turned, have a point in common exactly if none of
-/// their four directions of axes separates them, and the translations left by those directions are bounded exactly.
+/// **Optimal** in the limit of small boxes: for one heading, two rectangles, one of them rotated, have a point in common exactly if none of the
+/// directions of their four axes separates them, and the translations left by these directions are bounded exactly.
 ///
-/// **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV.
-/// As printed its rows 31 and 32 keep the truth for a quarter of headings only (`arccos` and `arcsin` have one branch); here there are no
-/// inverse functions to choose a branch of.
+/// **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV. As printed,
+/// its rows 31 and 32 keep the truth for a quarter of all headings only (`arccos` and `arcsin` have one branch); this contractor has no inverse
+/// functions of which to choose a branch.
 #[derive(Clone, Debug)]
 pub struct RigidPlanar {
     groups: Vec<Lanes>,
@@ -30,14 +30,15 @@ pub struct RigidPlanar {
 }
 
 impl RigidPlanar {
-    /// Landmarks as pairs of boxes (x, y): first in the frame that the pose is expressed in, then in the frame that moves.
+    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in
+    /// the frame that moves.
     ///
-    /// A landmark with an unbounded box constrains nothing; one with an empty box leaves no pose.
+    /// A landmark with an unbounded box constrains nothing; a landmark with an empty box leaves no pose.
     pub fn new(landmarks: &[Landmark]) -> RigidPlanar {
         let is_within =
             |limit: f64| move |(a, b): &&Landmark| [a[0], a[1], b[0], b[1]].iter().all(|x| x.magnitude() <= limit);
         let is_possible = !landmarks.iter().any(|(a, b)| [a[0], a[1], b[0], b[1]].iter().any(|x| x.is_empty()));
-        // Beyond this, squares overflow.
+        // Landmarks with coordinates beyond this limit are left out, because products of still larger ones would overflow.
         let bounded: Vec<Landmark> = landmarks.iter().filter(is_within(1e100)).copied().collect();
         RigidPlanar {
             groups: Lanes::groups(&bounded),
@@ -46,13 +47,13 @@ impl RigidPlanar {
         }
     }
 
-    /// Headings that the vectors between landmarks allow, less than half a turn wide and up to whole turns; `None` when they
-    /// do not decide.
+    /// Headings that the vectors between landmarks allow, as an interval less than half a turn wide, modulo whole turns; `None` when these
+    /// vectors do not decide on the heading.
     pub fn heading(&self) -> Option<Interval> {
         self.heading
     }
 
-    /// The landmarks that constrain the motion.
+    /// The landmarks that constrain the motion: those with bounded boxes.
     pub fn landmarks(&self) -> &[Landmark] {
         &self.landmarks
     }
@@ -61,7 +62,8 @@ impl RigidPlanar {
         &self.groups
     }
 
-    /// The parts of an interval of headings that the vectors between landmarks allow: one per turn, or all when they do not decide.
+    /// The parts of an interval of headings that the vectors between landmarks allow, one part for each turn; the whole interval when these
+    /// vectors do not decide on the heading.
     pub fn turns(&self, heading: Interval) -> Vec<Interval> {
         let Some(allowed) = self.heading else {
             return vec![heading];
@@ -72,7 +74,7 @@ impl RigidPlanar {
         let turn = 2.0 * Interval::PI;
         let quotient = (heading - allowed) / turn;
         let (first, last) = (quotient.lo().ceil(), quotient.hi().floor());
-        // Uncountably many turns are one interval for all that matters.
+        // Headings of so many turns, or so far from 0, stay one interval: cutting them into turns would narrow nothing that matters.
         if last - first > 1024.0 || first.abs() > 1e9 {
             return vec![heading];
         }
@@ -80,14 +82,15 @@ impl RigidPlanar {
         parts.filter(|part| !part.is_empty()).collect()
     }
 
-    /// One pass over all landmarks about the middle of the box. The core of the contractor.
+    /// One pass over all landmarks, linearised about the middle of the pose box. This is the core of the contractor.
     pub(super) fn pass(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
         let about = About::new(domain[2], [domain[0], domain[1]]);
         let h = about.reach;
         let [tau_x, tau_y] = about.translation_radius;
         let mut ranges = [(-tau_x, tau_x), (-tau_y, tau_y), UNKNOWN, UNKNOWN];
         let mut turn = (-h, h);
-        // A handful of landmarks needs no second look at the rows of its only group.
+        // Each group of landmarks bounds the translation and then the heading with the same rows, so that a single group needs no second pass
+        // over its rows.
         for lanes in &self.groups {
             let rows = lanes.rows(&about);
             for (range, row) in ranges.iter_mut().zip(&rows) {
@@ -115,9 +118,10 @@ impl RigidPlanar {
         ])
     }
 
-    /// Passes over each part of the headings that is small enough for the linearisation to say something.
+    /// Passes over each part of the headings that is narrow enough for the linearisation to gain something.
     ///
-    /// Headings of many turns are not cut: every direction is among them again and again, so that one turn decides about the translation.
+    /// Headings of many turns are not cut into parts: they contain every direction again and again, so that a single turn decides about the
+    /// translation.
     pub(super) fn contract_turn(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
         if domain.is_empty() {
             return IntervalBox::EMPTY;
@@ -142,18 +146,20 @@ impl RigidPlanar {
     }
 }
 
-/// Width at which Lagrange's remainder h²/2 reaches an eighth: beyond it, half the headings say more.
+/// Width of a heading interval above which it is halved. Lagrange's remainder h²/2 reaches an eighth there, and two halves give tighter bounds
+/// than the whole.
 const WIDEST_HEADING: f64 = 1.0;
 
-/// Whether headings are worth halving until they are narrow: neither of more turns than matter, nor so far away that doubles there are too
-/// far apart to be halved.
+/// Whether an interval of headings is worth halving until the parts are narrow: it has no more turns than matter, and is not so far from 0 that
+/// doubles there are too far apart to halve it.
 pub(super) fn is_divisible(heading: Interval) -> bool {
     heading.width() < WIDEST_RAD && heading.magnitude() < FARTHEST_RAD
 }
 
-/// So many turns are one interval for all that matters.
+/// Width in radians from which on a heading interval is not halved, because it contains every direction many times.
 const WIDEST_RAD: f64 = 100.0;
-/// Doubles are 10⁻⁷ apart here, far less than any slice of headings.
+/// Absolute heading in radians from which on an interval is not halved. Doubles are 10⁻⁷ apart here, far less than the width of any slice of
+/// headings.
 const FARTHEST_RAD: f64 = 1e9;
 
 const UNKNOWN: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -182,7 +188,8 @@ impl Contractor<3> for RigidPlanar {
 }
 
 impl RigidPlanar {
-    /// The translation that brings the middle of the turned landmarks of one view onto that of the other: a guess, not a bound.
+    /// A guess of the translation, not a bound: it brings the mean of one view's landmarks, rotated by `heading`, onto the mean of the other
+    /// view's.
     pub(super) fn aligned_centroids(&self, heading: f64) -> [f64; 2] {
         let (sine, cosine) = pxfm::f_sincos(heading);
         let mut sum = [0.0; 2];
@@ -194,7 +201,7 @@ impl RigidPlanar {
         sum.map(|total| total / self.landmarks.len().max(1) as f64)
     }
 
-    /// |t − a| = |b| whatever the heading: a box for the translation to start from.
+    /// Bounds the translation by |t − a| = |b|, which holds for any heading, as a box to start from.
     pub(super) fn bound_by_lengths(&self, domain: &IntervalBox<3>) -> IntervalBox<3> {
         let mut left = *domain;
         for (a, b) in &self.landmarks {
@@ -207,8 +214,8 @@ impl RigidPlanar {
     }
 }
 
-/// Bounds x, y, p = c x + s y and q = −s x + c y by each other: an optimal vertex of a planar linear problem lies on two
-/// of its lines, so that all pairs of directions give the exact bounds.
+/// Bounds the coordinates x, y, p = c x + s y and q = −s x + c y of the translation by each other: an optimal vertex of a planar linear problem
+/// lies on two of its lines, so that all pairs of directions give the exact bounds.
 fn bound_translation(ranges: [(f64, f64); 4], c: f64, s: f64) -> [(f64, f64); 4] {
     let [x, y, p, q] = ranges;
     let nearly_axis = 0.05;
@@ -227,7 +234,7 @@ fn bound_translation(ranges: [(f64, f64); 4], c: f64, s: f64) -> [(f64, f64); 4]
     [bounded_x, bounded_y, bounded_p, bounded_q]
 }
 
-/// factor · range + other_factor · other, widened by what rounding and the factors' own rounding may have lost.
+/// The range factor · range + other_factor · other, widened by what its rounding and that of the factors may have lost.
 #[inline]
 fn combine(range: (f64, f64), factor: f64, other: (f64, f64), other_factor: f64) -> (f64, f64) {
     let ((mid, radius), (other_mid, other_radius)) = (mid_radius(range), mid_radius(other));
@@ -239,17 +246,18 @@ fn combine(range: (f64, f64), factor: f64, other: (f64, f64), other_factor: f64)
 
 #[inline]
 fn mid_radius((lo, hi): (f64, f64)) -> (f64, f64) {
-    // Both are rounded; every user widens by far more.
+    // Middle and radius are rounded; every caller widens its result by far more than that.
     (0.5 * (lo + hi), 0.5 * (hi - lo))
 }
 
-/// Intersection of two ranges; a bound of `b` that is NaN, which overflow can make it, says nothing.
+/// Intersection of two ranges. A bound of `b` that is NaN, as overflow may make it, is ignored.
 #[inline]
 pub(super) fn common(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (if b.0 > a.0 { b.0 } else { a.0 }, if b.1 < a.1 { b.1 } else { a.1 })
 }
 
-/// Intersects the turns that carry the vectors between landmarks of one view into those of the other.
+/// Intersection of the headings that carry the vectors between landmarks of one view into those of the other; `None` when no such vector decides
+/// on the heading.
 fn heading_between_views(landmarks: &[Landmark]) -> Option<Interval> {
     let mut heading: Option<Interval> = None;
     for (idx, (a, b)) in landmarks.iter().enumerate() {
@@ -261,7 +269,8 @@ fn heading_between_views(landmarks: &[Landmark]) -> Option<Interval> {
                 continue;
             };
             let turned = angle_a - angle_b;
-            // Two arcs narrower than half a turn meet in one arc, after one is moved by the whole turns between their middles.
+            // Two arcs of headings that are narrower than half a turn meet in one arc, after one of them is moved by the whole turns between
+            // their middles.
             if turned.width() > 3.0 {
                 continue;
             }
@@ -273,7 +282,8 @@ fn heading_between_views(landmarks: &[Landmark]) -> Option<Interval> {
                 }
             });
         }
-        // A few baselines decide the turn; the rows do the rest, and many landmarks have quadratically many pairs.
+        // A few baselines between landmarks are enough to decide on the heading's turn, and the rows do the rest; all pairs would be
+        // quadratically many.
         if idx >= 5 && heading.is_some() {
             break;
         }
@@ -281,11 +291,11 @@ fn heading_between_views(landmarks: &[Landmark]) -> Option<Interval> {
     heading
 }
 
-/// Angles of the vectors in a box, less than half a turn wide; `None` when the box contains the origin.
+/// Interval of the directions of the vectors in a box, less than half a turn wide; `None` when the box contains the origin.
 pub(super) fn direction(x: Interval, y: Interval) -> Option<Interval> {
     if x.contains_zero() && y.contains_zero() {
         return None;
     }
-    // Away from the cut of the arc tangent: the opposite vector, half a turn later.
+    // For a box of vectors on the left, where the arc tangent has its cut, the direction is that of the opposite vectors plus half a turn.
     Some(if x.hi() < 0.0 { (-y).atan2(-x) + Interval::PI } else { y.atan2(x) })
 }

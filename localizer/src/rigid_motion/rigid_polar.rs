@@ -1,4 +1,4 @@
-//! The rigid motion in polar coordinates.
+//! Rigid motion between two views of the same landmarks, in polar coordinates.
 
 use interval::contractor::{Contractor, Outcome, Polar, settle};
 use interval::{Interval, IntervalBox};
@@ -6,30 +6,31 @@ use interval::{Interval, IntervalBox};
 use super::rigid_planar::{CAUSE, direction};
 use super::{Landmark, RigidPlanar};
 
-/// Boxes of the same landmarks in two frames, compared by length and direction.
+/// Contractor of the planar pose from boxes of the same landmarks in two frames, compared by length and direction.
 ///
-/// **Constraint.** That of [`RigidPlanar`]: a − t is b, turned by θ. So a − t = |b| (cos, sin)(θ + ∠b).
+/// **Constraint.** That of [`RigidPlanar`]: a − t is b, rotated by θ. So a − t = |b| (cos, sin)(θ + ∠b).
 ///
-/// **Sound.** The headings are first cut by the directions between landmarks, which no translation changes; then each landmark contracts t and
-/// θ by the polar equation and by the rotation itself, again and again. Each is a consequence of the constraint.
+/// **Sound.** The headings are first cut by the directions between landmarks, which no translation changes. Then each landmark contracts t and θ
+/// by the polar equation and by the rotation itself, repeatedly. Both are consequences of the constraint.
 ///
-/// **Not optimal.** Landmarks meet only in t and θ; the rows of [`RigidPlanar`] compare them along four directions.
+/// **Not optimal.** The landmarks have only t and θ in common, while the rows of [`RigidPlanar`] compare them along four directions.
 ///
-/// **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation: application to robot localization",
-/// Engineering Applications of Artificial Intelligence 55 (2016), for the problem of Table IV of M. Mustafa et al., CSCS 2015.
+/// **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation: application to robot localization", Engineering
+/// Applications of Artificial Intelligence 55 (2016), for the problem of Table IV of M. Mustafa et al., CSCS 2015.
 #[derive(Clone, Debug)]
 pub struct RigidPolar {
     motion: RigidPlanar,
     landmarks: Vec<Landmark>,
 }
 
-/// A pass is worth another one while a width shrinks by more than this share.
+/// Another pass over the landmarks follows as long as some width of the pose shrinks by more than this fraction.
 const SIGNIFICANT: f64 = 0.01;
-/// Slow convergence gains ever less per pass.
+/// Greatest number of passes over the landmarks. Slow convergence gains ever less per pass.
 const MOST_PASSES: usize = 50;
 
 impl RigidPolar {
-    /// Landmarks as pairs of boxes (x, y): first in the frame that the pose is expressed in, then in the frame that moves.
+    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in
+    /// the frame that moves.
     pub fn new(landmarks: &[Landmark]) -> RigidPolar {
         RigidPolar { motion: RigidPlanar::new(landmarks), landmarks: landmarks.to_vec() }
     }
@@ -51,15 +52,15 @@ impl RigidPolar {
     }
 }
 
-/// Contracts a pose by one landmark that is at `a` in the first frame and at `b` in the one that moves.
+/// Contracts a pose by one landmark that is at `a` in the frame in which the pose is expressed and at `b` in the frame that moves.
 fn one_landmark(pose: &IntervalBox<3>, a: &[Interval; 2], b: &[Interval; 2]) -> IntervalBox<3> {
     let (cosine, sine) = (pose[2].cos(), pose[2].sin());
-    // v = a − t = R(θ) b.
+    // The vector from the pose's position to the landmark is v = a − t = R(θ) b.
     let vector = [
         (a[0] - pose[0]).intersect(cosine * b[0] - sine * b[1]),
         (a[1] - pose[1]).intersect(sine * b[0] + cosine * b[1]),
     ];
-    // b = R(θ)ᵀ v.
+    // In the frame that moves, the vector from the pose's position to the landmark is b = R(θ)ᵀ v.
     let back = [cosine * vector[0] + sine * vector[1], cosine * vector[1] - sine * vector[0]];
     if !(back[0].overlaps(b[0]) && back[1].overlaps(b[1])) {
         return IntervalBox::EMPTY;

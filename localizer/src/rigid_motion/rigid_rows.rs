@@ -1,7 +1,7 @@
-//! A planar rigid motion, linearised about a heading: four rows for each landmark, four landmarks in a lane group.
+//! Planar rigid motion, linearised about a heading: four rows for each landmark, and four landmarks in a group of lanes.
 //!
-//! With a = t + R(θ) b, θ = θ₀ + δ, t = t₀ + τ, |δ| ≤ h and (c, s) = (cos θ₀, sin θ₀), each landmark says that four directions
-//! of τ lie in an affine function of δ, give or take a bound (the axes of box A, and those of box B turned by θ₀):
+//! With a = t + R(θ) b, θ = θ₀ + δ, t = t₀ + τ, |δ| ≤ h and (c, s) = (cos θ₀, sin θ₀), each landmark says that four directions of τ (the axes of
+//! box A, and those of box B rotated by θ₀) lie in an affine function of δ, plus or minus a bound:
 //!
 //! ```text
 //! along x:  τx           ∈ mx + δ gx ± ex     mx = ax − t₀x − (c bx − s by)      gx =   s bx + c by
@@ -10,25 +10,26 @@
 //! along q: −s τx + c τy  ∈ mq + δ gq ± eq     mq = −s wx + c wy − by             gq = −(c wx + s wy)
 //! ```
 //!
-//! The bounds e hold the radii of the boxes turned by any angle allowed, Lagrange's remainder h²/2 · ‖b‖ or h²/2 · ‖w‖ of a rotation
-//! (its second derivative is minus itself), and the products of δ and τ. All is computed in round-to-nearest; what that may have lost is
-//! far below `SLACK` times the sum of the magnitudes involved, which is added.
+//! The bounds e contain the radii of the boxes rotated by any angle allowed, Lagrange's remainder h²/2 · ‖b‖ or h²/2 · ‖w‖ of a rotation (whose
+//! second derivative is minus itself), and the products of δ and τ. All is computed in round-to-nearest; what rounding may have lost is far
+//! below `SLACK` times the sum of the magnitudes involved, which is added.
 
 use interval::Interval;
 
-/// Landmarks are worked on in groups of this many.
+/// Number of landmarks in a group that is computed together.
 pub(super) const LANES: usize = 4;
 
-/// 2⁻⁴⁶: about thirty roundings of 2⁻⁵³ happen on the way to a bound, and sine and cosine are off by less than two more.
+/// Relative slack for rounding errors, 2⁻⁴⁶: about thirty roundings of 2⁻⁵³ contribute to a bound, and sine and cosine are off by less than two
+/// more.
 pub(super) const SLACK: f64 = 1.0 / (1u64 << 46) as f64;
 
-/// Absolute part of the slack, above anything that underflow can lose.
+/// Absolute part of the slack for rounding errors, above anything that underflow can lose.
 pub(super) const TINY: f64 = 1e-290;
 
-/// A landmark's box (x, y) in two frames.
+/// The boxes (x, y) of one landmark: first in the frame in which the pose is expressed, then in the frame that moves.
 pub type Landmark = ([Interval; 2], [Interval; 2]);
 
-/// Four landmarks, seen from both frames: midpoints and radii of their boxes.
+/// Four landmarks, each by the midpoints and radii of its boxes in both frames.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lanes {
     a_x: [f64; LANES],
@@ -42,7 +43,8 @@ pub(super) struct Lanes {
     b_norm: [f64; LANES],
 }
 
-/// One direction of four landmarks: value ∈ m + δ g ± e.
+/// The linearised constraint of four landmarks along one direction: the translation's value is in m + δ g ± e, where δ is the heading's
+/// deviation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     pub(super) m: [f64; LANES],
@@ -50,16 +52,16 @@ pub(super) struct Row {
     pub(super) e: [f64; LANES],
 }
 
-/// Where the motion is linearised, and how far it may be from there.
+/// Pose about which the motion is linearised, and how far the motion may be from that pose.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct About {
     pub(super) heading: f64,
     pub(super) cosine: f64,
     pub(super) sine: f64,
-    /// Largest |δ|.
+    /// Largest deviation |δ| of the heading.
     pub(super) reach: f64,
     pub(super) translation: [f64; 2],
-    /// Largest |τ| along x and y.
+    /// Largest deviation |τ| of the translation along x and y.
     pub(super) translation_radius: [f64; 2],
 }
 
@@ -79,7 +81,7 @@ impl About {
 }
 
 impl Lanes {
-    /// Groups of landmarks; the last group repeats its last landmark, which changes no intersection.
+    /// Groups of four landmarks. The last group is filled up by repeating its last landmark, which changes no intersection.
     pub(super) fn groups(landmarks: &[Landmark]) -> Vec<Lanes> {
         landmarks
             .chunks(LANES)
@@ -102,12 +104,12 @@ impl Lanes {
             .collect()
     }
 
-    /// The rows along x, y, p and q.
+    /// The linearised constraints (rows) of the four landmarks along the directions x, y, p and q.
     #[inline]
     pub(super) fn rows(&self, about: &About) -> [Row; 4] {
         let (c, s, h) = (about.cosine, about.sine, about.reach);
         let curvature = 0.5 * h * h;
-        // |cos θ − c|, |sin θ − s|, |cos θ| and |sin θ| at most, for |θ − θ₀| ≤ h.
+        // Upper bounds of |cos θ − c|, |sin θ − s|, |cos θ| and |sin θ| for |θ − θ₀| ≤ h.
         let (cosine_moves, sine_moves) = (s.abs() * h + curvature, c.abs() * h + curvature);
         let (most_c, most_s) = ((c.abs() + cosine_moves).min(1.0), (s.abs() + sine_moves).min(1.0));
         let [t_x, t_y] = about.translation;
@@ -124,7 +126,7 @@ impl Lanes {
             let (turned_w_x, turned_w_y) = (c * w_x + s * w_y, c * w_y - s * w_x);
             let size = self.a_x[lane].abs() + self.a_y[lane].abs() + t_size + b_x.abs() + b_y.abs();
             let remainder_b = curvature * self.b_norm[lane];
-            // ‖w‖₁ bounds ‖w‖ without a root, but loosely: the root is worth its time.
+            // The norm ‖w‖₁ bounds the length ‖w‖ without a square root, but loosely: the root is worth its time.
             let remainder_w = curvature * (w_x * w_x + w_y * w_y).sqrt();
             let slack = SLACK * size + TINY;
             let (ra_x, ra_y) = (self.a_radius_x[lane], self.a_radius_y[lane]);
@@ -137,7 +139,7 @@ impl Lanes {
             y.g[lane] = -turned_b_x;
             p.g[lane] = turned_w_y;
             q.g[lane] = -turned_w_x;
-            // The slope's own rounding, times h, is in the slack as well: h is added to its factor.
+            // The slack also covers the rounding of the slopes times h, so it is multiplied by 1 + h.
             let widen = 1.0 + SLACK;
             let slack = slack * (1.0 + h);
             x.e[lane] = (ra_x + most_c * rb_x + most_s * rb_y + remainder_b) * widen + slack;
@@ -150,7 +152,7 @@ impl Lanes {
 }
 
 impl Row {
-    /// Intersection over the lanes of m ± (|g| h + e): what the direction's value may be for any |δ| ≤ h.
+    /// Range of the direction's value for any |δ| ≤ `reach`: the intersection of m ± (|g| · `reach` + e) over the four landmarks.
     #[inline]
     pub(super) fn range(&self, reach: f64) -> (f64, f64) {
         let mut lo = [0.0; LANES];
@@ -163,13 +165,14 @@ impl Row {
         (greatest(lo), least(hi))
     }
 
-    /// Intersection over the lanes of the δ for which m + δ g ± e can meet the value `mid ± radius`.
+    /// Range of the heading's deviation δ: the intersection over the four landmarks of the δ for which m + δ g ± e can meet the value `mid ±
+    /// radius`.
     #[inline]
     pub(super) fn turn(&self, mid: f64, radius: f64) -> (f64, f64) {
         let mut lo = [0.0; LANES];
         let mut hi = [0.0; LANES];
         for lane in 0..LANES {
-            // A slope below this tells nothing about δ; dividing by the substitute gives bounds that never matter.
+            // A slope smaller than this says nothing about δ. It is replaced by 1 in the division, and the resulting bounds are not used.
             let slope = self.g[lane];
             let is_flat = slope.abs() < 1e-9;
             let inverse = 1.0 / if is_flat { 1.0 } else { slope };

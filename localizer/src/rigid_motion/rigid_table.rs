@@ -1,4 +1,4 @@
-//! The rigid motion by forward-backward propagation: Table IV of the paper, with every branch of the inverse functions.
+//! Rigid motion by forward-backward propagation: Table IV of paper 3 (Mustafa et al., CSCS 2015), with every branch of the inverse functions.
 
 use interval::contractor::{Contractor, Inverse, Outcome, Within, settle};
 use interval::{Interval, IntervalBox};
@@ -6,32 +6,34 @@ use interval::{Interval, IntervalBox};
 use super::Landmark;
 use super::rigid_planar::CAUSE;
 
-/// Boxes of the same landmarks in two frames, contracted row by row.
+/// Contractor of the planar pose from boxes of the same landmarks in two frames, which treats the landmarks one by one.
 ///
-/// **Constraint.** That of [`RigidPlanar`](super::RigidPlanar), written as Eq. (16):
-/// bx = cos θ (ax − tx) + sin θ (ay − ty), by = −sin θ (ax − tx) + cos θ (ay − ty) for each landmark.
+/// **Constraint.** That of [`RigidPlanar`](super::RigidPlanar), written as the paper's Eq. (16): bx = cos θ (ax − tx) + sin θ (ay − ty), by =
+/// −sin θ (ax − tx) + cos θ (ay − ty) for each landmark.
 ///
-/// **Sound.** Each step of the formulas is inverted by an enclosure of all its operands. As printed, rows 31 and 32 of Table IV invert
-/// sine and cosine on one branch only and lose three quarters of all headings, and rows 19 to 26 divide by intervals that may
-/// contain 0; here all periods of the inverse that meet the known angle are kept, and a division never drops an operand.
+/// **Sound.** Each step of the formulas is inverted by an enclosure of all its operands. As printed, rows 31 and 32 of Table IV invert sine and
+/// cosine on one branch only and lose three quarters of all headings, and rows 19 to 26 divide by intervals that may contain 0. Here all periods
+/// of the inverse that meet the known angle are kept, and a division never drops an operand.
 ///
-/// **Not optimal.** tx, ty and θ occur in every landmark's equations, and the landmarks are looked at one by one: nothing
-/// compares two of them. The widths are about twice those of [`RigidPlanar`](super::RigidPlanar); bisection helps.
+/// **Not optimal.** The variables tx, ty and θ occur in every landmark's equations, and no two landmarks are compared. The widths are about
+/// twice those of [`RigidPlanar`](super::RigidPlanar); bisection helps.
 ///
 /// **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table IV.
 #[derive(Clone, Debug)]
 pub struct RigidTable {
-    /// One contractor per landmark on (tx, ty, θ, ax, ay), and the landmark's box in the first frame.
+    /// For each landmark, a contractor on (tx, ty, θ, ax, ay) and the landmark's box in the first frame.
     rows: Vec<(Inverse<5, 2, Within<2>>, [Interval; 2])>,
 }
 
-/// The paper's "while contraction is significant": a width shrinks by more than this share.
+/// Another pass over the landmarks follows as long as some width of the pose shrinks by more than this fraction; the paper says "while
+/// contraction is significant".
 const SIGNIFICANT: f64 = 0.01;
-/// Slow convergence gains ever less per pass.
+/// Greatest number of passes over the landmarks. Slow convergence gains ever less per pass.
 const MOST_PASSES: usize = 50;
 
 impl RigidTable {
-    /// Landmarks as pairs of boxes (x, y): first in the frame that the pose is expressed in, then in the frame that moves.
+    /// A contractor for landmarks given as pairs of boxes (x, y): the first box is in the frame in which the pose is expressed, the second in
+    /// the frame that moves.
     pub fn new(landmarks: &[Landmark]) -> RigidTable {
         let row = |&(a, b): &Landmark| {
             let equations = Inverse::new(

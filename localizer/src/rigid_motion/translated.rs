@@ -1,4 +1,4 @@
-//! The motion without the turn: the position from landmarks, with the heading as it is known.
+//! Translation of a rigid motion: the position from landmarks, with the heading as it is known before.
 
 use interval::contractor::{Contractor, Outcome, q_intersection, settle};
 use interval::{Interval, IntervalBox};
@@ -6,21 +6,23 @@ use interval::{Interval, IntervalBox};
 use super::Landmark;
 use super::rigid_planar::CAUSE;
 
-/// The first `N` coordinates of the position from landmarks of which at most `q` are wrong.
+/// Contractor of the first `N` coordinates of the position, from landmarks of which at most `q` are matched wrongly.
 ///
-/// **Constraint.** a = t + R(θ) b for all landmarks but at most q, of which only t is contracted; with `N` = 1 only its x.
+/// **Constraint.** a = t + R(θ) b for all landmarks but at most q. Only t is contracted; with `N` = 1 only its x.
 ///
-/// **Sound.** For any heading in the box, t = a − R(θ) b for each right landmark, so t is in all but q of the boxes a − R(\[θ\]) b.
+/// **Sound.** For any heading in the box, t = a − R(θ) b for each rightly matched landmark, so t is in all but q of the boxes a − R(\[θ\]) b.
 ///
-/// **Optimal** for q = 0 and a known heading: a is added once, b turned once. With an uncertain heading its dependency on all landmarks is lost.
+/// **Optimal** for q = 0 and an exactly known heading: a is added once, and b is rotated once. With an uncertain heading the result does not use
+/// that the heading is the same for all landmarks.
 ///
 /// **Source.** M. Mustafa et al., "Rigid transformation using interval analysis for robot motion estimation", CSCS 2015, Table II (`N` = 1, a
-/// robot on a line) and Table III (`N` = 2, translation). The paper assumes θ = 0; here it is an interval, so that it holds for any motion.
+/// robot on a line) and Table III (`N` = 2, translation). The paper assumes θ = 0; here it is an interval, so that the constraint holds for any
+/// motion.
 #[derive(Clone, Debug)]
 pub struct Translated<const N: usize> {
-    /// The landmarks in both frames.
+    /// The matched landmarks in both frames.
     pub landmarks: Vec<Landmark>,
-    /// How many of them may be wrong.
+    /// Greatest number of landmarks that may be matched wrongly.
     pub q: usize,
 }
 
@@ -33,7 +35,7 @@ impl<const N: usize> Contractor<3> for Translated<N> {
             .iter()
             .map(|(a, b)| {
                 let turned: [Interval; 2] = [cosine * b[0] - sine * b[1], sine * b[0] + cosine * b[1]];
-                // Tables II and III, rows 03 to 08: t = a − z with z = R(θ) b.
+                // Rows 03 to 08 of Tables II and III: t = a − z with z = R(θ) b.
                 known.intersect(&IntervalBox::new(std::array::from_fn(|axis| a[axis] - turned[axis])))
             })
             .collect();

@@ -1,12 +1,12 @@
-//! Contractors made of contractors: conjunction, disjunction, repetition, and a change of variables.
+//! Contractors made of other contractors: conjunction, disjunction, repetition, and a change of variables.
 //!
-//! Source: G. Chabert, L. Jaulin, "Contractor programming", Artificial Intelligence 173 (2009). Each is sound when
-//! its parts are. None is optimal even if its parts are, because a box cannot say how its sides depend on each other.
+//! Source: G. Chabert, L. Jaulin, "Contractor programming", Artificial Intelligence 173 (2009). Each combination is sound when its parts are.
+//! None is optimal even if its parts are, because a box cannot express how its sides depend on each other.
 
 use super::{Contractor, Outcome, settle};
 use crate::IntervalBox;
 
-/// x ∈ A and x ∈ B. Sound: a solution of both survives each in turn.
+/// Conjunction of two contractors: x ∈ A and x ∈ B. Sound, because a solution of both constraints survives each contraction in turn.
 #[derive(Clone, Debug)]
 pub struct Then<First, Next> {
     pub(super) first: First,
@@ -26,7 +26,8 @@ impl<const N: usize, First: Contractor<N>, Next: Contractor<N>> Contractor<N> fo
     }
 }
 
-/// x ∈ A or x ∈ B. Sound: a solution of one survives in its part of the hull.
+/// Disjunction of two contractors: x ∈ A or x ∈ B. Sound, because a solution of either constraint survives in that constraint's part of the
+/// hull.
 #[derive(Clone, Debug)]
 pub struct Union<Either, Or> {
     pub(super) either: Either,
@@ -52,8 +53,8 @@ impl<const N: usize, Either: Contractor<N>, Or: Contractor<N>> Contractor<N> for
     }
 }
 
-/// The same constraint again and again. Sound: so is every application. Ends, because it goes on only while a width shrinks
-/// by the share `ratio`, and stops after [`Fixpoint::MOST_PASSES`] at the latest.
+/// A contractor that is applied repeatedly. Sound, because every application is. It ends, because it continues only while some width of the box
+/// shrinks by more than the fraction `ratio`, and stops after [`Fixpoint::MOST_PASSES`] at the latest.
 #[derive(Clone, Debug)]
 pub struct Fixpoint<Inner> {
     pub(super) contractor: Inner,
@@ -61,7 +62,7 @@ pub struct Fixpoint<Inner> {
 }
 
 impl Fixpoint<()> {
-    /// Slow convergence gains ever less per pass; bisection is then the better tool.
+    /// Greatest number of passes of a fixpoint. Slow convergence gains ever less per pass; bisection is then the better tool.
     pub const MOST_PASSES: usize = 1000;
 }
 
@@ -89,16 +90,16 @@ impl<const N: usize, Inner: Contractor<N>> Contractor<N> for Fixpoint<Inner> {
     }
 }
 
-/// Whether some width of `after` is less than that of `before` by more than the share `ratio`.
+/// Whether some side of the box `after` is narrower than that of `before` by more than the fraction `ratio` of its width.
 fn shrank<const N: usize>(before: &IntervalBox<N>, after: &IntervalBox<N>, ratio: f64) -> bool {
     before.iter().zip(after).any(|(old, new)| {
         let (old_width, new_width) = (old.width(), new.width());
-        // From unbounded to less unbounded counts: ∞ · (1 − ratio) is still ∞.
+        // Any narrowing of an unbounded interval counts as shrinking, because its width may stay infinite: ∞ · (1 − ratio) is still ∞.
         new_width < (1.0 - ratio) * old_width || (old_width.is_infinite() && old != new)
     })
 }
 
-/// A constraint on `M` of the `N` variables. Sound and as tight as the inner contractor: the others stay untouched.
+/// A constraint on `M` of a box's `N` variables. Sound and as tight as the inner contractor, because the other variables stay untouched.
 #[derive(Clone, Debug)]
 pub struct OnAxes<Inner, const M: usize> {
     pub(super) contractor: Inner,

@@ -1,23 +1,24 @@
-//! A known distance to a known place.
+//! Contractor for a point at a known distance from a known place.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
-/// At distance `distance` from the place (`centre[0]`, `centre[1]`).
+/// A point (x, y) at distance `distance` from the place (`centre[0]`, `centre[1]`).
 ///
-/// **Constraint.** √((x − a)² + (y − b)²) = d with a, b, d in intervals; the variables are x and y.
+/// **Constraint.** √((x − a)² + (y − b)²) = d, where the place's coordinates a and b and the distance d are in intervals; the variables are x
+/// and y.
 ///
 /// **Sound.** Each difference and each square root is enclosed before it is used.
 ///
-/// **Optimal.** Every variable and every parameter occurs once, all steps are continuous, and the two signs of each square root
-/// are intersected with what is known before they are joined.
+/// **Optimal.** Every variable and every parameter occurs once, all steps are continuous, and the two signs of each square root are intersected
+/// with the known interval before they are joined.
 ///
 /// **Source.** L. Jaulin, M. Kieffer, O. Didrit, É. Walter, *Applied Interval Analysis*, Springer 2001, section 4.2.4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// Where the place may be.
+    /// Box of the place from which the distance is measured.
     pub centre: [Interval; 2],
-    /// How far from it the point may be.
+    /// Interval of the distance between the place and the point.
     pub distance: Interval,
 }
 

@@ -1,18 +1,18 @@
-//! Formulas written with ordinary operators, kept as a list of steps that can be run forward and backward.
+//! Formulas written with ordinary operators, and kept as a list of steps that can be evaluated forward and contracted backward.
 
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::{Interval, IntervalBox};
 
-/// A value in a formula: a variable, a constant, or an operation on values. It is a handle, free to copy.
+/// A value in a formula: a variable, a constant, or the result of an operation on other values. An expression is only a handle, free to copy.
 #[derive(Clone, Copy, Debug)]
 pub struct Expression<'a> {
     steps: &'a RefCell<Vec<Step>>,
     idx: usize,
 }
 
-/// One step; operands are indices of earlier steps. The first `N` steps are the variables.
+/// One step of a formula; its operands are indices of earlier steps. The first `N` steps of a formula are its `N` variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     Variable,
@@ -24,7 +24,7 @@ enum Step {
     Min(usize, usize),
     Max(usize, usize),
     Hypot(usize, usize),
-    /// y first, then x.
+    /// Arc tangent of the operands y (first) and x (second).
     Atan2(usize, usize),
     Pown(usize, i32),
     Neg(usize),
@@ -63,7 +63,7 @@ impl<'a> Expression<'a> {
     unary!(
         /// Absolute value.
         abs Abs,
-        /// Square. Narrower than a product when the sign is unknown; `x * x` is turned into it.
+        /// Square. It is narrower than a product when the operand's sign is unknown, so `x * x` is turned into it.
         sqr Sqr,
         /// Square root.
         sqrt Sqrt,
@@ -85,30 +85,30 @@ impl<'a> Expression<'a> {
         atan Atan
     );
     binary!(
-        /// Smaller of two.
+        /// Smaller of two values.
         min Min,
-        /// Greater of two.
+        /// Greater of two values.
         max Max,
-        /// √(self² + other²).
+        /// Hypotenuse √(self² + other²).
         hypot Hypot,
-        /// Angle in (−π, π] of the vector (other, self), as `f64::atan2`.
+        /// Angle in (−π, π] of the vector with x = `other` and y = `self`, as in `f64::atan2`.
         atan2 Atan2
     );
 
-    /// Integer power.
+    /// Integer power of the value.
     pub fn pown(self, n: i32) -> Self {
         self.push(Step::Pown(self.idx, n))
     }
 
-    /// A value known to lie in an interval: a measurement, a parameter.
+    /// A constant of the formula that is known to lie in an interval, such as a measurement or a parameter.
     pub fn constant(self, value: Interval) -> Self {
         self.push(Step::Constant(value))
     }
 
     fn push(self, step: Step) -> Self {
         let mut steps = self.steps.borrow_mut();
-        // A repeated subexpression is one value: forward it costs once, backward it is contracted by all its uses. Two constants
-        // that are known to within the same interval are two values, though: two measurement errors are not one.
+        // A repeated subexpression is stored as one value: it is evaluated once, and going backward it is contracted by all its uses. Two
+        // constants known to within the same interval stay two values, though, because two measurement errors are not the same error.
         let is_shared = match step {
             Step::Variable => false,
             Step::Constant(value) => value.is_singleton(),
@@ -149,7 +149,7 @@ macro_rules! operator {
 }
 operator!(Add add Add, Sub sub Sub, Div div Div);
 
-/// Mixed with numbers and intervals, which become constants.
+/// Defines the operators between an expression and a number or an interval, which becomes a constant of the formula.
 macro_rules! with_constant {
     ($($operation:ident $method:ident),*) => {$(
         impl $operation<Interval> for Expression<'_> {
@@ -180,7 +180,7 @@ macro_rules! with_constant {
 }
 with_constant!(Add add, Sub sub, Mul mul, Div div);
 
-/// `M` formulas of `N` variables, ready to run.
+/// `M` formulas of `N` variables as one list of steps, ready to be evaluated.
 #[derive(Clone, Debug)]
 pub(super) struct Program<const N: usize, const M: usize> {
     steps: Vec<Step>,
@@ -195,7 +195,7 @@ impl<const N: usize, const M: usize> Program<N, M> {
         Program { steps: steps.into_inner(), outputs }
     }
 
-    /// Encloses every step, given the variables.
+    /// Encloses the value of every step of the formulas, given a box of the variables.
     pub(super) fn forward(&self, domain: &IntervalBox<N>) -> Vec<Interval> {
         let mut values = Vec::with_capacity(self.steps.len());
         values.extend(domain.iter());
@@ -209,7 +209,8 @@ impl<const N: usize, const M: usize> Program<N, M> {
         IntervalBox::new(self.outputs.map(|idx| values[idx]))
     }
 
-    /// Contracts every step by what the outputs may be, last step first; the variables that are left.
+    /// Contracts every step, the last step first, by what the formulas' values may be (`outputs`). Returns the box of the variables that is
+    /// left.
     pub(super) fn backward(&self, mut values: Vec<Interval>, outputs: &IntervalBox<M>) -> IntervalBox<N> {
         for (idx, output) in self.outputs.iter().zip(outputs) {
             values[*idx] = values[*idx].intersect(*output);
@@ -227,7 +228,7 @@ impl<const N: usize, const M: usize> Program<N, M> {
 impl Step {
     fn forward(self, values: &[Interval]) -> Interval {
         match self {
-            // Variables are filled in before the first step runs.
+            // The values of a formula's variables are filled in before its first step is evaluated, so that this value is never used.
             Step::Variable => Interval::ENTIRE,
             Step::Constant(value) => value,
             Step::Add(a, b) => values[a] + values[b],
@@ -254,7 +255,7 @@ impl Step {
         }
     }
 
-    /// Contracts the operands, given the result `z`.
+    /// Contracts the intervals of the step's operands, given the interval `z` of its result.
     fn backward(self, z: Interval, values: &mut [Interval]) {
         match self {
             Step::Variable | Step::Constant(_) => {}
@@ -284,7 +285,7 @@ impl Step {
                 values[b] = (z.sqr() - values[a].sqr()).sqr_rev(values[b]);
             }
             Step::Atan2(y, x) => {
-                // (x, y) = r (cos z, sin z), and x sin z = y cos z.
+                // With the radius r, (x, y) = r (cos z, sin z), hence x sin z = y cos z.
                 let (cosine, sine) = (z.cos(), z.sin());
                 let radius = values[x].hypot(values[y]);
                 values[x] = (values[y] * cosine).mul_rev(sine, values[x].intersect(radius * cosine));
@@ -307,17 +308,18 @@ impl Step {
     }
 }
 
-/// max(x, y) = z: neither is above z, and when one is surely below, the other is z.
+/// Contracts the operands of max(x, y) = z: neither is above z, and when one is surely below z, the other equals z.
 fn backward_max(z: Interval, x: Interval, y: Interval) -> (Interval, Interval) {
     let below = Interval::new(f64::NEG_INFINITY, z.hi());
     let other = |this: Interval, other: Interval| this.intersect(if other.hi() < z.lo() { z } else { below });
     (other(x, y), other(y, x))
 }
 
-/// The result of an inverse tangent stays between the poles, of which its rounded bounds are not quite clear.
+/// The interval of an arc tangent's result if it lies between the tangent's poles ±π/2; the whole line where outward rounding has moved a bound
+/// beyond them.
 fn within_half_circle(z: Interval) -> Interval {
     let quarter = std::f64::consts::FRAC_PI_2;
     let inside = z.intersect(Interval::new(-quarter, quarter));
-    // Beyond the last doubles before the poles the tangent says nothing.
+    // Beyond the last doubles before the poles ±π/2, an angle says nothing about its tangent.
     if z.is_subset_of(inside) { inside } else { Interval::ENTIRE }
 }

@@ -1,18 +1,18 @@
-//! An equation becomes a contractor: enclose the formula forward, then contract each step backward.
+//! Contractors made from formulas: the formula is enclosed step by step forward, then each step is contracted backward.
 
 use super::expression::{Expression, Program};
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
-/// f(x) ∈ range, for one formula of `N` variables.
+/// The constraint that the value of a formula f of `N` variables is in an interval.
 ///
-/// **Constraint.** f(x) ∈ range, or f(x) ∈ what another contractor leaves ([`Inverse`]).
+/// **Constraint.** f(x) ∈ range, or for [`Inverse`] f(x) ∈ the box that another contractor leaves.
 ///
-/// **Sound.** Forward, every step encloses its values at all points of the box; backward, every step removes only operands for
-/// which no value of the result is left.
+/// **Sound.** Forward, every step encloses its values at all points of the box. Backward, every step removes only operands for which no value of
+/// the result is left.
 ///
-/// **Optimal** when each variable occurs once and all steps are continuous; otherwise the occurrences are treated as if they
-/// were different variables, and a fixpoint or bisection helps.
+/// **Optimal** when each variable occurs once and all steps are continuous. Otherwise the occurrences of a variable are treated as if they were
+/// different variables, and a fixpoint or bisection helps.
 ///
 /// **Source.** F. Benhamou, F. Goualard, L. Granvilliers, J.-F. Puget, "Revising hull and box consistency", ICLP 1999 (HC4-revise).
 #[derive(Clone, Debug)]
@@ -22,17 +22,17 @@ pub struct ForwardBackward<const N: usize> {
 }
 
 impl<const N: usize> ForwardBackward<N> {
-    /// The points at which the formula's value is in `range`; `Interval::ZERO` for an equation.
+    /// A contractor for the points at which the formula's value is in `range`; `Interval::ZERO` states an equation.
     pub fn new(formula: impl for<'a> FnOnce([Expression<'a>; N]) -> Expression<'a>, range: Interval) -> Self {
         ForwardBackward { program: Program::record(|x| [formula(x)]), range: IntervalBox::new([range]) }
     }
 
-    /// The same formula with another range.
+    /// A contractor for the same formula with another interval of allowed values.
     pub fn with_range(&self, range: Interval) -> Self {
         ForwardBackward { program: self.program.clone(), range: IntervalBox::new([range]) }
     }
 
-    /// The interval that the value must be in.
+    /// The interval in which the formula's value must be.
     pub fn range(&self) -> Interval {
         self.range[0]
     }
@@ -51,7 +51,7 @@ impl<const N: usize> Contractor<N> for ForwardBackward<N> {
     }
 }
 
-/// f(x) satisfies a constraint on `M` variables: the inverse image of a set under a vector of formulas.
+/// Inverse image of a set under several formulas: the points x whose values f(x) satisfy a constraint on `M` variables.
 #[derive(Clone, Debug)]
 pub struct Inverse<const N: usize, const M: usize, On> {
     program: Program<N, M>,
@@ -59,7 +59,7 @@ pub struct Inverse<const N: usize, const M: usize, On> {
 }
 
 impl<const N: usize, const M: usize, On: Contractor<M>> Inverse<N, M, On> {
-    /// The points whose image satisfies `on`.
+    /// A contractor for the points whose image under the formulas satisfies the constraint `on`.
     pub fn new(formulas: impl for<'a> FnOnce([Expression<'a>; N]) -> [Expression<'a>; M], on: On) -> Self {
         Inverse { program: Program::record(formulas), on }
     }

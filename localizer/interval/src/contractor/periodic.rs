@@ -1,30 +1,31 @@
-//! A coordinate on one of equally spaced lines, such as the joints between tiles, or quarter turns.
+//! Contractor for a coordinate on one of equally spaced lines, such as the joints between tiles, or quarter turns.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
-/// x = offset + k · period, k any integer.
+/// The constraint x = offset + k · period for any integer k.
 ///
-/// **Constraint.** x ∈ offset + k · period for some integer k, with offset and period in intervals, period > 0.
+/// **Constraint.** x ∈ offset + k · period for some integer k, with offset and period in intervals, and period > 0.
 ///
-/// **Sound.** The indices k are enclosed by an outward-rounded division, with every one of them tried.
+/// **Sound.** The indices k are enclosed by an outward-rounded division, so that no line that meets the domain is missed.
 ///
-/// **Optimal.** Branches are exact up to rounding; the contraction is their hull. Nothing is lost by walking from both ends.
+/// **Optimal.** The branches are exact up to rounding, and the contraction is their hull. Searching for the outermost branches from both ends
+/// loses nothing.
 ///
-/// **Source.** Solving for k: k ∈ (x − offset) / period, where each variable occurs once, so that the enclosure of k is exact.
+/// **Source.** Solving for k gives k ∈ (x − offset) / period, where each variable occurs once, so that the enclosure of k is exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Periodic {
-    /// Distance from line to line; positive.
+    /// Distance between neighbouring lines; positive.
     pub period: Interval,
-    /// Where line 0 is.
+    /// Interval of the position of line 0.
     pub offset: Interval,
 }
 
 impl Periodic {
-    /// A union of more branches than this is no help to anybody: it is answered as one box.
+    /// Greatest number of branches that are returned. A larger union is of no use to a caller, so the domain is returned as one box instead.
     pub const MOST_BRANCHES: i64 = 4096;
 
-    /// The first and the last index of lines that may meet `x`; `None` when there are too many to count.
+    /// Indices of the first and the last line that may meet the interval `x`; `None` when there are too many lines to count.
     pub fn indices(&self, x: Interval) -> Option<(i64, i64)> {
         let quotient = (x - self.offset) / self.period;
         let (first, last) = (quotient.lo().ceil(), quotient.hi().floor());
@@ -32,7 +33,7 @@ impl Periodic {
         is_countable.then_some((first as i64, last as i64))
     }
 
-    /// Where line `index` may be.
+    /// Interval of the position of line `index`.
     pub fn line(&self, index: i64) -> Interval {
         self.offset + self.period * index as f64
     }
@@ -49,7 +50,7 @@ impl Contractor<1> for Periodic {
         let highest = (first..=last).rev().take(3).map(part).find(|part| !part.is_empty());
         let left = match (lowest, highest) {
             (Some(lowest), Some(highest)) => lowest.hull(highest),
-            // The quotient's rounding admits at most one index too many at each end.
+            // Rounding of the quotient admits at most one index too many at each end, so with so few indices no line meets the interval.
             _ if last - first < 3 => Interval::EMPTY,
             _ => domain[0],
         };

@@ -1,22 +1,22 @@
-//! Pinhole projection of a point in front of a camera, without a division.
+//! Contractor for the pinhole projection of a point in front of a camera, stated without a division.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
-/// What a camera of this focal length sees of a point in front of it.
+/// Projection of a point in front of a pinhole camera with a known focal length.
 ///
-/// **Constraint.** u · z = f · x, v · z = f · y, z > 0, where (x, y, z) is in the camera frame (x right, y down, z forward), (u, v)
-/// is the pixel relative to the principal point and f the focal length in pixels. The variables are x, y, z, u, v.
+/// **Constraint.** u · z = f · x, v · z = f · y, z > 0, where (x, y, z) is the point in the camera frame (x right, y down, z forward), (u, v) is
+/// its pixel relative to the principal point, and f is the focal length in pixels. The variables are x, y, z, u, v.
 ///
-/// **Sound.** Products are enclosed, and each is undone by the division in two pieces, so that a depth interval that reaches 0, or
-/// a pixel interval around 0, costs nothing.
+/// **Sound.** Each product is enclosed, and is inverted by a division with two result intervals, so that a depth interval that reaches 0, or a
+/// pixel interval around 0, costs nothing.
 ///
-/// **Not optimal.** z occurs twice; repeat it to a fixpoint.
+/// **Not optimal.** The depth z occurs twice; apply the contractor repeatedly, to a fixpoint.
 ///
 /// **Source.** R. Hartley, A. Zisserman, *Multiple View Geometry*, 2nd ed., (6.1), multiplied by z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pinhole {
-    /// Focal length; positive.
+    /// Focal length in pixels; positive.
     pub focal_px: Interval,
 }
 

@@ -1,25 +1,27 @@
-//! Polar coordinates, whatever quadrants the angle covers.
+//! Contractor between the Cartesian and the polar coordinates of a vector, for an angle interval over any number of quadrants.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
-/// (x, y) = r (cos θ, sin θ) with r ≥ 0.
+/// The Cartesian and polar coordinates of one vector: (x, y) = r (cos θ, sin θ) with r ≥ 0.
 ///
 /// **Constraint.** x = r cos θ, y = r sin θ, r ≥ 0; the variables are x, y, r, θ, and θ is on the real line (not wrapped).
 ///
-/// **Sound.** θ is cut at the multiples of π/2, enclosed; in each quadrant, turned into the first one, every function is monotone
-/// and every variable is contracted by outward-rounded inverses. The quadrants' results are joined.
+/// **Sound.** The interval of θ is cut at enclosures of the multiples of π/2. In each quadrant, turned into the first one, every function is
+/// monotone, and every variable is contracted by outward-rounded inverses. The quadrants' results are joined.
 ///
-/// **Optimal** on boxes within a quadrant as far as tested; the source proves its own order of steps minimal, and the hull over quadrants keeps that.
+/// **Optimal** on boxes within a quadrant as far as tested. The source proves its own order of steps minimal, and taking the hull over quadrants
+/// keeps that.
 ///
-/// **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation",
-/// Engineering Applications of Artificial Intelligence 55 (2016).
+/// **Source.** B. Desrochers, L. Jaulin, "A minimal contractor for the polar equation", Engineering Applications of Artificial Intelligence 55
+/// (2016).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Polar;
 
 const NON_NEGATIVE: Interval = Interval::new(0.0, f64::INFINITY);
 
-/// An angle interval over more quarter turns than this contracts the other variables only.
+/// Greatest number of quarter turns at which an angle interval is cut; a wider angle interval stays as it is and contracts the other variables
+/// only.
 const MOST_QUARTERS: i64 = 64;
 
 impl Contractor<4> for Polar {
@@ -29,7 +31,8 @@ impl Contractor<4> for Polar {
                 (first..=last).fold(IntervalBox::EMPTY, |hull, quarter| hull.hull(&in_quarter(domain, quarter)))
             }
             None => {
-                // All directions occur: one turn decides about x, y and r, and the angle is left as it is.
+                // The angle interval is so wide, or so far from 0, that it is taken to hold all directions: one turn decides about x, y and r,
+                // and the angle is left as it is.
                 let turn = IntervalBox::new([domain[0], domain[1], domain[2], Interval::ENTIRE]);
                 let mut hull = (0..4).fold(IntervalBox::EMPTY, |hull, quarter| hull.hull(&in_quarter(&turn, quarter)));
                 if !hull.is_empty() {
@@ -56,17 +59,17 @@ impl Contractor<4> for Polar {
     }
 }
 
-/// The first and last quarter turn that the angle may be in.
+/// The first and the last quarter turn in which the angle may be; `None` when there are too many of them, or when they are too far from 0.
 fn quarters(angle: Interval) -> Option<(i64, i64)> {
     let quotient = angle / (Interval::PI / 2.0);
     let (first, last) = (quotient.lo().floor(), quotient.hi().floor());
     (last - first < MOST_QUARTERS as f64 && first.abs() < 1e9).then_some((first as i64, last as i64))
 }
 
-/// The constraint with θ in [k π/2, (k + 1) π/2].
+/// Contracts the domain by the polar equation with θ in [k π/2, (k + 1) π/2], where k is `quarter`.
 fn in_quarter(domain: &IntervalBox<4>, quarter: i64) -> IntervalBox<4> {
     let [x, y, r, angle] = domain.components();
-    // Turned back by `quarter` quarter turns; exact, since coordinates only change place and sign.
+    // Turns the vector back by `quarter` quarter turns, into the first quadrant. This is exact, since coordinates only change place and sign.
     let (x, y) = match quarter.rem_euclid(4) {
         0 => (x, y),
         1 => (y, -x),
@@ -90,10 +93,10 @@ fn in_first_quadrant(x: Interval, y: Interval, r: Interval, angle: Interval) -> 
     let (mut x, mut y) = (x.intersect(NON_NEGATIVE), y.intersect(NON_NEGATIVE));
     let mut r = r.intersect(NON_NEGATIVE);
     let mut angle = angle.intersect(quarter);
-    // A second pass lets each variable profit from all others.
+    // A second pass lets each variable profit from the contraction of all others.
     for _ in 0..2 {
         r = r.intersect(x.hypot(y));
-        // The zero vector has every direction.
+        // The zero vector has every direction, so the angle is contracted only if the vector cannot be zero.
         if !(x.contains_zero() && y.contains_zero()) {
             angle = angle.intersect(y.atan2(x));
         }

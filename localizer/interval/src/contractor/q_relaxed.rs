@@ -1,24 +1,24 @@
-//! All constraints but at most q hold: what outliers ask for.
+//! Contractor for all but at most q of several constraints, which data with outliers need.
 
 use super::{Contractor, Outcome, settle};
 use crate::{Interval, IntervalBox};
 
-/// At least all but `q` of the constraints.
+/// The constraint that at least all but `q` of several constraints hold.
 ///
 /// **Constraint.** x satisfies at least n − q of n constraints.
 ///
-/// **Sound.** Each constraint is contracted alone; a solution is in at least n − q of the boxes left, hence on each axis in at
-/// least n − q of their intervals, and stays so after boxes that miss the hull are dropped (they never contain a solution).
+/// **Sound.** Each constraint contracts the domain alone. A solution is in at least n − q of the boxes that are left, hence on each axis in at
+/// least n − q of their intervals. That stays so after boxes that miss the hull are dropped, because they contain no solution.
 ///
-/// **Not optimal.** The exact hull of points in n − q of n boxes takes time exponential in the dimension; this one projects on
-/// the axes and repeats until nothing changes.
+/// **Not optimal.** The exact hull of the points in n − q of n boxes takes time exponential in the dimension. This contractor projects the boxes
+/// on the axes, and repeats that until nothing changes.
 ///
-/// **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009);
-/// the projection is that of C. Carbonnel et al., "Q-intersection algorithms for constraint-based robust parameter estimation", AAAI 2014.
+/// **Source.** L. Jaulin, "Robust set-membership state estimation", Automatica 45 (2009); the projection is that of C. Carbonnel et al.,
+/// "Q-intersection algorithms for constraint-based robust parameter estimation", AAAI 2014.
 pub struct QRelaxed<const N: usize> {
-    /// The constraints, each alone.
+    /// The constraints, each of which contracts the domain alone.
     pub contractors: Vec<Box<dyn Contractor<N> + Send + Sync>>,
-    /// How many may be violated.
+    /// Greatest number of constraints that may be violated.
     pub q: usize,
 }
 
@@ -41,7 +41,7 @@ impl<const N: usize> Contractor<N> for QRelaxed<N> {
     }
 }
 
-/// A box around all points that are in at least `boxes.len() − q` of the boxes; all of space when `q` allows none.
+/// A box around all points that are in at least `boxes.len() − q` of the boxes; all of space when `q` is at least the number of boxes.
 pub fn q_intersection<const N: usize>(boxes: &[IntervalBox<N>], q: usize) -> IntervalBox<N> {
     if q >= boxes.len() {
         return IntervalBox::ENTIRE;
@@ -62,13 +62,14 @@ pub fn q_intersection<const N: usize>(boxes: &[IntervalBox<N>], q: usize) -> Int
     }
 }
 
-/// From the first to the last point of an axis that is in `needed` of the intervals. Closed intervals open before others close.
+/// The interval from the first to the last point of an axis that is in at least `needed` of the boxes' intervals. An interval's end point still
+/// counts as inside it where another interval begins at that point.
 fn hull_of_depth<const N: usize>(boxes: &[IntervalBox<N>], axis: usize, needed: usize) -> Interval {
     let mut lows: Vec<f64> = boxes.iter().map(|one| one[axis].lo()).collect();
     let mut highs: Vec<f64> = boxes.iter().map(|one| one[axis].hi()).collect();
     lows.sort_by(f64::total_cmp);
     highs.sort_by(f64::total_cmp);
-    // Depth at a low end: lows up to it minus highs before it.
+    // Number of intervals that contain x: those that begin at or before x, less those that end before x.
     let depth = |x: f64| lows.partition_point(|low| *low <= x) - highs.partition_point(|high| *high < x);
     let first = lows.iter().copied().find(|low| depth(*low) >= needed);
     let last = highs.iter().copied().rev().find(|high| depth(*high) >= needed);

@@ -1,16 +1,16 @@
-//! Membership of a box.
+//! Contractor for membership of a fixed box.
 
 use super::{Contractor, Outcome, settle};
 use crate::IntervalBox;
 
-/// x ∈ box.
+/// The constraint that x is in a fixed box.
 ///
-/// **Constraint.** x is in a fixed box.
+/// **Constraint.** x ∈ box.
 ///
-/// **Sound** and **optimal**: an intersection is exact.
+/// **Sound** and **optimal**, because an intersection is exact.
 ///
-/// **Source.** The definition; it is what a
-/// measurement says of the quantity measured, at the root of a forward-backward contractor ([`Inverse`](super::Inverse)).
+/// **Source.** The definition. What a measurement says of the measured quantity has this form, at the root of a forward-backward contractor
+/// ([`Inverse`](super::Inverse)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Within<const N: usize>(pub IntervalBox<N>);
 

@@ -1,4 +1,5 @@
-//! The four operations, the two-output division, and their mixed forms with `f64` (which stands for exactly that number).
+//! Arithmetic of intervals: the four operations, a division with two result intervals, and the operations between an interval and an `f64`,
+//! which stands for exactly that number.
 
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -43,8 +44,8 @@ impl Mul for Interval {
         let hl = self.hi * other.lo;
         let hh = self.hi * other.hi;
         let (lo, hi) = (least(least(ll, lh), least(hl, hh)), greatest(greatest(ll, lh), greatest(hl, hh)));
-        // 0 × ∞ gives NaN. Where the order of comparisons drops one, the zero times the other, finite bound is an end of the result,
-        // or the result is infinite: neither is regular.
+        // 0 × ∞ gives NaN. Where the comparisons drop a NaN by their order, either an end of the result is the product of the zero and the
+        // other, finite bound, or the result is infinite. Neither is regular, so the product is then computed case by case.
         if are_regular(lo, hi) {
             Interval::from_bounds(down_regular(lo), up_regular(hi))
         } else {
@@ -63,7 +64,7 @@ fn greatest(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// Products with an empty, zero, infinite or tiny factor.
+/// Product of two intervals case by case, for factors that are empty, zero, infinite or tiny.
 #[cold]
 fn multiply_by_cases(a: Interval, b: Interval) -> Interval {
     if a.is_empty() || b.is_empty() {
@@ -74,7 +75,7 @@ fn multiply_by_cases(a: Interval, b: Interval) -> Interval {
         .fold(Interval::EMPTY, |hull, (x, y)| hull.hull(enclose_product(x, y)))
 }
 
-/// The real product of two bounds, where a bound 0 times an infinite one is 0 (no member is infinite).
+/// Encloses the real product of two bounds, where a bound 0 times an infinite one is 0, because no member of an interval is infinite.
 #[inline]
 fn enclose_product(x: f64, y: f64) -> Interval {
     if x == 0.0 || y == 0.0 {
@@ -83,7 +84,7 @@ fn enclose_product(x: f64, y: f64) -> Interval {
     enclose_signed(x * y, (x > 0.0) == (y > 0.0))
 }
 
-/// The real number that was rounded to `nearest` and whose sign is known, so that an underflow does not cross zero.
+/// Encloses the real number that was rounded to `nearest`. The number's sign is known, so that an underflow does not cross zero.
 #[inline]
 fn enclose_signed(nearest: f64, is_positive: bool) -> Interval {
     let (lo, hi) = (down(nearest), up(nearest));
@@ -92,10 +93,11 @@ fn enclose_signed(nearest: f64, is_positive: bool) -> Interval {
 
 impl Div for Interval {
     type Output = Interval;
-    /// { x / y : y ≠ 0 }, as one interval; see [`div2`](Interval::div2) for the two pieces.
+    /// Quotient { x / y : y ≠ 0 } as one interval; see [`div2`](Interval::div2) for the two pieces that it may consist of.
     #[inline]
     fn div(self, other: Interval) -> Interval {
-        // A negative divisor is turned positive; then each end of the dividend needs only the divisor that moves it outward.
+        // A negative divisor is turned positive, together with the dividend; then each end of the quotient needs only the end of the divisor
+        // that moves it outward.
         let (numerator, divisor) = if other.hi < 0.0 { (-self, -other) } else { (self, other) };
         if divisor.lo > 0.0 {
             let lo = numerator.lo / if numerator.lo < 0.0 { divisor.lo } else { divisor.hi };
@@ -108,7 +110,7 @@ impl Div for Interval {
     }
 }
 
-/// Quotients with an empty, zero, infinite or tiny part.
+/// Quotient of two intervals case by case, for operands that are empty, zero, infinite or tiny.
 #[cold]
 fn divide_by_cases(numerator: Interval, divisor: Interval) -> Interval {
     let (by_negative, by_positive) = divide_by_signs(numerator, divisor);
@@ -116,10 +118,11 @@ fn divide_by_cases(numerator: Interval, divisor: Interval) -> Interval {
 }
 
 impl Interval {
-    /// { x / y : y ≠ 0 } as at most two intervals, the lower first; the second is empty when one interval is the answer.
+    /// Quotient { x / y : y ≠ 0 } as at most two intervals, the lower one first; the second is empty when one interval is the answer.
     ///
-    /// IEEE 1788 calls it `mulRevToPair(den, self)`: all q with q · y = x for some members x, y. So it is the whole line
-    /// when both contain 0 (unlike `/`, which never divides by 0), and two half lines when only the divisor does, inside.
+    /// IEEE 1788 calls the operation `mulRevToPair(den, self)`: all q with q · y = x for some member x of `self` and some member y of `den`. So
+    /// the quotient is the whole line when both contain 0 (unlike `/`, which never divides by 0), and two half lines when only the divisor
+    /// contains 0, in its interior.
     #[inline]
     pub fn div2(self, den: Interval) -> (Interval, Interval) {
         if self.is_empty() || den.is_empty() {
@@ -136,17 +139,17 @@ impl Interval {
         }
     }
 
-    /// `1 / self`.
+    /// Reciprocal `1 / self` of the interval.
     #[inline]
     pub fn recip(self) -> Interval {
         Interval::ONE / self
     }
 }
 
-/// Closed at 0, which stands for the limit of divisors above it.
+/// The non-negative numbers. The 0 stands for the limit of divisors above 0.
 const POSITIVE: Interval = Interval::from_bounds(0.0, f64::INFINITY);
 
-/// Quotients by the negative and by the positive members of the divisor.
+/// Quotients by the negative members and by the positive members of the divisor, as two intervals.
 #[inline]
 fn divide_by_signs(numerator: Interval, divisor: Interval) -> (Interval, Interval) {
     let by_negative = divide_by_positive(-numerator, (-divisor).intersect(POSITIVE));
@@ -154,7 +157,7 @@ fn divide_by_signs(numerator: Interval, divisor: Interval) -> (Interval, Interva
     (by_negative, by_positive)
 }
 
-/// { x / y : y > 0 }; `divisor` is in [0, ∞].
+/// Quotient { x / y : y > 0 } for a `divisor` within [0, ∞].
 #[inline]
 fn divide_by_positive(numerator: Interval, divisor: Interval) -> Interval {
     if numerator.is_empty() || divisor.is_empty() || divisor.hi == 0.0 {
@@ -167,7 +170,7 @@ fn divide_by_positive(numerator: Interval, divisor: Interval) -> Interval {
     Interval::from_bounds(lo, hi)
 }
 
-/// Bounds of x / y for y ∈ [0, ∞]; ±∞ when y is 0, which is the limit from above.
+/// Bounds of the quotient x / y of two numbers with y ∈ [0, ∞]. They are ±∞ when y is 0, which is the limit from above.
 #[inline]
 fn enclose_quotient(x: f64, y: f64) -> Interval {
     if x == 0.0 {
@@ -201,7 +204,7 @@ impl Mul<Interval> for f64 {
     }
 }
 
-/// The mixed forms: a number stands for the interval that holds only it.
+/// Defines the operations between an interval and a number, which stands for the interval that holds only that number.
 macro_rules! with_number {
     ($($operation:ident $method:ident),*) => {$(
         impl $operation<f64> for Interval {
@@ -222,7 +225,7 @@ macro_rules! with_number {
 }
 with_number!(Add add, Sub sub, Div div);
 
-/// `a += b` is `a = a + b`, for both operand types.
+/// Defines the assigning operations: `a += b` is `a = a + b`, where the operand `b` is an interval or a number.
 macro_rules! assigning {
     ($($assign:ident $assign_method:ident $operation:ident $method:ident),*) => {$(
         impl<Operand> $assign<Operand> for Interval

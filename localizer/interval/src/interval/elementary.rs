@@ -1,19 +1,19 @@
-//! Powers, roots, exponential, logarithm, absolute value, minimum, maximum.
+//! Elementary functions of intervals: powers, roots, exponential, logarithm, absolute value, minimum, maximum.
 //!
-//! `pxfm` states a largest error of half a unit in the last place for the functions used here. It is measured, not proven,
-//! so its results are widened by two steps: one for the rounding, one in case it is off.
+//! The crate `pxfm` states a largest error of half a unit in the last place for the functions used here. That error is measured, not proven, so
+//! the results are widened by two steps: one for the rounding, one in case the stated error is exceeded.
 
 use super::Interval;
 use super::rounding::{down, down_twice, up, up_twice};
 
 impl Interval {
-    /// Absolute value. Exact.
+    /// Absolute value of the members. The result is exact.
     #[inline]
     pub fn abs(self) -> Interval {
         Interval::from_bounds(self.mignitude(), self.magnitude())
     }
 
-    /// Smaller of two: { min(x, y) }. Exact.
+    /// Interval of the smaller of two members: { min(x, y) }. The result is exact.
     #[inline]
     pub fn min(self, other: Interval) -> Interval {
         if self.is_empty() || other.is_empty() {
@@ -22,7 +22,7 @@ impl Interval {
         Interval::from_bounds(self.lo.min(other.lo), self.hi.min(other.hi))
     }
 
-    /// Greater of two: { max(x, y) }. Exact.
+    /// Interval of the greater of two members: { max(x, y) }. The result is exact.
     #[inline]
     pub fn max(self, other: Interval) -> Interval {
         if self.is_empty() || other.is_empty() {
@@ -31,7 +31,7 @@ impl Interval {
         Interval::from_bounds(self.lo.max(other.lo), self.hi.max(other.hi))
     }
 
-    /// Square, never negative: narrower than `self * self` when zero is inside.
+    /// Square of the members, never negative: narrower than `self * self` when zero is inside the interval.
     #[inline]
     pub fn sqr(self) -> Interval {
         let (least, greatest) = (self.mignitude(), self.magnitude());
@@ -40,7 +40,7 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Square root of the members that have one; empty when all are negative.
+    /// Square root of the members that have one; empty when all members are negative.
     #[inline]
     pub fn sqrt(self) -> Interval {
         if self.is_empty() || self.hi < 0.0 {
@@ -51,7 +51,7 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Length of the vector (x, y): √(x² + y²).
+    /// Length √(x² + y²) of the vectors (x, y), with x in `self` and y in `other`.
     #[inline]
     pub fn hypot(self, other: Interval) -> Interval {
         if self.is_empty() || other.is_empty() {
@@ -64,7 +64,7 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Integer power xⁿ; x⁰ is 1 for every x. Members at 0 are left out when n is negative.
+    /// Integer power xⁿ of the members x; x⁰ is 1 for every x. A member 0 is left out when n is negative.
     pub fn pown(self, n: i32) -> Interval {
         if self.is_empty() {
             return Interval::EMPTY;
@@ -80,7 +80,7 @@ impl Interval {
         }
     }
 
-    /// Exponential eˣ.
+    /// Exponential eˣ of the members.
     #[inline]
     pub fn exp(self) -> Interval {
         if self.is_empty() {
@@ -91,13 +91,13 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Natural logarithm of the positive members; empty when there is none.
+    /// Natural logarithm of the positive members; empty when the interval has none.
     #[inline]
     pub fn log(self) -> Interval {
         if self.is_empty() || self.hi <= 0.0 {
             return Interval::EMPTY;
         }
-        // The logarithm of 1 is the only one that is a double exactly.
+        // 1 is the only double whose logarithm is exactly a double.
         let lo = if self.lo <= 0.0 {
             f64::NEG_INFINITY
         } else if self.lo == 1.0 {
@@ -115,13 +115,13 @@ fn at_least_zero(bound: f64) -> f64 {
     if bound < 0.0 { 0.0 } else { bound }
 }
 
-/// Rounded hypotenuse of non-negative numbers; exact when one is zero, infinite when one is.
+/// Hypotenuse of two non-negative numbers, rounded to nearest. It is exact when one of them is zero, and infinite when one of them is.
 #[inline]
 fn hypot_nearest(a: f64, b: f64) -> f64 {
     if a.is_infinite() || b.is_infinite() { f64::INFINITY } else { pxfm::f_hypot(a, b) }
 }
 
-/// Bounds of xⁿ for one number x ≠ ±∞·0 and n ≥ 3 or n ≤ −2; the sign of the power is kept.
+/// Bounds of the power xⁿ of one number x that is not NaN, for n ≥ 2 or n ≤ −2. Rounding does not change the power's sign.
 fn power_bounds(x: f64, n: i32) -> Interval {
     if x == 0.0 || x.is_infinite() {
         let limit = if (x == 0.0) == (n > 0) { 0.0 } else { f64::INFINITY };
@@ -137,13 +137,13 @@ fn power_bounds(x: f64, n: i32) -> Interval {
     }
 }
 
-/// Even or odd positive power of a subset of [0, ∞].
+/// Power xⁿ of an interval within [0, ∞], for a positive n that is even or odd.
 #[inline]
 fn power_of_non_negative(x: Interval, n: i32) -> Interval {
     Interval::from_bounds(power_bounds(x.lo, n).lo, power_bounds(x.hi, n).hi)
 }
 
-/// xⁿ for n < −1: decreasing on positive numbers; even or odd in x.
+/// Power xⁿ for n < −1. It decreases on positive numbers, and is an even or odd function of x, which gives its values on negative numbers.
 fn negative_power(x: Interval, n: i32) -> Interval {
     let positive = |side: Interval| {
         if side.is_empty() || side.hi <= 0.0 {
@@ -159,17 +159,18 @@ fn negative_power(x: Interval, n: i32) -> Interval {
     right.hull(if n % 2 == 0 { left } else { -left })
 }
 
-/// A lower bound of the n-th root of c ≥ 0, n ≥ 2.
+/// A lower bound of the n-th root of a number c ≥ 0, for n ≥ 2.
 pub(super) fn root_down(c: f64, n: i32) -> f64 {
     proven_root(c, n, 0.0, |root, c| power_bounds(root, n).hi <= c, |root, step| root - step)
 }
 
-/// An upper bound of the n-th root of c ≥ 0, n ≥ 2.
+/// An upper bound of the n-th root of a number c ≥ 0, for n ≥ 2.
 pub(super) fn root_up(c: f64, n: i32) -> f64 {
     proven_root(c, n, f64::INFINITY, |root, c| power_bounds(root, n).lo >= c, |root, step| root + step)
 }
 
-/// Moves an approximate root outward until its power proves that it is a bound; `trivial` is one that always is.
+/// Moves an approximate n-th root outward until its power proves that it is a bound. The bound `trivial`, which always holds, is the answer
+/// where that fails.
 fn proven_root(
     c: f64,
     n: i32,
@@ -180,7 +181,8 @@ fn proven_root(
     if c == 0.0 || c == 1.0 || c.is_infinite() {
         return c;
     }
-    // c / 2^(n·shift) is near 1, where powers neither overflow nor lose bits; its root is off by the exact factor 2^shift.
+    // The scaled number c / 2^(n·shift) is near 1, where powers neither overflow nor lose bits; its root differs from that of c by the exact
+    // factor 2^shift.
     let shift = (c.log2() / f64::from(n)).round() as i32;
     let half_power = 2f64.powi(-(n * shift / 2));
     let scaled = c * half_power * 2f64.powi(-(n * shift - n * shift / 2));
@@ -188,7 +190,7 @@ fn proven_root(
         return trivial;
     }
     let root = root_nearby(scaled, n);
-    // The first candidates are neighbours; the steps grow so that a poor start costs steps, never soundness.
+    // The first candidates are neighbouring numbers. Then the steps grow, so that a poor start costs steps, never soundness.
     let candidates = (0..40).scan((root, root * f64::EPSILON), |(candidate, step), idx| {
         let current = *candidate;
         *candidate = moved(current, if idx < 4 { 0.5 * *step } else { *step });
@@ -201,10 +203,10 @@ fn proven_root(
     proven.next().map_or(trivial, |bound| bound * 2f64.powi(shift))
 }
 
-/// The n-th root to about one unit in the last place. Its bounds are proven by taking the power, not by this.
+/// Approximate n-th root of c, to about one unit in the last place. Bounds of the root are proven by taking the power, not by this function.
 fn root_nearby(c: f64, n: i32) -> f64 {
     let root = pxfm::f_pow(c, 1.0 / f64::from(n));
-    // 1/n is rounded, which costs up to |ln c| units in the last place: one step of Newton's method on the logarithm repairs it.
+    // The exponent 1/n is rounded, which costs up to |ln c| units in the last place: one step of Newton's method on the logarithm repairs that.
     let excess = c / pxfm::f_pow(root, f64::from(n)) - 1.0;
     if excess.is_finite() { root + root * excess / f64::from(n) } else { root }
 }

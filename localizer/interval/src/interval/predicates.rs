@@ -2,9 +2,10 @@
 
 use super::Interval;
 
-/// How two intervals lie on the line: Allen's relations, extended to empty intervals (the overlap states of IEEE 1788-2015).
+/// How two intervals lie on the real line relative to each other: Allen's relations, extended to empty intervals (the overlap states of IEEE
+/// 1788-2015).
 ///
-/// Named from the point of view of the first: `a.overlap(b) == Before` when a ends before b starts.
+/// The names take the point of view of the first interval: `a.overlap(b) == Before` when a ends before b starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the names are those of the standard and say it all")]
 pub enum Overlap {
@@ -27,63 +28,66 @@ pub enum Overlap {
 }
 
 impl Interval {
-    /// Whether it is the whole line.
+    /// Whether the interval is the whole real line.
     #[inline]
     pub fn is_entire(self) -> bool {
         self == Interval::ENTIRE
     }
 
-    /// Whether it has exactly one member.
+    /// Whether the interval has exactly one member.
     #[inline]
     pub fn is_singleton(self) -> bool {
         self.lo == self.hi
     }
 
-    /// Whether it is bounded and not empty: what IEEE 1788 calls a common interval.
+    /// Whether the interval is bounded and not empty: what IEEE 1788 calls a common interval.
     #[inline]
     pub fn is_bounded(self) -> bool {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
-    /// Whether every member has a neighbourhood inside `other`; an infinite bound counts as inside itself.
+    /// Whether this interval is in the interior of `other`: every member has a neighbourhood inside `other`. An infinite bound counts as inside
+    /// the same infinite bound.
     #[inline]
     pub fn is_interior_of(self, other: Interval) -> bool {
         self.is_empty()
             || (is_below(other.lo, self.lo, f64::NEG_INFINITY) && is_below(self.hi, other.hi, f64::INFINITY))
     }
 
-    /// Whether the two have no member in common.
+    /// Whether the two intervals have no member in common.
     #[inline]
     pub fn is_disjoint_from(self, other: Interval) -> bool {
         !self.overlaps(other)
     }
 
-    /// Whether each bound is at most the other's: every member here has one above it there, and the reverse.
+    /// Whether each bound of this interval is at most that of `other`: every member has a member of `other` at or above it, and every member of
+    /// `other` has a member of this interval at or below it.
     #[inline]
     pub fn is_less(self, other: Interval) -> bool {
         (self.is_empty() && other.is_empty()) || (self.lo <= other.lo && self.hi <= other.hi)
     }
 
-    /// As [`is_less`](Self::is_less), strictly; equal infinite bounds count as less.
+    /// Whether each bound of this interval is less than that of `other`, as [`is_less`](Self::is_less) but strictly; equal infinite bounds count
+    /// as less.
     #[inline]
     pub fn is_strictly_less(self, other: Interval) -> bool {
         (self.is_empty() && other.is_empty())
             || (is_below(self.lo, other.lo, f64::NEG_INFINITY) && is_below(self.hi, other.hi, f64::INFINITY))
     }
 
-    /// Whether no member is above a member of `other`.
+    /// Whether no member of this interval is above a member of `other`.
     #[inline]
     pub fn precedes(self, other: Interval) -> bool {
         self.is_empty() || other.is_empty() || self.hi <= other.lo
     }
 
-    /// Whether every member is below every member of `other`.
+    /// Whether every member of this interval is below every member of `other`.
     #[inline]
     pub fn strictly_precedes(self, other: Interval) -> bool {
         self.is_empty() || other.is_empty() || self.hi < other.lo
     }
 
-    /// How the two lie on the line.
+    /// How this interval and `other` lie on the real line relative to each other.
     pub fn overlap(self, other: Interval) -> Overlap {
         use std::cmp::Ordering::{Equal, Greater, Less};
         match (self.is_empty(), other.is_empty()) {
@@ -119,7 +123,7 @@ fn is_below(low: f64, high: f64, infinity: f64) -> bool {
     low < high || (low == infinity && high == infinity)
 }
 
-/// Bounds are never NaN here, and −0 equals 0.
+/// Orders two bounds of intervals. They are never NaN here, and −0 equals 0.
 #[inline]
 fn order(a: f64, b: f64) -> std::cmp::Ordering {
     if a < b {

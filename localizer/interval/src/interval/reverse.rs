@@ -1,31 +1,32 @@
-//! Reverse operations: given the result and what is known of the operand, what can the operand be?
+//! Reverse operations: given the interval of an operation's result and an interval known to hold the operand, what can the operand be?
 //!
-//! Each answers with the hull of { x ∈ known : f(x) ∈ result } (the reverse-mode operations of IEEE 1788-2015). They are what the backward pass of a
-//! forward-backward contractor consists of.
+//! Each reverse operation returns the hull of { x ∈ known : f(x) ∈ result } (the reverse-mode operations of IEEE 1788-2015). The backward pass
+//! of a forward-backward contractor consists of these operations.
 
 use super::Interval;
 use super::elementary::{root_down, root_up};
 use super::rounding::{down_sum, up_sum};
 
-/// Above this the bounds of a solution are no narrower than π, so periodic reverses answer with what was known.
+/// Greatest distance from 0, in radians, at which the reverses of periodic functions narrow a bound of an angle: a lower bound below −10¹² and
+/// an upper bound above 10¹² stay as known. Enclosures of multiples of π are some 10⁻⁴ wide there, and grow with the distance.
 const LARGEST_PERIODIC: f64 = 1e12;
 
 const NON_NEGATIVE: Interval = Interval::from_bounds(0.0, f64::INFINITY);
 
 impl Interval {
-    /// Operands in `known` whose square is in `self`.
+    /// Reverse of the square: the operands in `known` whose square is in `self`.
     #[inline]
     pub fn sqr_rev(self, known: Interval) -> Interval {
         even_reverse(self.sqrt(), known)
     }
 
-    /// Operands in `known` whose absolute value is in `self`.
+    /// Reverse of the absolute value: the operands in `known` whose absolute value is in `self`.
     #[inline]
     pub fn abs_rev(self, known: Interval) -> Interval {
         even_reverse(self.intersect(NON_NEGATIVE), known)
     }
 
-    /// Operands in `known` whose power n is in `self`.
+    /// Reverse of the integer power: the operands in `known` whose power n is in `self`.
     pub fn pown_rev(self, known: Interval, n: i32) -> Interval {
         let root = match n {
             0 => {
@@ -37,13 +38,13 @@ impl Interval {
         match (n > 0, n % 2 == 0) {
             (true, true) => even_reverse(root, known),
             (true, false) => root.intersect(known),
-            // xⁿ = c is (1/x)⁻ⁿ = c.
+            // xⁿ = c is the same equation as (1/x)⁻ⁿ = c, where −n is positive.
             (false, true) => even_reverse(root.recip(), known),
             (false, false) => Interval::ONE.mul_rev(root, known),
         }
     }
 
-    /// Real n-th roots, n ≥ 1; the non-negative ones when n is even.
+    /// Real n-th roots of the members for n ≥ 1; only the non-negative roots when n is even.
     fn real_root(self, n: i32) -> Interval {
         let range = if n % 2 == 0 { self.intersect(NON_NEGATIVE) } else { self };
         if range.is_empty() || n == 1 {
@@ -54,38 +55,38 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Angles in `known` whose sine is in `self`.
+    /// Reverse of the sine: the angles in `known` whose sine is in `self`.
     pub fn sin_rev(self, known: Interval) -> Interval {
         let principal = self.asin();
-        // Branch k is centred on kπ; the sine rises on even ones and falls on odd ones.
+        // Branch k of the inverse sine is centred on kπ; the sine rises on even branches and falls on odd ones.
         periodic_reverse(principal, known, 0.5, |k| pi_times(k) + if k % 2 == 0 { principal } else { -principal })
     }
 
-    /// Angles in `known` whose cosine is in `self`.
+    /// Reverse of the cosine: the angles in `known` whose cosine is in `self`.
     pub fn cos_rev(self, known: Interval) -> Interval {
         let principal = self.acos();
-        // Branch k is [kπ, (k + 1)π]; the cosine falls on even ones and rises on odd ones.
+        // Branch k of the inverse cosine is [kπ, (k + 1)π]; the cosine falls on even branches and rises on odd ones.
         periodic_reverse(principal, known, 0.0, |k| {
             if k % 2 == 0 { pi_times(k) + principal } else { pi_times(k + 1) - principal }
         })
     }
 
-    /// Angles in `known` whose tangent is in `self`.
+    /// Reverse of the tangent: the angles in `known` whose tangent is in `self`.
     pub fn tan_rev(self, known: Interval) -> Interval {
         let principal = self.atan();
         periodic_reverse(principal, known, 0.5, |k| pi_times(k) + principal)
     }
 
-    /// Factors x in `known` with x · `factor` in `self`, for some member of `factor`.
+    /// Reverse of the product: the factors x in `known` for which x · y is in `self` for some member y of `factor`.
     #[inline]
     pub fn mul_rev(self, factor: Interval, known: Interval) -> Interval {
         let (first, second) = self.div2(factor);
         first.intersect(known).hull(second.intersect(known))
     }
 
-    /// The tightest c with `other + c ⊇ self` (IEEE 1788: `cancelMinus`): undoes an addition without widening.
+    /// The tightest interval c with `other + c ⊇ self` (IEEE 1788: `cancelMinus`). It undoes an addition without widening.
     ///
-    /// The whole line when `self` is narrower than `other` or one is unbounded.
+    /// The result is the whole line when `self` is narrower than `other`, or when one of the two is unbounded.
     #[inline]
     pub fn cancel_minus(self, other: Interval) -> Interval {
         if self.is_empty() && (other.is_empty() || other.is_bounded()) {
@@ -97,14 +98,14 @@ impl Interval {
         Interval::from_bounds(down_sum(self.lo - other.lo), up_sum(self.hi - other.hi))
     }
 
-    /// The tightest c with `c − other ⊇ self` (IEEE 1788: `cancelPlus`).
+    /// The tightest interval c with `c − other ⊇ self` (IEEE 1788: `cancelPlus`). It undoes a subtraction without widening.
     #[inline]
     pub fn cancel_plus(self, other: Interval) -> Interval {
         self.cancel_minus(-other)
     }
 }
 
-/// kπ; exact multiples of the bounds of π where there are such.
+/// Enclosure of kπ. Where k times the bounds of π is exact (k = ±1, ±2, ±4), the enclosure is not rounded outward.
 #[inline]
 fn pi_times(k: i64) -> Interval {
     let factor = k as f64;
@@ -115,13 +116,14 @@ fn pi_times(k: i64) -> Interval {
     }
 }
 
-/// Operands of an even function that has the value y ≥ 0 exactly at ±y.
+/// Reverse of an even function: the operands in `known` whose absolute value is in `magnitude`.
 #[inline]
 fn even_reverse(magnitude: Interval, known: Interval) -> Interval {
     magnitude.intersect(known).hull((-magnitude).intersect(known))
 }
 
-/// Hull of the branches that meet `known`. Branch k lies in [(k − offset)π, (k + 1 − offset)π] and moves up with k.
+/// Hull of those branches of a periodic function's inverse that meet `known`. Branch k lies in [(k − offset)π, (k + 1 − offset)π] and moves up
+/// with k.
 fn periodic_reverse(principal: Interval, known: Interval, offset: f64, branch: impl Fn(i64) -> Interval) -> Interval {
     if principal.is_empty() || known.is_empty() {
         return Interval::EMPTY;
@@ -146,7 +148,7 @@ fn periodic_reverse(principal: Interval, known: Interval, offset: f64, branch: i
     }
 }
 
-/// Whether a is narrower than b, decided on the exact widths.
+/// Whether interval a is narrower than interval b, decided on the exact widths.
 #[inline]
 fn is_narrower(a: Interval, b: Interval) -> bool {
     let (a_width, a_error) = exact_difference(a.hi, a.lo);
@@ -154,11 +156,13 @@ fn is_narrower(a: Interval, b: Interval) -> bool {
     a_width < b_width || (a_width == b_width && a_error < b_error)
 }
 
-/// x − y as an unevaluated sum, rounded part first (Knuth's two-sum); halved when it would overflow.
+/// The difference x − y as an unevaluated sum of two numbers, the rounded difference first (Knuth's two-sum). If it overflows, the first number
+/// is infinite and the second is half of the difference.
 fn exact_difference(x: f64, y: f64) -> (f64, f64) {
     let difference = x - y;
     if difference.is_infinite() {
-        // Larger than any width that does not overflow, and still ordered among those that do.
+        // Of a difference that overflows, the infinite first number is larger than any width that does not, and the second number still orders
+        // such differences.
         let (half, error) = exact_difference(0.5 * x, 0.5 * y);
         return (f64::INFINITY, half + error);
     }

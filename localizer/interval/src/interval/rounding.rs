@@ -1,25 +1,27 @@
-//! Outward steps in round-to-nearest, without touching the rounding mode.
+//! Outward rounding of results that were rounded to nearest, without touching the rounding mode.
 //!
-//! Source: S. M. Rump, P. Zimmermann, S. Boldo, G. Melquiond, "Computing predecessor and successor in rounding to nearest",
-//! BIT 49 (2009), algorithm 1: with φ = u (1 + 2u), u = 2⁻⁵³, `c − φ|c|` and `c + φ|c|` rounded to nearest are the
-//! neighbours of c as long as φ|c| does not underflow. Below that, which only tiny numbers reach, bits are stepped.
+//! Source: S. M. Rump, P. Zimmermann, S. Boldo, G. Melquiond, "Computing predecessor and successor in rounding to nearest", BIT 49 (2009),
+//! algorithm 1: with φ = u (1 + 2u), u = 2⁻⁵³, the numbers `c − φ|c|` and `c + φ|c|` rounded to nearest are the neighbours of c as long as φ|c|
+//! does not underflow. It underflows for tiny numbers only, whose bits are stepped instead.
 
-/// φ = u (1 + 2u).
+/// The factor φ = u (1 + 2u) with u = 2⁻⁵³; φ|c| added to a number c gives its upper neighbour.
 const PHI: f64 = 0.5 * f64::EPSILON * (1.0 + f64::EPSILON);
 
-/// 2⁻⁹⁶⁰: from here up φ|c| is a normal number (it needs |c| ≥ 2⁻⁹⁶⁹; the margin covers products of lanes).
+/// Smallest magnitude of a number that counts as regular, 2⁻⁹⁶⁰: from here up φ|c| is a normal number. That needs only |c| ≥ 2⁻⁹⁶⁹; the rest is
+/// margin.
 const REGULAR: f64 = f64::from_bits((1023 - 960) << 52);
 
-/// Below 2⁻¹⁰²¹ every multiple of 2⁻¹⁰⁷⁴ is a double, hence every sum is exact.
+/// Magnitude below which sums are exact: below 2⁻¹⁰²¹ every multiple of 2⁻¹⁰⁷⁴ is a double, hence every sum of doubles is exact.
 const EXACT_SUM: f64 = 2.0 * f64::MIN_POSITIVE;
 
-/// Whether the fast step is valid: false for tiny numbers, infinities and NaN.
+/// Whether the fast step to the neighbouring double is valid for a number: false for tiny numbers, infinities and NaN.
 #[inline(always)]
 pub(super) fn is_regular(nearest: f64) -> bool {
     (nearest.abs() >= REGULAR) & (nearest.abs() < f64::INFINITY)
 }
 
-/// Whether it is for both ends of an interval; one subtraction tells infinities and NaN in either.
+/// Whether the fast step to the neighbouring double is valid for both ends of an interval; one subtraction detects infinities and NaN in either
+/// end.
 #[inline(always)]
 pub(super) fn are_regular(lo: f64, hi: f64) -> bool {
     let (below, above) = (lo.abs(), hi.abs());
@@ -27,13 +29,13 @@ pub(super) fn are_regular(lo: f64, hi: f64) -> bool {
     (least >= REGULAR) & (hi - lo < f64::INFINITY)
 }
 
-/// The number below a regular one.
+/// The double next below a number that is neither tiny nor infinite nor NaN.
 #[inline(always)]
 pub(super) fn down_regular(nearest: f64) -> f64 {
     nearest - PHI * nearest.abs()
 }
 
-/// The number above a regular one.
+/// The double next above a number that is neither tiny nor infinite nor NaN.
 #[inline(always)]
 pub(super) fn up_regular(nearest: f64) -> f64 {
     nearest + PHI * nearest.abs()
@@ -51,13 +53,13 @@ pub(super) fn up(nearest: f64) -> f64 {
     if is_regular(nearest) { up_regular(nearest) } else { nearest.next_up() }
 }
 
-/// A lower bound of a sum or difference; tiny sums are exact.
+/// A lower bound of a real sum or difference that was rounded to `nearest`; tiny sums are exact.
 #[inline(always)]
 pub(super) fn down_sum(nearest: f64) -> f64 {
     if is_regular(nearest) { down_regular(nearest) } else { down_small_sum(nearest) }
 }
 
-/// An upper bound of a sum or difference; tiny sums are exact.
+/// An upper bound of a real sum or difference that was rounded to `nearest`; tiny sums are exact.
 #[inline(always)]
 pub(super) fn up_sum(nearest: f64) -> f64 {
     if is_regular(nearest) { up_regular(nearest) } else { -down_small_sum(-nearest) }
@@ -68,13 +70,13 @@ fn down_small_sum(nearest: f64) -> f64 {
     if nearest.abs() < EXACT_SUM { nearest } else { nearest.next_down() }
 }
 
-/// Two steps down: a lower bound when the result is off by less than one and a half units in the last place.
+/// Moves `nearest` two doubles down: a lower bound of the real result when `nearest` is off by less than one and a half units in the last place.
 #[inline(always)]
 pub(super) fn down_twice(nearest: f64) -> f64 {
     down(down(nearest))
 }
 
-/// Two steps up: an upper bound when the result is off by less than one and a half units in the last place.
+/// Moves `nearest` two doubles up: an upper bound of the real result when `nearest` is off by less than one and a half units in the last place.
 #[inline(always)]
 pub(super) fn up_twice(nearest: f64) -> f64 {
     up(up(nearest))

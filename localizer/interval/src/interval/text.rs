@@ -1,7 +1,8 @@
-//! Text and serde forms. What is printed reads back as the same interval; what is read contains the number written.
+//! Text and serde forms of intervals. What is printed reads back as the same interval, and an interval that is read contains the numbers
+//! written.
 //!
-//! Read: `[1, 2]`, `[0.1]`, `[-inf, 2]`, `[, 2]`, `[1/3, 2/3]`, `[0x1.8p-1, 1]`, `[empty]`, `[]`, `[entire]`, `[,]`, in any case
-//! and with spaces anywhere around the numbers (the interval literals of IEEE 1788-2015, without the uncertain form `2.5?`).
+//! The forms that are read are `[1, 2]`, `[0.1]`, `[-inf, 2]`, `[, 2]`, `[1/3, 2/3]`, `[0x1.8p-1, 1]`, `[empty]`, `[]`, `[entire]`, `[,]`, in
+//! upper or lower case and with spaces anywhere around the numbers (the interval literals of IEEE 1788-2015, without the uncertain form `2.5?`).
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Interval;
 
-/// Text that is not an interval.
+/// Error for a text that is not an interval.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("read interval from {text:?}: expected [lower, upper], [number], [empty] or [entire] with lower ≤ upper")]
 pub struct ParseIntervalError {
@@ -26,7 +27,8 @@ impl FromStr for Interval {
 }
 
 impl fmt::Display for Interval {
-    /// Shortest decimals that read back as the same bounds; with a precision, as in `{:.3}`, decimals rounded outward to it.
+    /// Writes the shortest decimals that read back as the same bounds; with a precision, as in `{:.3}`, decimals rounded outward to that
+    /// precision.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_empty() {
             return formatter.write_str("[empty]");
@@ -45,7 +47,7 @@ impl fmt::Debug for Interval {
     }
 }
 
-/// As text, because numbers in JSON cannot be infinite.
+/// An interval is serialised as text, because numbers in JSON cannot be infinite.
 impl Serialize for Interval {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
@@ -78,11 +80,11 @@ fn parse_interval(text: &str) -> Option<Interval> {
         number => enclose_number(number)?.hi,
     };
     let interval = Interval::new(lo, hi);
-    // Two bounds that cross are a mistake of the writer, not an empty interval.
+    // In the text of an interval, a lower bound above the upper one is a mistake of the writer and does not stand for an empty interval.
     (!interval.is_empty()).then_some(interval)
 }
 
-/// Tightest interval around a decimal, hexadecimal or rational literal.
+/// Tightest interval around the number that a decimal, hexadecimal or rational literal stands for.
 fn enclose_number(literal: &str) -> Option<Interval> {
     let literal = literal.trim();
     if let Some((numerator, denominator)) = literal.split_once('/') {
@@ -100,20 +102,20 @@ fn enclose_number(literal: &str) -> Option<Interval> {
     Some(if is_negative { -enclosure } else { enclosure })
 }
 
-/// `1.8p-1` stands for 1.5 · 2⁻¹. At most 16 digits are read.
+/// Tightest interval around the number that a hexadecimal literal stands for: `1.8p-1` is 1.5 · 2⁻¹. At most 16 digits are read.
 fn enclose_hexadecimal(literal: &str) -> Option<Interval> {
     let (significand, exponent) = literal.split_once('p').unwrap_or((literal, "0"));
     let (whole, fraction) = significand.split_once('.').unwrap_or((significand, ""));
     let digits = format!("{whole}{fraction}");
     let bits = u64::from_str_radix(&digits, 16).ok()?;
     let exponent = exponent.parse::<i32>().ok()?.checked_sub(4 * i32::try_from(fraction.len()).ok()?)?;
-    // Two factors, because a whole number times 2⁻¹⁰⁷⁴ may be exact while 2¹⁰⁷⁴ overflows.
+    // The power of two is applied as two factors, because a whole number times 2⁻¹⁰⁷⁴ may be exact while 2¹⁰⁷⁴ overflows.
     let (first, second) = (2f64.powi(exponent / 2), 2f64.powi(exponent - exponent / 2));
     let nearest = bits as f64 * first * second;
     Some(around(nearest, u128::from(bits).cmp(&((nearest / second / first) as u128))))
 }
 
-/// Tightest interval around a non-negative real number: its double, and how the number compares with it.
+/// Tightest interval around a non-negative real number, given the double nearest to it and how the number compares with that double.
 fn around(nearest: f64, real_to_nearest: Ordering) -> Interval {
     match real_to_nearest {
         Ordering::Less => Interval::from_bounds(nearest.next_down(), nearest),
@@ -122,7 +124,7 @@ fn around(nearest: f64, real_to_nearest: Ordering) -> Interval {
     }
 }
 
-/// Tightest interval around an unsigned decimal: the nearest double, and its neighbour on the side of the decimal.
+/// Tightest interval around an unsigned decimal literal: the nearest double, and its neighbour on the side of the decimal.
 fn enclose_decimal(literal: &str) -> Option<Interval> {
     if !literal.starts_with(|first: char| first.is_ascii_digit() || first == '.') {
         return None;
@@ -131,12 +133,12 @@ fn enclose_decimal(literal: &str) -> Option<Interval> {
     if nearest.is_infinite() {
         return Some(around(nearest, Ordering::Less));
     }
-    // 767 significant digits write any double exactly.
+    // 767 significant decimal digits are enough to write any double exactly.
     let exact = format!("{nearest:.766e}");
     Some(around(nearest, Decimal::parse(literal)?.cmp(&Decimal::parse(&exact)?)))
 }
 
-/// 0.d₁d₂d₃… · 10^exponent with d₁ ≠ 0 and no zero at the end; no digit for zero.
+/// A decimal number 0.d₁d₂d₃… · 10^exponent with d₁ ≠ 0 and no zero at the end; the number zero has no digit.
 #[derive(PartialEq, Eq)]
 struct Decimal {
     digits: Vec<u8>,
@@ -164,7 +166,7 @@ impl Decimal {
     }
 }
 
-/// Shortest decimal that reads back as this lower bound.
+/// Shortest decimal text that reads back as this lower bound.
 fn lower_text(bound: f64) -> String {
     if bound.is_infinite() {
         return "-inf".to_owned();
@@ -174,7 +176,8 @@ fn lower_text(bound: f64) -> String {
     if reads_back(&shortest) {
         return shortest;
     }
-    // The shortest decimal may lie on the wrong side of the double. More digits come closer, in the end exactly.
+    // The shortest decimal may lie on the wrong side of the double. Decimals with more digits come closer to the double, and in the end are
+    // exact.
     let is_ordinary = (1e-5..1e16).contains(&bound.abs());
     let leading = bound.abs().log10().floor();
     let written = |n_digits: usize| match is_ordinary {
@@ -184,14 +187,14 @@ fn lower_text(bound: f64) -> String {
     (16..40).map(written).find(reads_back).unwrap_or_else(|| format!("{bound:.766e}"))
 }
 
-/// The bound with this many decimals, not above it.
+/// Text of a bound with this many decimals, rounded so that the text is not above the bound.
 fn rounded_down(bound: f64, n_decimals: usize) -> String {
     if bound.is_infinite() {
         return "-inf".to_owned();
     }
     let step = 10f64.powi(-i32::try_from(n_decimals).unwrap_or(i32::MAX));
     let is_below = |text: &String| enclose_number(text).is_some_and(|read| read.hi <= bound);
-    // Rounded to nearest it may be above, one step lower it cannot be, unless the step is lost in the bound itself.
+    // Rounded to nearest, the text may be above the bound. One step lower it cannot be, unless the step is too small to change the bound.
     let candidates = [bound, bound - step, bound - 2.0 * step].map(|value| format!("{value:.n_decimals$}"));
     candidates.into_iter().find(is_below).unwrap_or_else(|| lower_text(bound))
 }
@@ -199,7 +202,7 @@ fn rounded_down(bound: f64, n_decimals: usize) -> String {
 fn negated_text(text: String) -> String {
     match text.strip_prefix('-') {
         Some(magnitude) => magnitude.to_owned(),
-        // Zero, with any number of decimals, has no sign.
+        // Zero, with any number of decimals, is written without a sign.
         None if text.bytes().all(|byte| matches!(byte, b'0' | b'.')) => text,
         None => format!("-{text}"),
     }

@@ -1,13 +1,13 @@
-//! Sine, cosine, tangent and their inverses.
+//! Sine, cosine, tangent and their inverses, of intervals.
 //!
-//! Extrema and poles are found by the quadrants of the two ends. Far from a quadrant boundary a multiplication by 2/π decides;
-//! near one, or for large arguments, the signs of sine and cosine decide: they are right for every double, because the
-//! reduction inside `pxfm` keeps enough digits of π. No multiple of π is ever rounded.
+//! Extrema and poles inside an interval are found by the quadrants of its two ends. Far from a quadrant boundary a multiplication by 2/π decides
+//! on the quadrant; near one, or for large arguments, the signs of sine and cosine decide. These signs are right for every double, because the
+//! argument reduction inside `pxfm` keeps enough digits of π. No multiple of π is ever rounded.
 
 use super::Interval;
 use super::rounding::{down_twice, up_twice};
 
-/// Whole circle in quadrants.
+/// Number of quadrants in a whole circle.
 const QUADRANTS: u32 = 4;
 
 /// π/2 rounded up.
@@ -17,20 +17,20 @@ const HALF_PI_UP: f64 = std::f64::consts::FRAC_PI_2.next_up();
 const PI_UP: f64 = std::f64::consts::PI.next_up();
 
 impl Interval {
-    /// Sine.
+    /// Sine of the members.
     #[inline]
     pub fn sin(self) -> Interval {
         self.wave(pxfm::f_sin, 0)
     }
 
-    /// Cosine.
+    /// Cosine of the members.
     #[inline]
     pub fn cos(self) -> Interval {
         // The cosine is the sine one quadrant later.
         self.wave(pxfm::f_cos, 1)
     }
 
-    /// Sine or cosine: highest where quadrant 0 of the shifted argument ends, lowest where quadrant 2 ends.
+    /// Sine or cosine of the members. The wave is highest where quadrant 0 of the shifted argument ends, and lowest where quadrant 2 ends.
     #[inline]
     fn wave(self, function: impl Fn(f64) -> f64, shift: u32) -> Interval {
         const FULL: Interval = Interval::from_bounds(-1.0, 1.0);
@@ -51,7 +51,7 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Tangent; the whole line when a pole is inside.
+    /// Tangent of the members; the whole line when a pole is inside the interval.
     #[inline]
     pub fn tan(self) -> Interval {
         if self.is_empty() {
@@ -65,7 +65,7 @@ impl Interval {
         }
     }
 
-    /// Inverse sine in [−π/2, π/2] of the members in [−1, 1].
+    /// Inverse sine, in [−π/2, π/2], of the members that are in [−1, 1].
     #[inline]
     pub fn asin(self) -> Interval {
         let domain = self.intersect(Interval::from_bounds(-1.0, 1.0));
@@ -77,7 +77,7 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Inverse cosine in [0, π] of the members in [−1, 1].
+    /// Inverse cosine, in [0, π], of the members that are in [−1, 1].
     #[inline]
     pub fn acos(self) -> Interval {
         let domain = self.intersect(Interval::from_bounds(-1.0, 1.0));
@@ -89,7 +89,7 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Inverse tangent in (−π/2, π/2).
+    /// Inverse tangent of the members, in (−π/2, π/2).
     #[inline]
     pub fn atan(self) -> Interval {
         if self.is_empty() {
@@ -100,7 +100,7 @@ impl Interval {
         Interval::from_bounds(lo, hi)
     }
 
-    /// Angle in (−π, π] of the vectors (x, y), as `f64::atan2`: `self` is y. The vector (0, 0) has none.
+    /// Angle in (−π, π] of the vectors (x, y) in a box, as in `f64::atan2`: `self` is y. The vector (0, 0) has no angle.
     ///
     /// A box that touches the cut (y = 0 and x < 0) from below gives all of [−π, π].
     pub fn atan2(self, x: Interval) -> Interval {
@@ -120,11 +120,11 @@ impl Interval {
         Interval::from_bounds(angle_down(y.lo, x.lo), angle_up(y.hi, x.lo))
     }
 
-    /// Quadrant (0 to 3) of the lower end, and how many quadrant boundaries lie between the ends (4: at least four).
-    /// `None` when unbounded or wider than a circle.
+    /// Quadrant (0 to 3) of the interval's lower end, and the number of quadrant boundaries between its ends, at most 4. `None` when the
+    /// interval is unbounded or wider than a circle.
     #[inline]
     fn quadrants(self) -> Option<(u32, u32)> {
-        // The double nearest to 2π is below it: a narrower interval crosses at most four boundaries.
+        // The double nearest to 2π is below 2π, so that an interval no wider than that double crosses at most four quadrant boundaries.
         let width = self.hi - self.lo;
         if width > std::f64::consts::TAU {
             return None;
@@ -136,23 +136,24 @@ impl Interval {
         }
         let (first, last) = (quadrant_by_signs(self.lo), quadrant_by_signs(self.hi));
         let crossed = (last + QUADRANTS - first) % QUADRANTS;
-        // The same quadrant at both ends is either none crossed (width < π/2) or all four (width > 3π/2).
+        // When both ends are in the same quadrant, either no quadrant boundary is crossed (width < π/2) or all four are (width > 3π/2).
         Some((first, if crossed == 0 && width > 3.0 { QUADRANTS } else { crossed }))
     }
 }
 
-/// Whether, starting in quadrant `first` and crossing `crossed` boundaries, the end of `quadrant` is crossed.
+/// Whether an interval that starts in quadrant `first` and crosses `crossed` quadrant boundaries crosses the end of `quadrant`.
 #[inline(always)]
 fn crosses(first: u32, crossed: u32, quadrant: u32) -> bool {
     (quadrant + QUADRANTS - first) % QUADRANTS < crossed
 }
 
-/// ⌊x / (π/2)⌋ modulo 2³², and whether a product in doubles was enough to be sure.
+/// The number ⌊x / (π/2)⌋ of x's quadrant modulo 2³², and whether a product in doubles was enough to be sure of it.
 #[inline(always)]
 fn quadrant_count(x: f64) -> (u32, bool) {
-    // |x| < 2²⁰ and a relative error below 2⁻⁵¹ put the quotient within 2⁻³¹; the guard is 2⁻³⁰.
+    // With |x| < 2²⁰ and a relative error below 2⁻⁵¹ the quotient x / (π/2) is off by at most 2⁻³¹; the guard distance from a whole number is
+    // 2⁻³⁰.
     const GUARD: f64 = 1.0 / (1u64 << 30) as f64;
-    // Adding 1.5 · 2⁵² rounds to a whole number, which then stands in the low bits.
+    // Adding 1.5 · 2⁵² rounds the quotient to a whole number, which then stands in the low bits of the sum.
     const WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
     let quotient = x * std::f64::consts::FRAC_2_PI;
     let shifted = quotient + WHOLE;
@@ -171,7 +172,8 @@ fn quadrant_by_signs(x: f64) -> u32 {
     }
 }
 
-/// Zero is exact in every function here: at no other double is one of them zero, and none is zero at another place.
+/// Lower bound of a trigonometric function's value that was computed as `nearest`. A computed zero is exact, because each function gives zero
+/// only at a double where its true value is zero.
 #[inline(always)]
 fn widened_down(nearest: f64) -> f64 {
     if nearest == 0.0 { 0.0 } else { down_twice(nearest) }
@@ -182,12 +184,13 @@ fn widened_up(nearest: f64) -> f64 {
     if nearest == 0.0 { 0.0 } else { up_twice(nearest) }
 }
 
-/// Angles of a box with y ≥ 0, not the origin alone.
+/// Angles of the vectors in a box with y ≥ 0 that is not the origin alone.
 fn upper_half_plane_angle(y: Interval, x: Interval) -> Interval {
     if y.hi == 0.0 && x.hi <= 0.0 {
         return Interval::PI;
     }
-    // The lowest direction is a corner on the right, the highest a corner on the left; which one depends on the side of the y axis.
+    // The lowest direction is that of a corner on the box's right side, the highest that of a corner on its left side. Which of the two corners
+    // depends on the side of the y axis.
     let lo = if x.hi > 0.0 { angle_down(y.lo, x.hi) } else { angle_down(y.hi, x.hi) };
     let hi = if x.lo >= 0.0 { angle_up(y.hi, x.lo) } else { angle_up(y.lo, x.lo) };
     Interval::from_bounds(lo.max(0.0), hi)
@@ -196,7 +199,7 @@ fn upper_half_plane_angle(y: Interval, x: Interval) -> Interval {
 #[inline]
 fn angle_down(y: f64, x: f64) -> f64 {
     let nearest = pxfm::f_atan2(y + 0.0, x + 0.0);
-    // A tiny angle may have underflowed to zero from either side.
+    // A tiny angle may have underflowed to zero from either side, so only an angle that is exactly zero stays zero.
     if y == 0.0 && x >= 0.0 { 0.0 } else { down_twice(nearest).max(-PI_UP) }
 }
 
