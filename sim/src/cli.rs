@@ -1,4 +1,4 @@
-//! The command `wherein`: what it is asked, and how it answers.
+//! The command `wherein`: its subcommands, their arguments, and what they print.
 
 use std::{
     io::{self, Write},
@@ -39,7 +39,7 @@ use results_arguments::{CompareArguments, MergeArguments, Outputs, ReportArgumen
 #[derive(Debug, Parser)]
 #[command(name = "wherein", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 struct Cli {
-    /// Graphics adapter to render with, by a part of its name, driver or backend. WHEREIN_ADAPTER says the same.
+    /// Graphics adapter to render with, by a part of its name, driver or backend. The environment variable WHEREIN_ADAPTER has the same effect.
     #[arg(long, value_name = "NAME", global = true)]
     adapter: Option<String>,
     #[command(subcommand)]
@@ -67,46 +67,46 @@ Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Runs scenes and records what they leave behind.
+    /// Runs scenes with the localizer and records the results.
     Run(run::RunArguments),
-    /// Tells the localizer ever narrower bounds until it loses the truth: how tight the declared ones are.
+    /// Gives the localizer ever narrower bounds until it loses the truth, to show how tight the declared bounds are.
     Weaken(weaken::WeakenArguments),
-    /// Runs one scene with every combination of the values of some keys, and reports on all of them.
+    /// Runs one scene with every combination of the values of some keys, and reports on all of these runs.
     Sweep(SweepArguments),
     /// Writes the report of a folder of results: report.html, summary.md and results.csv.
     Report(ReportArguments),
-    /// Says in which figures results are better or worse than others, case by case.
+    /// Compares two sets of results case by case, and prints which figures are better or worse in the second.
     Compare(CompareArguments),
-    /// Brings the parts of a sweep together that several machines ran with --shard.
+    /// Merges the parts of a sweep that several machines ran with --shard.
     Merge(MergeArguments),
-    /// Searches random scenes for one that breaks the promise, and makes it small.
+    /// Searches random scenes for one in which the program or the localizer fails, and reduces that scene to a small one.
     Falsify(falsify::FalsifyArguments),
     /// Takes pictures of a robot that stands still, one per camera.
     Render(render::RenderArguments),
-    /// Writes the sheet to print of a scene's ceiling markers and their map, and says whether they cover the room.
+    /// Writes a printable sheet of a scene's ceiling markers and their map, and prints whether the markers cover the room.
     Markers(markers::MarkersArguments),
     /// Runs the localizer on a recording, without the simulator, and compares its estimates with the recorded ones.
     Replay(replay::ReplayArguments),
-    /// Prints a Markdown table of recorded runs, or puts it into a document.
+    /// Prints a Markdown table of recorded runs, or inserts the table into a document.
     Table(table::TableArguments),
-    /// Writes a scene's occupancy grid as files of ROS's map_server.
+    /// Writes a scene's occupancy grid as files for ROS's map_server.
     Map(map::MapArguments),
-    /// Prints a scene as one text, with what it extends and what is set.
+    /// Prints a scene as one text, with all that it extends and all keys that are set.
     Scene(SceneArguments),
     /// Prints the JSON schema of scene files.
     Schema {
-        /// Print a page of all keys to read instead.
+        /// Print a readable page of all keys instead of the JSON schema.
         #[arg(long)]
         markdown: bool,
     },
-    /// Prints completions for a shell, to be put where it looks for them.
+    /// Prints completions for a shell, to be saved where the shell searches for completions.
     Completions {
-        /// The shell.
+        /// The shell to print completions for.
         shell: Shell,
     },
-    /// Prints the manual page of the command, or writes one for each subcommand too.
+    /// Prints the manual page of the command, or writes one page for each subcommand too.
     Man {
-        /// Write wherein.1, wherein-run.1 and so on into this folder instead.
+        /// Write the pages wherein.1, wherein-run.1 and so on into this folder instead of printing one.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
@@ -114,7 +114,7 @@ enum Command {
     Adapter,
 }
 
-/// What `wherein scene` is asked.
+/// Arguments of `wherein scene`.
 #[derive(Debug, Args)]
 struct SceneArguments {
     /// Scene file.
@@ -125,7 +125,7 @@ struct SceneArguments {
     set: Vec<Setting>,
 }
 
-/// Runs the command that the process was asked for.
+/// Runs the subcommand that the process's arguments name, and returns its exit code.
 pub fn main() -> ExitCode {
     let Cli { adapter, command } = Cli::parse();
     let adapter = adapter.as_deref();
@@ -165,7 +165,7 @@ fn print_adapter(adapter: Option<&str>) -> Result<(), CommandError> {
     print(&format!("{}\n", renderer.adapter()))
 }
 
-/// Writes to standard output. A reader that has seen enough, such as `head`, is no error.
+/// Writes to standard output. A closed output is no error: a reader such as `head` stops reading early.
 fn print(text: &str) -> Result<(), CommandError> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {

@@ -7,7 +7,7 @@
 //!                  run(): RunRecord { Truth, Answer } ─> judge() ─> Verdict ─> artefacts
 //! ```
 //!
-//! Modules in reading order, from the file to the verdict.
+//! The modules are listed in reading order, from the scene file to the verdict.
 
 pub mod scene;
 pub mod loading;

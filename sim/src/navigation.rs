@@ -1,4 +1,4 @@
-//! Where a robot can go: occupancy grids, their files, and ways through them. Pure but for [`map_server`]'s files.
+//! Where a robot can go: occupancy grids, their files, and shortest paths through them. Only [`map_server`] touches files.
 
 mod grid;
 pub mod map_server;

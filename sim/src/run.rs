@@ -1,4 +1,4 @@
-//! The closed loop: the one screen where everything meets.
+//! The closed loop of a run: world, sensors, localizer under test, driver and recorder, step by step.
 
 mod clearance;
 mod counterfactual;
@@ -38,20 +38,21 @@ pub use witness::Witness;
 use counterfactual::Otherwise;
 use recorder::Recorder;
 
-/// Time between two estimates, two commands and two checks.
+/// Time between two steps of the loop. Each step has one estimate, one command and one check against the truth.
 const STEP_S: f64 = 0.01;
-/// Physics steps in that time.
+/// Number of physics steps in one step of 10 ms of the simulation loop.
 const PHYSICS_STEPS: usize = 10;
 
-/// What a run keeps besides its figures.
+/// Options of a run: what its record keeps besides its figures.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions {
-    /// Which images stay in the record, for debug frames.
+    /// Which images stay in the record, so that debug frames can be drawn from them.
     pub keep_images: FramesPolicy,
 }
 
-/// Runs the scene with one seed: its route, or its stations one after another. `subject` is given all readings, and where the scene drives by
-/// estimates, it is driven by the subject's. `progress` is told the simulated time now and then.
+/// Runs a scene with one seed: its route, or its stations one after another. `subject`, the localizer under test, is given all readings.
+/// Where the scene drives by estimates, the driver steers by the estimates of `subject`. `progress` is called now and then with the
+/// simulated time.
 ///
 /// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
 pub fn run(
@@ -65,7 +66,7 @@ pub fn run(
     run_witnessed(scene, seed, subject, renderer, options, &mut (), progress)
 }
 
-/// Runs like [`run`] while `witness` looks on.
+/// Runs a scene like [`run`], and reports each event of the run to `witness`.
 pub fn run_witnessed(
     scene: &Scene,
     seed: u64,
@@ -81,8 +82,8 @@ pub fn run_witnessed(
     as_it_is.run(subject, renderer, options, witness, progress)
 }
 
-/// Simulates a recorded run again, by its commands, with something otherwise; it keeps no images and asks no baselines. `subject_of` makes the
-/// subject anew of what the scene then tells it.
+/// Simulates a recorded run again by its recorded commands, with the changes of a counterfactual. The repetition keeps no images and
+/// computes no baselines. `subject_of` makes a new localizer from the values that the changed scene gives it.
 ///
 /// Errors when a camera cannot be rendered; a robot without a camera needs no renderer.
 pub fn run_otherwise(
@@ -99,21 +100,21 @@ pub fn run_otherwise(
     again.run(&mut *subject, renderer, &RunOptions::default(), &mut (), progress)
 }
 
-/// One run: what is simulated, what the subject is told, and who drives.
+/// One simulation of a run: what is simulated, what the localizer under test is given, and who commands the wheels.
 struct Simulation<'a> {
     seed: u64,
     otherwise: Otherwise<'a>,
     asked: &'a Counterfactual,
-    /// The commands that were given; the scene's own driver gives them unless they are recorded.
+    /// The recorded wheel commands of the run that is repeated. Without them the scene's own driver commands the wheels.
     commands: Option<&'a [WheelCommand]>,
 }
 
-/// What is driven without interruption: the scene's route or errands, or one of its stations.
+/// One uninterrupted drive: the scene's route or errands, or one of its stations.
 struct Drive<'a> {
     scene: &'a Scene,
     seed: u64,
     drawn: &'a Drawn,
-    /// Where the subject is told that the robot starts.
+    /// Box of poses in which the drive starts, as the localizer under test is given it.
     start: PoseBox,
 }
 
@@ -140,7 +141,7 @@ impl Simulation<'_> {
         }
         for (index, station) in scene.stations.iter().enumerate() {
             let here = scene.at_station(station);
-            // The robot and the floor are the same at every station; where in its box it stands and the noise are not.
+            // The robot and the floor are the same at every station. The robot's place in the station's start box and the noise are drawn anew.
             let noise_seed = self.seed.wrapping_add((index as u64 + 1) << 32);
             let drawn_here = Drawn { start: Drawn::draw(&here, noise_seed).start, ..drawn.clone() };
             record.restart(index, here.duration_s, &here);
@@ -153,7 +154,7 @@ impl Simulation<'_> {
         Ok(record.finish(began))
     }
 
-    /// One uninterrupted drive.
+    /// Simulates one uninterrupted drive, step by step.
     fn drive(
         &self,
         &Drive { scene, seed, drawn, start }: &Drive<'_>,
@@ -193,7 +194,7 @@ impl Simulation<'_> {
         Ok(())
     }
 
-    /// What the driver commands; nothing more when the errands are done.
+    /// Returns the driver's next wheel command, or `None` when the errands are done.
     fn ask(
         &self,
         pilot: &mut Pilot,
@@ -216,20 +217,20 @@ impl Simulation<'_> {
         Some(pilot.command(&believed, fan.as_ref(), time_s))
     }
 
-    /// Where the subject of a drive is told of slip.
+    /// Returns the spans of time of a drive in which the localizer is given wider bounds on slip.
     fn slips(&self, offset_s: f64) -> Vec<SlipExcess> {
         self.asked.slips(offset_s, self.otherwise.told.robot.delivery.stamp_tolerance_s)
     }
 
-    /// Whether no more of the run is asked for.
+    /// Whether the simulation ends before this step, because the counterfactual needs no more of the run.
     fn has_ended(&self, record: &Recorder<'_>, time_s: f64) -> bool {
-        // Half a step of slack, as times are sums of decimals.
+        // Half a step is added for rounding, as times are sums of decimal numbers that are not exact in binary.
         self.asked.until_s.is_some_and(|until_s| record.offset_s + time_s > until_s + 0.5 * STEP_S)
             || self.asked.until_lost_after_s.is_some_and(|after_s| time_s > after_s - 0.5 * STEP_S)
                 && record.history.lost_at_last_step()
     }
 
-    /// Hands what arrives at one instant to the subject.
+    /// Observes the sensors at one instant and hands the readings that arrive to the localizer under test.
     fn look(
         &self,
         world: &World,

@@ -1,4 +1,4 @@
-//! Drives past landmarks that nobody has mapped: poses and landmarks contract each other, and neither loses the truth.
+//! Simulated drives past landmarks that no map contains: poses and landmarks contract each other, and the box of neither ever loses the truth.
 
 use std::collections::BTreeMap;
 
@@ -18,10 +18,10 @@ use crate::range_landmarks_setup::{
 };
 
 const STEP_S: f64 = 0.1;
-/// What the motion between two readings is known to: forward, left, turn.
+/// Radius of the odometry's error between two readings: forward, left (metres) and turn (radians).
 const ODOMETRY: [f64; 3] = [0.002, 0.002, 0.003];
 
-/// Round and round a circle, or to and fro on a line when `turn_rad_per_s` is 0.
+/// True path of the robot: a circle driven again and again, or a line driven to and fro when `turn_rad_per_s` is 0.
 struct Path {
     start: [f64; 3],
     speed_m_per_s: f64,
@@ -45,7 +45,7 @@ impl Path {
     }
 }
 
-/// A drive in progress, with the part of a localizer played by the test.
+/// A simulated drive in progress; the test itself takes the part of the localizer that carries the pose and calls the method.
 struct Drive {
     path: Path,
     camera: TrueCamera,
@@ -54,7 +54,7 @@ struct Drive {
     q_items: usize,
     method: RangeLandmarks,
     pose: PoseUnion,
-    /// Motions as told, each to its stamp.
+    /// Motion boxes that the odometry reported, each with the stamp at its end.
     told: Vec<(f64, Motion)>,
     time_s: f64,
     n_false: usize,
@@ -85,7 +85,7 @@ impl Drive {
         }
     }
 
-    /// The reading at a stamp, taken at most 1 ms off it.
+    /// The range camera's reading with the current time as its stamp, taken at most 1 ms before or after that stamp.
     fn reading(&mut self) -> Reading {
         let seen_from = self.path.pose(self.time_s + 0.001 * corner(&mut self.rng));
         let mut sightings: Vec<_> =
@@ -95,7 +95,7 @@ impl Drive {
         Reading::Range { measured_s: self.time_s, arrived_s: self.time_s, sightings }
     }
 
-    /// Drives on by one reading and checks everything that must hold.
+    /// Advances the drive by one reading and checks everything that must hold of pose, claims and landmarks.
     fn step(&mut self) {
         if self.time_s > 0.0 {
             let (before, after) = (self.path.pose(self.time_s - STEP_S), self.path.pose(self.time_s));
@@ -131,7 +131,7 @@ impl Drive {
         self.time_s += STEP_S;
     }
 
-    /// Claims: false ones are as many as declared at most.
+    /// Checks that at most the declared number of the method's claims are false, and counts the false ones.
     fn judge(&mut self, claims: &[Claim]) {
         let [x_m, y_m, heading_rad] = self.path.pose(self.time_s);
         let (sine, cosine) = heading_rad.sin_cos();
@@ -151,7 +151,7 @@ impl Drive {
         self.method.landmarks().into_iter().collect()
     }
 
-    /// Landmarks contain the truth, and have not grown.
+    /// Checks that every landmark's box contains its true place and has not grown since `before`.
     fn compare(&self, before: &BTreeMap<LandmarkId, [Interval; 2]>) {
         let now = self.places();
         for (code, place) in &now {
@@ -181,14 +181,14 @@ fn circle(rng: &mut ChaCha8Rng) -> Path {
     }
 }
 
-/// How the method solves.
+/// Which coordinates the method solves for, and by which solver.
 type Setup = (Freedom, Solver);
 
 fn full(solver: Solver) -> Setup {
     (Freedom::Full, solver)
 }
 
-/// Drives with a setup: 60 readings each. Answers the widths of heading at the end, and how many claims were false.
+/// Simulates drives of 60 readings each with one setup. Returns the mean width of the heading at the end and the number of false claims.
 fn drives(setup: Setup, wrong: [usize; 2], n_drives: u64, seed: u64) -> (f64, usize) {
     let (mut width_rad, mut n_false) = (0.0, 0);
     for drive in 0..n_drives {
@@ -248,7 +248,7 @@ fn the_pose_does_not_drift_where_odometry_alone_would() {
         early += drive.pose.hull().width(2) / 10.0;
         (0..150).for_each(|_| drive.step());
         late += drive.pose.hull().width(2) / 10.0;
-        // 199 times ±3 mrad.
+        // Odometry alone: 199 motions, each with a heading error of ±3 mrad.
         without += 199.0 * 2.0 * ODOMETRY[2] / 10.0;
     }
     println!("heading known to {early:.4} rad after 5 s, {late:.4} rad after 20 s, {without:.4} rad by odometry");
@@ -278,7 +278,7 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
         let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 120, rng);
         (0..40).for_each(|_| drive.step());
         let (since_s, pose) = (drive.time_s - STEP_S, drive.pose.clone());
-        // Somebody carries the robot, and the method is told that it stands still for two seconds.
+        // The robot is carried along its path while the method is given poses and motions that say that it stands still, for two seconds.
         for _ in 0..20 {
             let reading = drive.reading();
             drive.method.constrain(&reading, &pose, &Twist::default());
@@ -286,7 +286,7 @@ fn nothing_remains_of_what_a_wrong_pose_taught() {
             drive.time_s += STEP_S;
         }
         drive.method.forget_since(since_s + 1e-6);
-        // Back at the place where it was, a little later.
+        // The robot is put back on its path, one step after the last reading before it was carried.
         drive.time_s = since_s + STEP_S;
         drive.pose = pose;
         (0..60).for_each(|_| drive.step());
@@ -298,7 +298,8 @@ fn a_way_of_many_key_frames_keeps_the_truth() {
     let mut rng = random(620);
     let path = circle(&mut rng);
     let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
-    // 0.4 m/s and a key frame every 0.15 m: two hundred after 75 s, when every second one goes.
+    // At 0.4 m/s with a key frame every 0.15 m, the limit of two hundred key frames is reached after 75 s, when every second run of them is
+    // dropped.
     (0..1100).for_each(|_| drive.step());
 }
 
@@ -321,12 +322,12 @@ fn closing_a_loop_shrinks_landmarks_that_are_out_of_view() {
         let mut rng = random(700 + seed);
         let path = circle(&mut rng);
         let mut drive = Drive::new(full(Solver::OneShot), [0, 0], path, 60, rng);
-        // A turn takes 12.57 s. Half of it later, what the first reading saw is long out of view.
+        // A lap takes 12.57 s: after 11 s the loop is about to close, and 2.5 s later it is closed. Landmarks seen half a lap ago are out of view.
         (0..110).for_each(|_| drive.step());
         let before = drive.widths();
         (0..25).for_each(|_| drive.step());
         let after = drive.widths();
-        // Seen in the first reading or within the last ones: not in the middle.
+        // Only landmarks that lie behind the robot count: neither the first reading nor the last ones see them.
         let here = drive.path.pose(drive.time_s - STEP_S)[2];
         for (code, width_m) in &before {
             let mark = drive.marks[code.0 as usize].xy();

@@ -1,4 +1,4 @@
-//! What must not be taken for consecutive, and what must not outlive a doubt.
+//! Tests of the method with unmapped landmarks: which sightings must not be taken for consecutive, and which knowledge must not outlive a doubt.
 
 use interval::{Interval, contractor::Contractor};
 use localizer::{
@@ -11,7 +11,7 @@ use nalgebra::Point3;
 
 use crate::range_landmarks_setup::{HEIGHT_M, Landmark, Only, TrueCamera, random, robot, says};
 
-/// A robot at rest in the origin that sees one landmark, or another one that is taken for it.
+/// A robot at rest in the origin that sees one landmark, or a different landmark that is taken for it.
 struct Stand {
     method: RangeLandmarks,
     right: Sighting,
@@ -103,7 +103,7 @@ fn where_any_use_may_be_wrong_no_landmark_is_learnt() {
     assert!(stand.method.landmarks().is_empty());
 }
 
-/// A robot whose range readings arrive up to half a second late.
+/// Model of a robot whose range readings arrive up to half a second late.
 fn late(wrong_spacing: usize) -> RobotModel {
     let mut robot = robot(1, wrong_spacing);
     let camera = robot.range_camera.as_mut().expect("a camera");
@@ -115,7 +115,8 @@ fn late(wrong_spacing: usize) -> RobotModel {
 fn wrong_uses_that_arrive_one_after_the_other_lie_apart_as_they_were_measured() {
     let mut stand = Stand::with(&late(1));
     let (right, wrong) = (stand.right, stand.wrong);
-    // Measured: wrong, right, wrong, right, and so on. In pairs they arrive as wrong, wrong and right, right.
+    // In the order of measuring, wrong and right sightings of the code alternate; in the order of arrival there are two wrong ones, then two
+    // right ones.
     for round in 0..5 {
         let first_s = 0.4 * f64::from(round);
         for (after_s, late_s, sighting) in
@@ -133,7 +134,8 @@ fn a_reading_later_than_any_should_be_is_not_learnt_from() {
     let (right, wrong) = (stand.right, stand.wrong);
     stand.receive(0.0, 0.1, wrong, true);
     stand.receive(0.2, 0.8, right, true);
-    // At 0.1 s it belongs between those that have been learnt from, at 0.3 s it ends what was consecutive since.
+    // This wrong sighting was measured at 0.1 s, between two readings that have been learnt from already. It arrives later than the declared
+    // latency allows and only ends the window of consecutive sightings.
     stand.receive(0.1, 0.9, wrong, true);
     for (stamp_s, sighting) in [(1.0, wrong), (1.2, right), (1.4, right), (2.0, right)] {
         stand.receive(stamp_s, stamp_s, sighting, true);
@@ -159,11 +161,11 @@ fn a_landmark_found_elsewhere_is_a_contradiction_and_changes_nothing_known() {
     (0..4).for_each(|stamp| stand.read(0.2 * f64::from(stamp), right, true));
     let known = stand.method.landmarks();
     assert_eq!(known.len(), 1);
-    // One wrong use in a window is declared.
+    // One wrong sighting of a code in a window is within the declared bounds and is no contradiction.
     stand.read(0.8, wrong, true);
     stand.read(1.0, right, true);
     assert!(!stand.method.take_contradiction() && stand.method.landmarks() == known);
-    // Two are not: the landmark has moved, or its code hangs elsewhere.
+    // Two wrong sightings in a window exceed the declared bound: the landmark has moved, or its code hangs at another place.
     stand.read(1.2, wrong, true);
     assert!(!stand.method.take_contradiction());
     stand.read(1.4, wrong, true);
@@ -195,7 +197,7 @@ fn a_landmark_that_was_moved_makes_the_localizer_doubt() {
         if step % 10 != 0 || step == 0 {
             continue;
         }
-        // At 4 s somebody carries landmark 0 half a metre to the side. One wrong landmark in a reading is declared, and left out.
+        // At 4 s somebody moves landmark 0 half a metre to the side. One wrong landmark in a reading is declared, and the pose leaves it out.
         let moved_m = if step > 400 { 0.5 } else { 0.0 };
         let seen =
             places.iter().enumerate().map(|(code, [x, y])| mark(code, [*x, y - if code == 0 { moved_m } else { 0.0 }]));
@@ -208,11 +210,12 @@ fn a_landmark_that_was_moved_makes_the_localizer_doubt() {
             doubted_s = doubted_s.or(Some(time_s));
         }
     }
-    // Three uses make a window.
+    // A window has three sightings of a code, so that the move at 4 s must be noticed before 4.7 s.
     assert!(doubted_s.is_some_and(|doubted_s| doubted_s < 4.7), "{doubted_s:?}");
 }
 
-/// Says x = 0 as long as it remembers what it learnt, and afterwards what its readings say: x = 0.5.
+/// A stand-in for a method: it claims x = 0 at its first reading and x = 0.5 at later ones, and after it has been told to forget it renews
+/// earlier claims as x = 0.5.
 struct Believer {
     has_forgotten: bool,
     n_readings: usize,
@@ -263,7 +266,8 @@ fn constraints_that_stood_on_what_is_unlearnt_are_made_anew() {
             localizer.observe(&look(time_s));
         }
     }
-    // At 2.9 s it said 0, at 3.0 s 0.5, which no robot can do. What it said at 2.9 s came of what it has since unlearnt.
+    // The method claimed x = 0 at 2.9 s and x = 0.5 at 3.0 s, which no robot can drive in between. The claim of 2.9 s came from what the method
+    // has unlearnt since, and must be made anew.
     let hull = localizer.estimate().pose.hull();
     assert!(hull[0].contains(0.5) && hull[0].width() < 0.05, "{:?}", hull[0]);
 }

@@ -1,4 +1,4 @@
-//! A range camera and landmarks of the tests' own: true geometry in three dimensions, every error drawn inside its bound.
+//! A simulated range camera and its landmarks, written for the tests: true geometry in three dimensions, with every error drawn inside its bound.
 
 use interval::Interval;
 use interval::contractor::{Contractor, Outcome};
@@ -21,12 +21,12 @@ pub(crate) fn random(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
 
-/// In [−1, 1], at an end half of the time.
+/// Random number in [−1, 1] that is one of the two ends in half of the draws.
 pub(crate) fn corner(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random::<f64>() < 0.5 { [-1.0, 1.0][rng.random_range(0..2)] } else { rng.random_range(-1.0..1.0) }
 }
 
-/// What the localizer is told: a Kinect's optics (paper 3: b = 7.5 cm, f = 580 px).
+/// Model of the robot that the localizer is given, with a Kinect's optics (paper 3: b = 7.5 cm, f = 580 px).
 pub(crate) fn robot(q_items: usize, wrong_spacing: usize) -> RobotModel {
     RobotModel {
         wheels: WheelModel {
@@ -65,7 +65,7 @@ pub(crate) fn robot(q_items: usize, wrong_spacing: usize) -> RobotModel {
     }
 }
 
-/// The camera as it truly is.
+/// The range camera as it truly is, with its drawn errors.
 pub(crate) struct TrueCamera {
     focal_px: f64,
     baseline_m: f64,
@@ -85,15 +85,16 @@ impl TrueCamera {
         }
     }
 
-    /// The same, whose columns are rounded to these steps.
+    /// The same camera with its two columns rounded to these steps, in pixels.
     pub(crate) fn with_steps(self, step_px: [f64; 2]) -> Self {
         TrueCamera { step_px, ..self }
     }
 
-    /// Both columns of a landmark from a pose, with the body in a posture of its own; `None` when it is not in the picture.
+    /// Both image columns of a landmark seen from a pose, with a body tilt drawn for this sighting; `None` when the landmark is outside the
+    /// picture.
     pub(crate) fn sight(&self, pose: [f64; 3], landmark: &Landmark, rng: &mut ChaCha8Rng) -> Option<Sighting> {
         let seen = self.world_from_sensor(pose, rng).inverse_transform_point(&landmark.place);
-        // x forward, y left, z up in the mount: right is −y.
+        // The mount has x forward, y left and z up, so that a distance to the right is −y.
         let (forward_m, right_m) = (seen.x, -seen.y);
         if forward_m < 0.3 || (right_m / forward_m).abs() > 0.55 {
             return None;
@@ -107,7 +108,7 @@ impl TrueCamera {
     }
 
     fn world_from_sensor(&self, [x_m, y_m, heading_rad]: [f64; 3], rng: &mut ChaCha8Rng) -> Isometry3<f64> {
-        // Heading is that of the forward axis: yaw, then pitch, then roll.
+        // The heading is that of the body's forward axis: yaw is applied first, then pitch, then roll.
         let (angle, size) = (rng.random_range(0.0..std::f64::consts::TAU), TILT_RAD * corner(rng));
         let posture = UnitQuaternion::from_euler_angles(size * angle.cos(), size * angle.sin(), 0.0);
         let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading_rad) * posture;
@@ -120,7 +121,7 @@ fn tilted(rng: &mut ChaCha8Rng) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis(Vector3::new(angle.cos(), angle.sin(), 0.0) * size)
 }
 
-/// A landmark where it truly is.
+/// A landmark at its true place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Landmark {
     pub(crate) code: LandmarkId,
@@ -133,7 +134,7 @@ impl Landmark {
     }
 }
 
-/// Landmarks over a square of ±`half_m` about the origin.
+/// Landmarks drawn over a square of ±`half_m` about the origin.
 pub(crate) fn landmarks(n: u32, half_m: f64, rng: &mut ChaCha8Rng) -> Vec<Landmark> {
     (0..n)
         .map(|code| Landmark {
@@ -143,7 +144,7 @@ pub(crate) fn landmarks(n: u32, half_m: f64, rng: &mut ChaCha8Rng) -> Vec<Landma
         .collect()
 }
 
-/// Landmarks in the picture from a pose, at 0.5 to 5 m.
+/// Landmarks drawn inside the picture that is seen from a pose, at distances of 0.5 to 5 m.
 pub(crate) fn landmarks_in_view(n: u32, pose: [f64; 3], rng: &mut ChaCha8Rng) -> Vec<Landmark> {
     (0..n)
         .map(|code| {
@@ -155,7 +156,7 @@ pub(crate) fn landmarks_in_view(n: u32, pose: [f64; 3], rng: &mut ChaCha8Rng) ->
 }
 
 fn height(rng: &mut ChaCha8Rng) -> f64 {
-    // A little inside of the span: the sensor itself rises when the body tilts.
+    // Heights stay a little inside of the declared span, because the sensor itself rises when the body tilts.
     HEIGHT_M + 0.99 * HEIGHT_SPAN_M * corner(rng)
 }
 
@@ -163,7 +164,7 @@ fn corner_free(rng: &mut ChaCha8Rng) -> f64 {
     rng.random_range(-1.0..1.0)
 }
 
-/// An interval of this radius around a value with an error.
+/// Simulated measurement: an interval of this radius around a value plus an error within that radius.
 pub(crate) fn measured(value: f64, radius: f64, rng: &mut ChaCha8Rng) -> Interval {
     Interval::centred(value + radius * corner(rng), radius).inflate(1e-13 * (1.0 + value.abs()))
 }
@@ -172,8 +173,8 @@ pub(crate) fn box_around(pose: [f64; 3], radius: [f64; 3], rng: &mut ChaCha8Rng)
     PoseBox::from(std::array::from_fn(|axis| measured(pose[axis], radius[axis], rng)))
 }
 
-/// Which sightings of each reading are given another's code: at most `q_items` a reading, and at least `wrong_spacing` right ones
-/// between two wrong ones given to the same code.
+/// Rule by which the test gives sightings the code of a wrong landmark: at most `q_items` in a reading, and at least `wrong_spacing` right
+/// sightings between two wrong ones given to the same code.
 pub(crate) struct Confusion {
     q_items: usize,
     wrong_spacing: usize,
@@ -185,7 +186,7 @@ impl Confusion {
         Confusion { q_items, wrong_spacing, right_since: Default::default() }
     }
 
-    /// Confuses as often as is allowed with the given chance; answers how many are wrong.
+    /// Gives sightings wrong codes with the given chance, as often as the rule allows; returns how many are wrong.
     pub(crate) fn confuse(
         &mut self,
         sightings: &mut [Sighting],
@@ -211,7 +212,7 @@ impl Confusion {
     }
 }
 
-/// One component of the pose, by its index, is in an interval.
+/// Contractor that keeps one component of the pose, chosen by its index, in an interval.
 pub(crate) struct Only(pub(crate) usize, pub(crate) Interval);
 
 impl Contractor<3> for Only {
@@ -221,7 +222,8 @@ impl Contractor<3> for Only {
     }
 }
 
-/// What a stand-in of a method says of one component at a reading's stamp: it claims nothing and stands on nothing.
+/// Constraint of a test's stand-in for a method: one component of the pose is within an interval at the reading's stamp. It makes no claims and
+/// relies on no declared bound.
 pub(crate) fn says(method: &'static str, reading: &Reading, component: usize, within: Interval) -> Constraint {
     Constraint {
         method,

@@ -1,4 +1,5 @@
-//! Every way to solve for the pose, on random scenes with known landmarks: never the truth lost, however wrong up to q of them are.
+//! Every solver of the pose from landmarks, on random scenes with known landmarks: none ever loses the true pose, however wrong up to q of the
+//! landmarks are.
 //!
 //! `WHEREIN_LANDMARK_TRIALS` sets the number of scenes for each solver and each q.
 
@@ -21,7 +22,8 @@ fn n_trials() -> usize {
 
 #[test]
 fn the_box_of_a_sighting_holds_its_landmark_and_not_much_more() {
-    // Columns as fine as this leave optics, mount and tilts to fill the box. The robot is where it was at the stamp.
+    // Image columns this finely resolved leave only optics, mount and tilts to fill the box. The stamp has no error, so that the robot is where
+    // it was at the stamp.
     const FINE_PX: [f64; 2] = [1e-3, 1e-4];
     let mut rng = random(10);
     let mut model = robot(0, 3);
@@ -45,7 +47,7 @@ fn the_box_of_a_sighting_holds_its_landmark_and_not_much_more() {
             n += 1;
         }
     }
-    // The bound of many errors at once is nearly reached by the worst of so many: none of its terms is idle.
+    // The worst of so many sightings nearly reaches the bound on all errors together, so that none of the bound's terms is superfluous.
     println!("{n} boxes, filled to {:.1} %", 100.0 * fullest);
     assert!(fullest > 0.85, "{fullest}");
 }
@@ -66,7 +68,7 @@ fn the_box_of_a_sighting_holds_its_landmark_whatever_the_robot_did_since_the_sta
         let camera = TrueCamera::drawn(&mut rng).with_steps(FINE_PX);
         let Some(mark) = landmarks_in_view(1, seen_from, &mut rng).pop() else { continue };
         let Some(sighting) = camera.sight(seen_from, &mark, &mut rng) else { continue };
-        // At the stamp the robot was elsewhere: straight away at full speed, turned at full rate, within the stamp's error.
+        // At the stamp the robot was elsewhere: within the stamp's error it moved straight at up to full speed and turned at up to its full rate.
         let (share, turned, way) = (corner(&mut rng), corner(&mut rng), rng.random_range(0.0..std::f64::consts::TAU));
         let moved_m = REACH.speed_m_per_s * LATE_S * share;
         let heading = seen_from[2] + REACH.turn_rate_rad_per_s * LATE_S * turned;
@@ -85,8 +87,8 @@ fn the_box_of_a_sighting_holds_its_landmark_whatever_the_robot_did_since_the_sta
 
 #[test]
 fn a_pitched_body_sees_a_landmark_nearer_than_it_is() {
-    // Everything exact but the body's tilt of 0.1 rad. Pitched so far, a landmark 5 m ahead at the height of the lens is 5·cos 0.1 m
-    // along the optical axis: 25 mm less, which no height explains.
+    // Everything is exact but the body's tilt of up to 0.1 rad. When the body is pitched by 0.1 rad, a landmark 5 m ahead at the height of the
+    // lens is 5·cos 0.1 m away along the optical axis: 25 mm less, which no height explains.
     let exact = Interval::point;
     let mut model = robot(0, 3);
     model.body.tilt_rad = 0.1;
@@ -103,7 +105,7 @@ fn a_pitched_body_sees_a_landmark_nearer_than_it_is() {
 
 #[test]
 fn one_landmark_seen_from_a_known_place_tells_the_heading() {
-    // From (0, 0) a landmark at (3, 0) is seen at (3, 0) to within 3 mm across: 1 mrad to each side.
+    // From (0, 0) a landmark at (3, 0) is seen at (3, 0), to within 3 mm across the line of sight: 1 mrad of heading to each side.
     let landmark = (
         [measured(3.0, 1e-6, &mut random(1)), measured(0.0, 1e-6, &mut random(2))],
         [Interval::centred(3.0, 0.01), Interval::centred(0.0, 0.003)],
@@ -117,7 +119,7 @@ fn one_landmark_seen_from_a_known_place_tells_the_heading() {
     }
 }
 
-/// One reading: places, sightings, prior and true pose.
+/// A random scene for a solver: true pose, prior, and each landmark's known place paired with its sighting.
 struct Scene {
     truth: [f64; 3],
     prior: PoseBox,
@@ -139,13 +141,13 @@ fn scene(q: usize, freedom: Freedom, rng: &mut ChaCha8Rng) -> Scene {
         .map(|sighting| sensor.seen(sighting))
         .map(|seen| (places[seen.landmark.0 as usize], seen.in_robot_m))
         .collect();
-    // The tables without a turn take the heading from the prior: they want a narrow one to say anything, not to be right.
+    // The solvers that do not solve for the turn take the heading from the prior: they need a narrow prior to say anything, not to be right.
     let wide = if freedom == Freedom::Full { [3.0, 3.0, std::f64::consts::PI] } else { [3.0, 3.0, 0.1] };
     let prior = box_around(truth, [wide, [0.3, 0.3, 0.2], [0.03, 0.03, 0.02]][rng.random_range(0..3)], rng);
     Scene { truth, prior, pairs }
 }
 
-/// Solves many scenes; answers how much narrower the heading or x got on average, as a share.
+/// Solves many random scenes and asserts that none loses the truth; returns the mean ratio of the width in x after solving to the width before.
 fn never_lost(freedom: Freedom, solver: Solver, q: usize, seed: u64) -> f64 {
     let mut rng = random(seed);
     let mut share = 0.0;

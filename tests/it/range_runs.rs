@@ -1,4 +1,4 @@
-//! Whole runs by landmarks that no map names: soundness, recovery, what is learnt, baselines, the same bytes.
+//! Whole simulated runs with landmarks that no map names: soundness, recovery, what is learnt, baselines, and the same bytes for the same seed.
 
 use localizer::Status;
 use sim::{
@@ -38,7 +38,7 @@ fn a_round_among_landmarks_keeps_the_truth_and_closes() {
     let (record, verdict) = judged(&scene("loop", 70.0), 41);
     assert_clean(&verdict);
     assert!(verdict.metrics["landmarks_known"] > 30.0, "{:?}", verdict.metrics);
-    // Half way round the boxes are wider than at the end of it, where the first landmarks are in view again.
+    // Half way round the loop the boxes are wider than at its end, where the first landmarks are in view again.
     let width_m = |time_s: f64| {
         let at = record.estimates.iter().find(|estimate| estimate.time_s >= time_s).unwrap();
         at.pose.hull().width(0).max(at.pose.hull().width(1))
@@ -64,7 +64,7 @@ fn wrong_matches_within_q_lose_nothing_and_without_q_are_found_out() {
     assert_clean(&verdict);
     let n_wrong: usize = record.images.iter().map(|reading| reading.claims.len()).sum();
     assert!(n_wrong > 0 && verdict.methods["range_landmarks"].false_claims > 10, "{:?}", verdict.methods);
-    // Told that no match is wrong, the method is misled; the check then blames the bound and not the method.
+    // When the declared number of wrong matches is 0, the method is misled; the judge must then blame that bound and not the method.
     let mut misled = honest;
     misled.robot.range_camera.as_mut().unwrap().q_items = 0;
     let (_, verdict) = judged(&misled, 42);
@@ -80,7 +80,8 @@ fn wrong_matches_within_q_lose_nothing_and_without_q_are_found_out() {
 
 #[test]
 fn uses_of_a_code_that_say_nothing_count_in_its_window() {
-    // So coarse that far landmarks may be at infinity: their right uses say nothing, while a near one that is taken for them does.
+    // Disparities are resolved so coarsely that far landmarks may be at infinity. Right sightings of their codes then say nothing, while a near
+    // landmark that is taken for them does.
     let mut scene = scene("wrong_matches", 60.0);
     let camera = scene.robot.range_camera.as_mut().unwrap();
     (camera.column_step_px, camera.match_step_px, camera.greatest_range_m) = (8.0, 8.0, 12.0);
@@ -131,7 +132,7 @@ fn a_landmark_that_grows_or_leaves_its_box_is_counted() {
     let (mut record, honest) = judged(&scene, 47);
     assert_clean(&honest);
     let n = record.images.len();
-    // What was known at the start comes back at the end: wider boxes for each landmark that has shrunk since.
+    // The record is altered: the last reading gets the landmark boxes of an early one, which are wider for each landmark that has shrunk since.
     let early = record.images[10].landmarks.clone();
     let late: std::collections::BTreeMap<_, _> = record.images[n - 2].landmarks.iter().copied().collect();
     let shrunk = early.iter().filter(|(code, place)| late[code] != *place).count();

@@ -1,4 +1,4 @@
-//! Range camera, gyroscope and people against geometry by hand.
+//! The simulated range camera, gyroscope and people, compared with geometry worked out by hand.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,8 @@ use sim::{
 
 use crate::world_setup::{command, gyro_sensor, nominal, range_sensor, scene};
 
-/// A robot at (1, 3) that looks along world x by a camera without errors: 500 px, views 0.1 m apart, the first above the axle.
+/// Scene with a robot at (1, 3) that looks along world x with a range camera without errors: 500 px, two views 0.1 m apart, the first above the
+/// axle.
 fn watching(more: serde_json::Value) -> Scene {
     let mut camera = serde_json::json!({
         "focal_px": 500.0, "baseline_m": 0.1, "forward_m": 0.0, "left_m": 0.0, "height_m": 0.5,
@@ -37,7 +38,7 @@ fn at(x_m: f64, y_m: f64, heading_rad: f64, time_s: f64) -> Truth {
     Truth { time_s, pose: Pose { x_m, y_m, heading_rad }, ..Truth::default() }
 }
 
-/// What is seen from (1, 3) along world x.
+/// Sightings of the range camera from (1, 3) along world x.
 fn seen(scene: &Scene, people: &[Bystander]) -> Vec<Sighting> {
     sightings(&mut camera(scene, 0), &at(1.0, 3.0, 0.0, 0.1), people)
 }
@@ -62,8 +63,9 @@ fn columns_are_those_of_two_pinholes() {
     let scene = watching(serde_json::json!({ "landmark": [
         { "x_m": 3.0, "y_m": 3.0 }, { "x_m": 3.0, "y_m": 3.4 }, { "x_m": 5.0, "y_m": 2.5, "height_m": 0.9 },
     ] }));
-    // 319.5 is the middle of 640 columns; right is −y. At 2 m: 0, and −0.1 m for the second view. At 2 m and 0.4 m to the left:
-    // −100 and −125 px. At 4 m and 0.5 m to the right: 62.5 and 50 px. Rounded to halves and quarters.
+    // Expected columns by hand: 319.5 is the middle of 640 columns, and right is −y. A landmark at 2 m: 0, and −0.1 m for the second view. At 2 m
+    // and 0.4 m to the left: −100 and −125 px. At 4 m and 0.5 m to the right: 62.5 and 50 px. The columns are rounded to halves and quarters of a
+    // pixel.
     let expected = [[319.5, 294.5], [219.5, 194.5], [382.0, 369.5]];
     let seen = seen(&scene, &[]);
     assert_eq!(codes(&seen), [0, 1, 2]);
@@ -73,7 +75,7 @@ fn columns_are_those_of_two_pinholes() {
             "{sighting:?}"
         );
     }
-    // A pixel is 4 mm at 2 m: a landmark 3 mm to the side moves the left column by 0.75 px, which rounds to a step of its own.
+    // A pixel is 4 mm at 2 m: a landmark 3 mm to the side moves the left view's column by 0.75 px, which is rounded to a step of that view alone.
     let scene = watching(serde_json::json!({ "landmark": [{ "x_m": 3.0, "y_m": 3.003 }] }));
     let moved = &self::seen(&scene, &[])[0];
     assert_eq!([moved.left_px, moved.right_px], [319.0, 293.75]);
@@ -81,7 +83,7 @@ fn columns_are_those_of_two_pinholes() {
 
 #[test]
 fn a_turned_robot_and_a_turned_mount_see_to_their_side() {
-    // Heading 90° and a mount turned by −90° look along x again; the lens is 0.2 m before the axle, hence at y = 3.2.
+    // A heading of 90° and a mount turned by −90° make the camera look along x again; the lens is 0.2 m ahead of the axle, hence at y = 3.2.
     let camera_keys = serde_json::json!({ "yaw_deg": -90.0, "forward_m": 0.2 });
     let scene = watching(serde_json::json!({ "camera": camera_keys, "landmark": [{ "x_m": 3.0, "y_m": 3.2 }] }));
     let seen = sightings(&mut camera(&scene, 0), &at(1.0, 3.0, std::f64::consts::FRAC_PI_2, 0.1), &[]);
@@ -92,10 +94,10 @@ fn a_turned_robot_and_a_turned_mount_see_to_their_side() {
 fn what_one_of_the_views_does_not_see_is_not_measured() {
     let keys = |x_m: f64, y_m: f64| serde_json::json!({ "landmark": [{ "x_m": x_m, "y_m": y_m }] });
     let is_seen = |x_m: f64, y_m: f64| !seen(&watching(keys(x_m, y_m)), &[]).is_empty();
-    // Ranges from 0.5 m to 5 m.
+    // The camera's ranges are 0.5 m to 5 m.
     assert!(!is_seen(1.45, 3.0) && is_seen(1.55, 3.0) && is_seen(5.95, 3.0) && !is_seen(6.05, 3.0));
     assert!(!is_seen(0.2, 3.0), "seen behind the robot");
-    // At 2 m an image of 320 px to each side is 1.28 m wide; the right view misses the last 0.1 m on the left.
+    // At 2 m the image reaches 320 px = 1.28 m to each side; the right view misses the last 0.1 m on the left.
     assert!(is_seen(3.0, 4.17) && !is_seen(3.0, 4.19) && is_seen(3.0, 1.73) && !is_seen(3.0, 1.71));
 }
 
@@ -107,13 +109,14 @@ fn furniture_hides_what_is_behind_it_and_not_what_is_above_or_on_it() {
     };
     let piece = |y_m: f64, height_m: f64, rotation_deg: f64| serde_json::json!({ "x_m": 2.5, "y_m": y_m, "size_m": [1.0, 0.2], "height_m": height_m, "rotation_deg": rotation_deg });
     assert!(!is_seen(piece(3.0, 1.0, 0.0), 0.5));
-    // Clear of the way to the second view, which is at y = 2.9, by 2 cm.
+    // The near side of the piece of furniture is at y = 3.12, clear of the rays to both views, which start at y = 3 and y = 2.9.
     assert!(is_seen(piece(3.22, 1.0, 0.0), 0.5));
-    // Turned by 90° it is 1 m wide across the way.
+    // The piece of furniture is turned by 90°, so that it is 1 m wide across the line of sight.
     assert!(!is_seen(piece(3.4, 1.0, 90.0), 0.5));
-    // The way to 0.9 m passes over a board of 0.6 m at 1 m to 2 m: 0.63 m at its near edge. One of 0.7 m is in the way.
+    // The ray to a landmark 0.9 m high crosses a board that stands 1 m to 2 m away: it is 0.63 m high at the near edge. A board of 0.6 m lies
+    // below the ray, one of 0.7 m is in the way.
     assert!(is_seen(piece(3.0, 0.6, 0.0), 0.9) && !is_seen(piece(3.0, 0.7, 0.0), 0.9));
-    // A landmark on the face that looks at the camera is not hidden by what it is stuck to.
+    // A landmark on a wall's face towards the camera is not hidden by the wall that it is stuck to.
     let wall = serde_json::json!({ "x_m": 4.1, "y_m": 3.0, "size_m": [0.2, 1.0], "height_m": 1.0 });
     assert!(is_seen(wall, 0.5));
 }
@@ -149,7 +152,7 @@ fn codes_are_confused_as_often_as_stated_and_never_beyond_the_bounds() {
         let sightings = sightings(&mut camera, &at(1.0, 3.0, 0.0, 0.1 + 0.2 * f64::from(reading)), &[]);
         assert_eq!(sightings.len(), 12);
         let mut n_here = 0;
-        // Sightings come in the order of the landmarks that they truly are of.
+        // The sightings come in the order of the landmarks to which they truly belong.
         for (sighting, truly) in sightings.iter().zip(0..) {
             if sighting.landmark.0 == truly {
                 right_since.entry(sighting.landmark).and_modify(|count| *count += 1);
@@ -163,7 +166,7 @@ fn codes_are_confused_as_often_as_stated_and_never_beyond_the_bounds() {
         n_wrong += n_here;
         n_all += 12;
     }
-    // Five in a hundred were wanted; the bounds allow nearly all of them. Standard deviation: 0.1 %.
+    // A share of 5 % of wrong codes was requested, and the bounds allow nearly all of them. The standard deviation of the share is 0.1 %.
     let share = f64::from(n_wrong) / f64::from(n_all);
     assert!((0.035..0.052).contains(&share), "{share}");
 }
@@ -192,11 +195,12 @@ fn a_gyroscope_reads_scale_times_turn_plus_bias_plus_bounded_noise() {
     let mean = rates.iter().map(noise).sum::<f64>() / 4000.0;
     let deviation = (rates.iter().map(|rate| noise(rate).powi(2)).sum::<f64>() / 4000.0).sqrt();
     assert!(rates.iter().all(|rate| noise(rate).abs() <= 0.3 + 1e-9));
-    // Normal of 0.1 °/s cut at three deviations: 0.0987. The mean of 4000 is within 0.005.
+    // The noise is normal with 0.1 °/s, cut at three deviations, which leaves a deviation of 0.0987 °/s. The mean of 4000 readings is within
+    // 0.005 °/s.
     assert!(mean.abs() < 0.006 && (deviation - 0.0987).abs() < 0.004, "{mean} ± {deviation} °/s");
 }
 
-/// Where a lone person is at every tenth of a second while the robot stands.
+/// Places of the scene's only person at every tenth of a second while the robot stands still.
 fn walk(scene: &Scene, lasts_s: f64) -> Vec<[f64; 2]> {
     let mut world = World::new(scene, &nominal(scene));
     let mut places = vec![world.people()[0].place_m];
@@ -217,7 +221,7 @@ fn a_person_walks_to_and_fro_at_the_stated_speed() {
         let at = places[(time_s * 10.0) as usize];
         assert!((at[0] - place[0]).hypot(at[1] - place[1]) < 0.02, "at {at:?} after {time_s} s, expected {place:?}");
     };
-    // 3 m there in 6 s, and 3 m back.
+    // The person walks 3 m in 6 s, and then 3 m back.
     for (time_s, place) in [
         (0.0, [5.0, 1.0]),
         (2.0, [5.0, 2.0]),
@@ -232,7 +236,7 @@ fn a_person_walks_to_and_fro_at_the_stated_speed() {
 
 #[test]
 fn a_person_stands_while_the_robot_is_in_the_way() {
-    // The robot stands at (1.5, 3): a person from (1.5, 5) to (1.5, 1) stops short of it and stays there.
+    // The robot stands at (1.5, 3). A person who walks from (1.5, 5) to (1.5, 1) stops before reaching the robot and stays there.
     let person = serde_json::json!({ "waypoints_m": [[1.5, 5.0], [1.5, 1.0]], "speed_m_per_s": 1.0 });
     let places = walk(&scene(serde_json::json!({ "person": [person] })), 20.0);
     let nearest_m = places.iter().map(|place| place[1] - 3.0).fold(f64::INFINITY, f64::min);

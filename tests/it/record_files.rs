@@ -4,14 +4,14 @@ use serde_json::Value;
 
 use crate::command::{blind_scene, folder, outcome, wherein};
 
-/// Numbers of a text, a list for each line, without the first `skipped` lines.
+/// Numbers of a text file, one list for each line, without the first `skipped` lines.
 fn rows(path: &Path, skipped: usize) -> Vec<Vec<f64>> {
     let text = fs::read_to_string(path).unwrap();
     let numbers = |line: &str| line.split([' ', ',']).map(|field| field.parse().unwrap_or(f64::NAN)).collect();
     text.lines().skip(skipped).map(numbers).collect()
 }
 
-/// Time in whole steps of 10 ms, x, y and heading of a line in TUM format.
+/// Pose on a line in TUM format: time in whole steps of 10 ms, then x, y and heading.
 fn pose(row: &[f64]) -> (i64, [f64; 3]) {
     let &[time_s, x_m, y_m, _, qx, qy, qz, qw] = row else { panic!("a TUM line has eight fields") };
     assert!(qx == 0.0 && qy == 0.0 && (qz.hypot(qw) - 1.0).abs() < 1e-12, "a unit quaternion about z");
@@ -97,7 +97,7 @@ fn frames_show_the_image_as_the_sensor_gave_it_and_a_larger_figure() {
 #[test]
 fn a_reading_of_the_range_camera_is_drawn_where_the_landmark_is() {
     let folder = folder("range_frames");
-    // One landmark 2 m before the robot and 0.5 m to its left, which stands at (0.6, 0.6) and looks along x.
+    // The robot stands at (0.6, 0.6) and looks along x; the only landmark is 2 m ahead of it and 0.5 m to its left.
     let scene = blind_scene(1.0, "[localizer]\nmethods = [\"range_landmarks\"]\n[[landmark]]\nx_m = 2.6\ny_m = 1.1\n")
         .replace("floor_camera = false", "floor_camera = false\nrange_camera = true")
         .replace("y_m = 0.6\n", "y_m = 0.6\ntolerance_m = 0\ntolerance_deg = 0\n")
@@ -108,14 +108,14 @@ fn a_reading_of_the_range_camera_is_drawn_where_the_landmark_is() {
     let run = folder.join("renders/scene/0");
     assert!(!run.join("image_00000.png").exists(), "a range camera takes no picture");
     let figure = image::open(run.join("figure_00002.png")).unwrap().into_rgb8();
-    // The view is 720 px high and begins 84 px below the top and 20 px from the left; 5.3 m fill 88 % of it.
+    // In the figure the view is 720 px high and begins 84 px below the top and 20 px from the left; 5.3 m ahead of the robot fill 88 % of it.
     let pixels_per_m = 720.0 * 0.88 / 5.3;
     let at = |forward_m: f64, left_m: f64| {
         [20.0 + 480.0 - left_m * pixels_per_m, 84.0 + 720.0 * 0.88 - forward_m * pixels_per_m].map(|place| place as u32)
     };
     let [u, v] = at(2.0, 0.5);
     assert_eq!(figure.get_pixel(u, v).0, [0, 128, 92], "no green dot at {u}, {v}");
-    // At 2 m a disparity of one column is 0.1 m deep: the box is blue before and behind the dot.
+    // At 2 m a disparity of one column is worth 0.1 m of depth, so that the landmark's box is drawn in blue before and behind the green dot.
     let is_blue = |[u, v]: [u32; 2]| {
         let [red, _, blue] = figure.get_pixel(u, v).0;
         blue > red.saturating_add(20)

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::command::{blind_scene, folder, outcome, scene_text, wherein};
 
-/// The run folder of a scene of the repository with `from` replaced by `to`, run with `flags`.
+/// Runs a scene of the repository with `flags`, after replacing `from` in the scene's text by `to`; returns the folder of the run.
 fn recorded(place: &Path, scene: &str, [from, to]: [&str; 2], flags: &[&str]) -> PathBuf {
     let text = scene_text(scene);
     assert!(text.contains(from), "{scene} has no {from}");
@@ -27,7 +27,7 @@ fn recorded_blind(place: &Path, out: &str, flag: &str) -> PathBuf {
     place.join(out).join("scene/0")
 }
 
-/// The data of each topic's messages in the order of the file, as the `mcap` crate reads them.
+/// Payloads of each topic's messages in the order of the recording, as the `mcap` crate reads them.
 fn messages(recording: &Path) -> BTreeMap<String, Vec<Vec<u8>>> {
     let bytes = fs::read(recording).unwrap();
     let mut topics: BTreeMap<String, Vec<Vec<u8>>> = BTreeMap::new();
@@ -50,7 +50,7 @@ fn rows(path: &Path, skipped: usize) -> Vec<Vec<f64>> {
     text.lines().skip(skipped).map(numbers).collect()
 }
 
-/// A copy of a recording in which each metadata and each message has gone through `change`.
+/// Writes a copy of an MCAP recording: each message goes through `change`, and the stated format becomes `format`.
 fn altered(from: &Path, to: &Path, change: impl Fn(&str, &mut Vec<u8>), format: &str) {
     let bytes = fs::read(from).unwrap();
     let mut writer =
@@ -85,7 +85,7 @@ fn altered(from: &Path, to: &Path, change: impl Fn(&str, &mut Vec<u8>), format: 
     writer.finish().unwrap();
 }
 
-/// Replays; answers with exit code, output and errors.
+/// Runs `wherein replay` with these arguments; returns the exit code, the output and the errors.
 fn replayed(place: &Path, arguments: &[&str]) -> (i32, String, String) {
     outcome(&mut wherein(place, &[&["replay"], arguments].concat()))
 }
@@ -112,7 +112,7 @@ fn a_recording_holds_what_the_camera_gave_where_the_robot_was_and_every_box() {
     );
     let topics = messages(&run.join("recording.mcap"));
 
-    // An image's grey levels are the last field of its message, behind their count.
+    // The grey levels of an image are the last field of its message, after their count.
     let picture = image::open(run.join("image_00000.png")).unwrap().into_luma8();
     let recorded = &topics["/floor_camera/image"][0];
     assert!(recorded.ends_with(picture.as_raw()));
@@ -120,14 +120,14 @@ fn a_recording_holds_what_the_camera_gave_where_the_robot_was_and_every_box() {
         assert_eq!(topics[topic].len(), topics["/floor_camera/image"].len(), "{topic}");
     }
 
-    // Behind the encapsulation header: time 8, "world" 4 + 6, padding 2, "true_robot" 4 + 11, padding 5, then x and y.
+    // Bytes of a `/truth` message after the encapsulation header: time 8, "world" 4 + 6, padding 2, "true_robot" 4 + 11, padding 5, then x and y.
     let truths = rows(&run.join("truth.tum"), 0);
     assert_eq!(topics["/truth"].len(), truths.len());
     for (message, row) in topics["/truth"].iter().zip(&truths) {
         assert_eq!([f64_at(message, 44), f64_at(message, 52)], [row[1], row[2]]);
     }
 
-    // Time 8, soundness 1, padding 3, count 4, then the bounds of one box after another.
+    // Bytes of an `/wherein/estimate` message: time 8, soundness 1, padding 3, count 4, then the bounds of one box after the other.
     let boxes: Vec<f64> = rows(&run.join("boxes.csv"), 1).into_iter().flat_map(|row| row[3..9].to_vec()).collect();
     let bounds = topics["/wherein/estimate"]
         .iter()
@@ -210,7 +210,7 @@ fn other_ticks_are_told_by_the_replay_and_its_exit_code() {
     let recording = recorded_blind(&place, "out", "--record").join("recording.mcap");
     altered(&recording, &place.join("same.mcap"), |_, _| {}, "1");
     assert_eq!(replayed(&place, &["same.mcap"]).0, 0);
-    // Left ticks stand behind the encapsulation header and two times.
+    // In a wheel message the ticks of the left wheel follow the encapsulation header and two times. Here they are doubled.
     let one_more = |topic: &str, data: &mut Vec<u8>| {
         if topic == "/wherein/wheels" {
             let ticks = i64::from_le_bytes(data[20..28].try_into().unwrap());

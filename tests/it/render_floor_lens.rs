@@ -1,4 +1,4 @@
-//! The floor camera's lens and shutter against formulas written out here.
+//! The floor camera's lens and shutter in rendered pictures, compared with formulas written out here.
 
 use image::GrayImage;
 use localizer::Claim;
@@ -10,10 +10,10 @@ use crate::{
     render_studio::{Studio, standing},
 };
 
-/// Brown and Conrady's k1, k2, p1, p2, k3 of a cheap wide lens: corners come 30 px nearer.
+/// Brown and Conrady's k1, k2, p1, p2, k3 of a cheap wide-angle lens, which shifts the picture's corners inwards by 30 px.
 const BENT: [f64; 5] = [-0.16, 0.03, 0.001, -0.0006, 0.0];
 
-/// OpenCV's model: where a lens shows what a pinhole of the same focal length shows at a pixel.
+/// OpenCV's distortion model: the pixel at which a lens shows what a pinhole camera of the same focal length shows at `pinhole_px`.
 fn distorted(pinhole_px: [f64; 2], focal_px: f64, [k1, k2, p1, p2, k3]: [f64; 5]) -> [f64; 2] {
     let (x, y) = ((pinhole_px[0] - 319.5) / focal_px, (pinhole_px[1] - 239.5) / focal_px);
     let r = x.hypot(y);
@@ -23,13 +23,13 @@ fn distorted(pinhole_px: [f64; 2], focal_px: f64, [k1, k2, p1, p2, k3]: [f64; 5]
     [319.5 + focal_px * xd, 239.5 + focal_px * yd]
 }
 
-/// Places under the camera of a robot in the middle of a room of 4 m, and the marks there.
+/// Places of the floor marks under the camera of a robot that stands in the middle of a room of 4 m.
 fn marked_places() -> Vec<[f64; 2]> {
     let offsets = [[0.0, 0.0], [0.12, 0.13], [-0.13, 0.17], [0.11, -0.16], [-0.12, -0.13], [0.02, 0.19]];
     offsets.iter().map(|[forward, left]| [2.0 - 0.15 + forward, 2.0 + left]).collect()
 }
 
-/// Centroid on the image of a mark of 13 mm, by an image of its points: each counts by the area that it takes there.
+/// Centroid of a mark of 13 mm on the image, by the image of its points; each point is weighted by the image area of its surroundings.
 fn mark_centroid([x, y]: [f64; 2], image_of: &dyn Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
     const STEP_M: f64 = 0.013 / 8.0;
     let mut sums = [0.0; 3];
@@ -84,7 +84,7 @@ fn what_a_bent_lens_bends_is_what_the_scene_declares() {
 
 #[test]
 fn the_floor_falls_off_by_the_fourth_power_of_the_cosine() {
-    // One tile without pattern fills the view.
+    // A single tile without a pattern fills the view.
     let tile = "[floor.tiles]\nedge_x_m = 5.0\nedge_y_m = 5.0\nphase_x_m = 0.0\nphase_y_m = 0.0\npattern = \"plain\"\n";
     let studio = Studio::new(5.0, tile);
     let mut view = studio.quiet_view(&[standing(2.5, 2.5, 0.0)]);
@@ -96,7 +96,7 @@ fn the_floor_falls_off_by_the_fourth_power_of_the_cosine() {
     };
     let middle = mean(320, 240);
     for (u, v) in [(600, 240), (320, 440), (40, 40), (560, 420)] {
-        // The block's middle is half a pixel before its corner.
+        // The middle of the averaged block of pixels lies half a pixel before the corner that it is named by.
         let tangent = f64::hypot(f64::from(u) - 0.5 - 319.5, f64::from(v) - 0.5 - 239.5) / studio.mount.focal_px;
         let expected = tangent.atan().cos().powi(4);
         let seen = mean(u, v) / middle;
@@ -106,11 +106,12 @@ fn the_floor_falls_off_by_the_fourth_power_of_the_cosine() {
 
 #[test]
 fn a_shadow_on_the_floor_bends_with_the_lens_and_leans_with_the_shutter() {
-    // A bulb at 2 m and a board of 1 m across the room before it: light begins 2.42 m from the bulb's foot.
+    // A bulb hangs at 2 m, and a board of 1 m stands across the room in front of it; the shadow ends, and light begins, 2.42 m from the bulb's
+    // foot.
     let lit = "[building]\nwall_albedo = 0.0\nceiling_albedo = 0.0\n[light]\n[[lamp]]\nkind = \"point\"\nx_m = 1.2\ny_m = 2.0\nheight_m = 2.0\nlumens = 2000\n\
                [[furniture]]\nname = \"board\"\nx_m = 2.4\ny_m = 2.0\nsize_m = [0.02, 3.0]\nheight_m = 1.0\n";
     let studio = Studio::new(4.0, lit);
-    // Over the floor at x = 3.47 image up is world x, and the shadow ends 0.15 m further on.
+    // The camera is over the floor at x = 3.47 and image up is world x; the shadow ends 0.15 m further on.
     let still = || studio.quiet_view(&[standing(3.62, 2.0, 0.0)]);
     let column = |mut view: View| {
         view.illuminance_at_floor_lux = 60.0 / view.exposure_s;
@@ -138,7 +139,7 @@ fn a_shadow_on_the_floor_bends_with_the_lens_and_leans_with_the_shutter() {
     let expected_px = distorted([319.5, plain_px], studio.mount.focal_px, BENT)[1];
     assert!((plain_px - expected_px).abs() > 2.0, "the edge at {plain_px} is too near to the axis");
     assert!((bent_px - expected_px).abs() < 0.7, "{bent_px}, expected {expected_px}, without the lens {plain_px}");
-    // v = plain + speed·(v − 239.5)·row time·scale: 1333 px to the metre.
+    // Row of the shadow's edge under a rolling shutter: v = plain + speed·(v − 239.5)·row time·scale, with 1333 px to the metre.
     let per_row = speed_m_per_s * SHORT.row_time_s * 640.0 / 0.48;
     let expected_px = (plain_px - 239.5 * per_row) / (1.0 - per_row);
     assert!((plain_px - expected_px).abs() > 4.0, "{expected_px}");
@@ -147,14 +148,14 @@ fn a_shadow_on_the_floor_bends_with_the_lens_and_leans_with_the_shutter() {
 
 #[test]
 fn defocus_spreads_a_tape_by_a_discs_variance() {
-    // A tape of 20 mm across the picture: 26.7 px wide, seen from straight above.
+    // A tape of 20 mm lies across the picture, seen from straight above; its image is 26.7 px wide.
     let tape = "[[floor.stray]]\nfrom_m = [1.0, 2.0]\nto_m = [3.0, 2.0]\nwidth_m = 0.02\nalbedo = 0.0\n";
     let studio = Studio::new(4.0, tape);
     let variance = |defocus_px: f64| {
         let mut view = studio.quiet_view(&[standing(2.0, 2.0, 0.0)]);
         view.lens.defocus_px = defocus_px;
         let image = studio.draw(view);
-        // Mean over rows, to be rid of noise; the tape runs down the picture's middle.
+        // The mean over rows removes noise; the tape runs down the middle of the picture.
         let column = |u: u32| (100..380).map(|v| level(&image, u, v)).sum::<f64>() / 280.0;
         let open = column(250);
         let dark: Vec<(f64, f64)> = (280..360).map(|u| (f64::from(u) - 319.5, (open - column(u)) / open)).collect();
@@ -164,27 +165,27 @@ fn defocus_spreads_a_tape_by_a_discs_variance() {
     let sharp = variance(0.0);
     assert!((sharp - (26.667_f64.powi(2) + 1.0) / 12.0).abs() < 0.3, "{sharp}");
     for diameter_px in [6.0, 12.0] {
-        // A disc of radius r has the variance r²/4 along an axis; interpolation adds up to a quarter of a square pixel.
+        // A blur disc of radius r has the variance r²/4 along an axis; interpolation adds up to a quarter of a square pixel.
         let (added, expected) = (variance(diameter_px) - sharp, (diameter_px / 2.0_f64).powi(2) / 4.0);
         assert!((-0.1..0.3).contains(&(added - expected)), "{diameter_px} px: {added}, expected {expected}");
     }
 }
 
-/// How a robot drives and turns while a rolling shutter reads out.
+/// Motion of a robot that drives and turns while a rolling shutter reads out.
 struct Drive {
     speed_m_per_s: f64,
     turn_rad_per_s: f64,
 }
 
 impl Drive {
-    /// On its circle, in the middle of the room at time 0.
+    /// State of the robot on its circle; at time 0 it is in the middle of the room.
     fn at(&self, time_s: f64) -> Truth {
         let turned = self.turn_rad_per_s * time_s;
         let radius_m = self.speed_m_per_s / self.turn_rad_per_s;
         standing(2.0 + radius_m * turned.sin(), 2.0 + radius_m * (1.0 - turned.cos()), turned)
     }
 
-    /// Five poses from `-total_s/2` to `total_s/2`, as the cameras give them.
+    /// Five poses of the camera from `-total_s/2` to `total_s/2`, in the form that a rendered view takes.
     fn poses(&self, studio: &Studio, total_s: f64) -> Vec<Isometry3<f64>> {
         let at = |step: i32| self.at(total_s * (f64::from(step) / 4.0 - 0.5));
         (0..=4).map(|step| world_from_floor_camera(&at(step), &studio.mount)).collect()
@@ -193,7 +194,7 @@ impl Drive {
 
 const DRIVE: Drive = Drive { speed_m_per_s: 0.6, turn_rad_per_s: 1.5 };
 
-/// From the start of one row's exposure to that of the next, and how long each lasts.
+/// A rolling shutter: the time from the start of one row's exposure to the start of the next row's, and the duration of each exposure.
 #[derive(Clone, Copy, Debug)]
 struct Shutter {
     row_time_s: f64,
@@ -202,12 +203,12 @@ struct Shutter {
 
 const SHORT: Shutter = Shutter { row_time_s: 40e-6, exposure_s: 0.0004 };
 
-/// Read out row by row while the robot drives.
+/// View that is read out row by row while the robot drives.
 fn rolling(studio: &Studio, distortion: [f64; 5], shutter: Shutter) -> View {
     let mut view = studio.quiet_view(&[standing(2.0, 2.0, 0.0)]);
     let longer = view.exposure_s / shutter.exposure_s;
     view.exposure_s = shutter.exposure_s;
-    // Light in place of time, so that noise stays low.
+    // The short exposure is made up for by more light, so that noise stays low.
     view.illuminance_at_floor_lux *= longer;
     view.lens.row_time_s = shutter.row_time_s;
     view.lens.distortion = distortion;
@@ -225,7 +226,8 @@ fn a_rolling_shutter_skews_the_floor_by_each_rows_time() {
         let image_at =
             |place, time_s| distorted(studio.project(&DRIVE.at(time_s), place), studio.mount.focal_px, distortion);
         for place in &places {
-            // The time decides the row, and the row the time.
+            // The time of exposure decides on which row a mark appears, and the row decides the time: this loop finds the row at which both
+            // agree.
             let on_its_row = |place: [f64; 2]| {
                 let first = image_at(place, 0.0);
                 (0..20).fold(first, |seen, _| image_at(place, (seen[1] - 239.5) * SHORT.row_time_s))
@@ -238,7 +240,7 @@ fn a_rolling_shutter_skews_the_floor_by_each_rows_time() {
             most_px = most_px.max(f64::hypot(seen[0] - unskewed[0], seen[1] - unskewed[1]));
         }
     }
-    // What is measured is not small.
+    // The rolling shutter's skew must be large enough for the test to mean anything.
     assert!(most_px > 4.0, "{most_px}");
 }
 
@@ -257,12 +259,12 @@ fn a_floor_fills_a_rolling_picture_to_its_corners() {
 
 #[test]
 fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() {
-    // Marble, tiles of very different albedo, joints, a wire and a carpet's edge: every kind of thing that a floor has.
+    // The floor has marble, tiles of very different albedo, joints, a wire and a carpet's edge: every kind of thing that a floor can show.
     let floor = "[floor.tiles]\nedge_x_m = 0.2\nedge_y_m = 0.15\npattern = \"marble\"\ntile_albedo_spread = 0.3\n\
                  [[floor.stray]]\nfrom_m = [1.7, 1.8]\nto_m = [2.0, 2.1]\nwidth_m = 0.008\nalbedo = 0.05\n\
                  [[floor.region]]\nname = \"rug\"\nx_m = [1.0, 1.78]\ny_m = [1.0, 3.0]\nfriction = 0.7\ncovering = \"carpet\"\n";
     let studio = Studio::new(4.0, floor);
-    // Rows of a short exposure, and slower ones of one that blurs by 5 px.
+    // Two shutters are tried: rows of a short exposure, and slower rows whose long exposure blurs by 5 px.
     let mut widest: f64 = 0.0;
     for shutter in [SHORT, Shutter { row_time_s: 100e-6, exposure_s: 0.006 }] {
         let whole = studio.draw(rolling(&studio, BENT, shutter));
@@ -277,7 +279,8 @@ fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() 
             let difference = |u: u32| (level(&whole, u, v) - level(&row, u, v)).abs();
             let mut differences: Vec<f64> = (0..640).map(difference).collect();
             differences.sort_by(f64::total_cmp);
-            // Both pictures carry the same noise, and what they show is not even.
+            // Both pictures carry the same noise, so that they may be compared level by level; the checks below make sure that the row is not
+            // uniform.
             let mean = differences.iter().sum::<f64>() / 640.0;
             let off = differences[633];
             assert!(mean < 0.2 && off < 2.0, "{shutter:?}, row {v}: mean {mean}, 99 % within {off}");
@@ -293,7 +296,7 @@ fn each_row_of_a_rolling_picture_is_that_of_a_global_shutter_at_the_rows_time() 
 
 #[test]
 fn a_claimed_joint_is_judged_through_the_lens_and_at_the_time_of_each_points_row() {
-    // Joints lie where they should: every 0.3 m, one of each family through (1.8, 2.1).
+    // The joints lie at their nominal places: every 0.3 m, with one joint of each family through (1.8, 2.1).
     let keys = format!(
         "[floor.tiles]\nlaying_tolerance_m = 0.0\n[robot.floor_camera]\nlens.distortion = {BENT:?}\nlens.row_time_s = {}\n",
         SHORT.row_time_s
@@ -301,7 +304,7 @@ fn a_claimed_joint_is_judged_through_the_lens_and_at_the_time_of_each_points_row
     let mut studio = Studio::new(4.0, &keys);
     studio.drawn.devices.floor_camera = Some(studio.mount);
     let truth = Truth { velocity: [DRIVE.speed_m_per_s, 0.0, DRIVE.turn_rad_per_s], ..DRIVE.at(0.0) };
-    // Where each row shows a place: the time decides the row, and the row the time.
+    // Pixel at which the picture shows a place of the floor: the time of exposure decides the row, and the row decides the time.
     let shown = |place: [f64; 2]| {
         let at = |time_s: f64| distorted(studio.project(&DRIVE.at(time_s), place), studio.mount.focal_px, BENT);
         (0..20).fold(at(0.0), |seen, _| at((seen[1] - 239.5) * SHORT.row_time_s))
@@ -320,7 +323,8 @@ fn a_claimed_joint_is_judged_through_the_lens_and_at_the_time_of_each_points_row
             let points_px = places.iter().map(point).collect();
             is_true(&Claim::FloorJoint { points_px, share_wrong: 0.0 }, &studio.scene, &studio.drawn, &truth)
         };
-        // A twentieth of a pixel off is within a tenth, but not within a thirtieth; nor are 2 px within 1.9 or beyond 2.1.
+        // A claim that is 0.05 px off is true with a bound of 0.1 px, but not with one of 0.03 px; a claim that is 2 px off is true with a bound
+        // of 2.1 px, but not with one of 1.9 px.
         assert!(claimed(0.05, 0.1) && !claimed(0.05, 0.03), "{places:?}");
         assert!(claimed(2.0, 2.1) && !claimed(2.0, 1.9), "{places:?}");
     }

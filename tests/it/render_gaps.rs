@@ -1,4 +1,4 @@
-//! That nothing is missing: between faces that meet, and at the picture's border for what lies beyond it.
+//! Rendered pictures have no gaps: neither between faces that meet, nor at the picture's border when what lies beyond it is blurred into it.
 
 use std::f64::consts::PI;
 
@@ -22,7 +22,7 @@ fn draw(scene: &Scene, views: Vec<View>) -> Vec<GrayImage> {
         .collect()
 }
 
-/// Pixels that are darker by two fifths than what is on both sides of them, along a row or along a column.
+/// Pixels that are darker by two fifths than both of their neighbours along the row or along the column.
 fn chinks(image: &GrayImage) -> Vec<[u32; 2]> {
     let (width, height) = image.dimensions();
     let inner = (1..height - 1).flat_map(|v| (1..width - 1).map(move |u| [u, v]));
@@ -36,7 +36,8 @@ fn chinks(image: &GrayImage) -> Vec<[u32; 2]> {
 
 #[test]
 fn no_chink_opens_between_faces_however_a_camera_turns_while_it_reads_out() {
-    // Where a further room begins, corners of walls lie within the sides of floor and ceiling, and cells of one face are not those of another.
+    // Where the further room begins, corners of walls lie within the sides of floor and ceiling, and the cells of one face do not line up with
+    // those of another.
     let text = "[room]\nwidth_m = 4.0\ndepth_m = 3.0\n[building]\nwall_albedo = 0.8\nceiling_albedo = 0.8\nskirting_albedo = 0.8\n\
         [[building.room]]\nx_m = 3.9\ny_m = 0.43\nwidth_m = 2.03\ndepth_m = 2.11\n\
         [start]\nx_m = 2.0\ny_m = 1.5\n[[route.waypoint]]\nx_m = 2.0\ny_m = 1.5\n[light]\nilluminance_at_floor_lux = 200\n\
@@ -70,7 +71,7 @@ fn no_chink_opens_between_faces_however_a_camera_turns_while_it_reads_out() {
     }
 }
 
-/// Share of a disc that lies beyond a straight line at `off` of its radius from its middle.
+/// Share of a disc's area that lies beyond a straight line at a distance of `off` radii from the disc's centre.
 fn segment(off: f64) -> f64 {
     let off = off.clamp(-1.0, 1.0);
     (off.acos() - off * (1.0 - off * off).sqrt()) / PI
@@ -78,14 +79,16 @@ fn segment(off: f64) -> f64 {
 
 #[test]
 fn defocus_at_the_border_spreads_in_what_lies_beyond_it() {
-    // A panel of 1 m by 1 m under a black ceiling, whose edge lies 2 px beyond each border in turn; blurred over 16 px.
+    // The view shows a panel of 1 m by 1 m under a black ceiling. The panel's edge lies 2 px beyond each border of the picture in turn, and the
+    // lens blurs over 16 px.
     let panel = "[[lamp]]\nkind = \"panel\"\nx_m = 2.0\ny_m = 1.5\nheight_m = 2.5\nsize_m = [1.0, 1.0]\nlumens = 1000\n\
                  spectrum = \"monochrome\"\n";
     let scene = black_room(panel);
     let (focal_px, beyond_px, radius_px) = (100.0, 2.0, 8.0);
     let lens = Lens { defocus_px: 2.0 * radius_px, ..Lens::ideal([64, 64], focal_px) };
     let full = 200.0;
-    // 1000 lm over π · 1 m²; looking up from 0.5 m, 50 px to the metre, image right along x and down along y.
+    // The panel's luminance is 1000 lm over π · 1 m². The camera looks up from 0.5 m, where a metre of the panel takes 50 px; image right is x
+    // and image down is y.
     let levels = full / (1000.0 / PI);
     let aside_m = 0.5 + (32.0 + beyond_px) * 2.0 / focal_px;
     let poses = [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
@@ -105,7 +108,7 @@ fn defocus_at_the_border_spreads_in_what_lies_beyond_it() {
                 }
             };
             let seen = level(&image, at(x), at(y));
-            // From the pixel's middle to the panel's edge.
+            // Distance from the pixel's middle to the panel's edge.
             let off_px = f64::from(inwards) + 0.5 + beyond_px;
             let expected = full * segment(off_px / radius_px);
             assert!(

@@ -1,5 +1,5 @@
-//! Glints of lamps: of long ones in a glossy floor as long as the lamp's image below it, and whole; of a bulb in a glossy box where a
-//! mirror would show it.
+//! Glints of lamps in rendered pictures: a long lamp in a glossy floor gives an unbroken glint that is as long as the lamp's mirror image, and a
+//! bulb in a glossy box appears where a mirror would show it.
 
 use image::GrayImage;
 use nalgebra::{Isometry3, Translation3};
@@ -19,13 +19,14 @@ use crate::{
 
 const EYE_M: f64 = 1.5;
 const LAMP_M: f64 = 2.0;
-/// From the eye to the lamp on the floor, and half of the lamp's length.
+/// Horizontal distance from the eye to the lamp; `HALF_M` is half of the lamp's length.
 const AHEAD_M: f64 = 4.0;
 const HALF_M: f64 = 2.5;
 const FOCAL_PX: f64 = 220.0;
 const WIDTH_PX: u32 = 641;
 
-/// A room with black tiles, and a lamp of 5 m by 0.3 m across the view; its length is its first side or its second.
+/// A room with black tiles and a lamp of 5 m by 0.3 m that hangs across the view; `is_first` says whether the length is the first of the lamp's
+/// two sides.
 fn scene(is_first: bool) -> Scene {
     let (heading_deg, size_m) = if is_first { (90, [2.0 * HALF_M, 0.3]) } else { (0, [0.3, 2.0 * HALF_M]) };
     let text = format!(
@@ -40,10 +41,10 @@ fn scene(is_first: bool) -> Scene {
     Scene::parse(&text, "glints.toml").unwrap()
 }
 
-/// The row of the glint's middle, as the eye sees it that far to the side of the lamp's middle.
+/// Grey levels along the row through the glint's middle, for an eye that is `aside_m` to the left of the lamp's middle.
 fn glint(world: &sim::render::RenderedWorld, renderer: &mut sim::render::Renderer, aside_m: f64) -> Vec<f64> {
     let pose = Isometry3::from_parts(Translation3::new(1.0, 4.0 + aside_m, EYE_M), looking_ahead().rotation);
-    // The lamp's image lies as far below the floor as the lamp above it.
+    // The lamp's mirror image lies as far below the floor as the lamp is above it.
     let below_px = FOCAL_PX * (EYE_M + LAMP_M) / AHEAD_M;
     let lens = Lens { principal_point_px: [320.0, 8.0 - below_px], ..Lens::ideal([WIDTH_PX, 17], FOCAL_PX) };
     let view = View {
@@ -54,7 +55,8 @@ fn glint(world: &sim::render::RenderedWorld, renderer: &mut sim::render::Rendere
     (0..WIDTH_PX).map(|u| (5..12).map(|v| level(&image, u, v)).sum::<f64>() / 7.0).collect()
 }
 
-/// Share that tiles mirror, 0.03 at right incidence, of a place so far to the left (Schlick 1994).
+/// Share of light that tiles mirror, 0.03 at perpendicular incidence, for a place on the lamp that is `left_m` to the left of the eye (Schlick
+/// 1994).
 fn mirrored(left_m: f64) -> f64 {
     let cosine = (EYE_M + LAMP_M) / AHEAD_M.hypot(left_m).hypot(EYE_M + LAMP_M);
     0.03 + 0.97 * (1.0 - cosine).powi(5)
@@ -66,15 +68,16 @@ fn the_glint_of_a_long_lamp_ends_where_its_image_ends_on_both_sides_and_has_no_s
         let scene = scene(is_first);
         let mut renderer = renderer();
         let world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
-        // Blocks of the floor are half a metre wide, and a glint's end moves by 0.57 of what the eye moves: these are all its places in a block.
+        // The renderer cuts the floor into blocks half a metre wide. A glint's end moves by 0.57 of what the eye moves, so that these steps put
+        // it everywhere in a block.
         for index in 0..36 {
             let aside_m = -0.4 + 0.024 * f64::from(index);
             let row = glint(&world, &mut renderer, aside_m);
             for side in [-1.0, 1.0] {
-                // Image right is along −y.
+                // Image right is along −y, so that places to the left have smaller columns.
                 let end_px = |half_m: f64| 320.0 - FOCAL_PX * (side * half_m - aside_m) / AHEAD_M;
                 let at = |half_m: f64| row[end_px(half_m).round() as usize];
-                // A blur of 0.035 rad is up to 0.12 m wide on the lamp: 1 m within its end nothing of the end is seen.
+                // The floor's blur of 0.035 rad is up to 0.12 m wide on the lamp, so that nothing of the lamp's end is seen 1 m within it.
                 let within = at(HALF_M - 1.0);
                 assert!(within > 60.0, "{within}");
                 let share = at(HALF_M)
@@ -82,7 +85,8 @@ fn the_glint_of_a_long_lamp_ends_where_its_image_ends_on_both_sides_and_has_no_s
                     / (within / mirrored(side * (HALF_M - 1.0) - aside_m));
                 assert!((0.4..0.55).contains(&share), "{is_first} {aside_m} {side}: {share} at the end");
                 assert!(at(HALF_M + 1.0) < 0.02 * within, "{}", at(HALF_M + 1.0));
-                // The steepest that the blur's bump lets the glint fall is 1.5 in its width of √20 deviations.
+                // The blur's kernel is √20 standard deviations wide, and lets the glint fall with a slope of at most 1.5 times its level per
+                // kernel width. The test allows 1.3 times that.
                 let pixel_m = AHEAD_M / FOCAL_PX;
                 let from_floor_m =
                     LAMP_M / (EYE_M + LAMP_M) * AHEAD_M.hypot(side * HALF_M - aside_m).hypot(EYE_M + LAMP_M);
@@ -98,7 +102,7 @@ fn the_glint_of_a_long_lamp_ends_where_its_image_ends_on_both_sides_and_has_no_s
     }
 }
 
-/// Picture from (1, 1.3, 1.4) along world x of a black room with a bulb behind the eye, and a black box whose face is at x = 3.
+/// Picture of a black room, taken from (1, 1.3, 1.4) along world x, with a bulb behind the eye and a black box whose face is at x = 3.
 fn picture_of_box(more_of_box: &str) -> GrayImage {
     let scene = black_room(&format!(
         "[[furniture]]\nx_m = 3.3\ny_m = 1.5\nsize_m = [0.6, 2.8]\nheight_m = 2.0\nalbedo = 0.0\n{more_of_box}\
@@ -118,13 +122,14 @@ fn picture_of_box(more_of_box: &str) -> GrayImage {
 #[test]
 fn a_glossy_box_shows_a_bulb_where_a_mirror_would() {
     let matt = picture_of_box("");
-    // Above the floor's horizon only the box is seen, which is black.
+    // In these rows only the black box is seen.
     let brightest = |image: &GrayImage| {
         (0..321).flat_map(|u| (60..160).map(move |v| (u, v))).map(|(u, v)| level(image, u, v)).fold(0.0, f64::max)
     };
     assert!(brightest(&matt) < 1.0, "{}", brightest(&matt));
     let image = picture_of_box("gloss = 0.1\nroughness_deg = 1.5\n");
-    // The bulb's image is as far behind x = 3 as the bulb before it: at (5.5, 1.9, 1.1), 4.5 m ahead, 0.6 m left and 0.3 m below the eye.
+    // The bulb's mirror image is as far behind x = 3 as the bulb is before it: at (5.5, 1.9, 1.1), which is 4.5 m ahead, 0.6 m to the left and
+    // 0.3 m below the eye.
     let expected = [160.0 - 300.0 * 0.6 / 4.5, 120.0 + 300.0 * 0.3 / 4.5];
     let around = || (60..180).flat_map(|u| (80..200).map(move |v| (u, v)));
     let total: f64 = around().map(|(u, v)| level(&image, u, v)).sum();
@@ -134,8 +139,8 @@ fn a_glossy_box_shows_a_bulb_where_a_mirror_would() {
     let seen = [mean(&|place| f64::from(place.0)), mean(&|place| f64::from(place.1))];
     assert!((0..2).all(|axis| (seen[axis] - expected[axis]).abs() < 0.7), "{seen:?}, expected {expected:?}");
     assert!(brightest(&image) < 250.0, "{}", brightest(&image));
-    // All of the glint together is the share that is mirrored (Schlick 1994) of the bulb's luminance I/(π·r²) times its disc of
-    // f²/z² · π·r² pixels over the cosine off the axis, however far it is blurred: the intensity I is Φ/4π.
+    // Sum of the whole glint by hand, however far it is blurred: the mirrored share (Schlick 1994), times the bulb's luminance I/(π·r²), times
+    // the f²/z² · π·r² pixels of the bulb's disc over the cosine off the axis. The bulb's intensity I is Φ/4π.
     let cosine = 4.5 / 4.5_f64.hypot(0.6).hypot(0.3);
     let mirrored = 0.1 + 0.9 * (1.0 - cosine).powi(5);
     let by_hand = 0.5 * mirrored * 600.0 / (4.0 * std::f64::consts::PI) * (300.0 / 4.5_f64).powi(2) / cosine;

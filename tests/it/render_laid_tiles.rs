@@ -1,4 +1,4 @@
-//! Tiles as laid, against the bounds that the localizer is told.
+//! Floor tiles as a seed lays them, with drawn errors, compared with the declared bounds that the localizer is given.
 
 use sim::{
     drawn::LaidTiles,
@@ -16,7 +16,7 @@ fn to_world(tiles: &Tiles, [x, y]: [f64; 2]) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// Nominal and true place of corner `(i, j)` of the tables, grid frame.
+/// Nominal and true place of tile corner `(i, j)`, in the frame of the tile grid.
 fn corner(tiles: &Tiles, laid: &LaidTiles, i: usize, j: usize) -> ([f64; 2], [f64; 2]) {
     let nominal = [
         (i as i32 + laid.first[0]) as f64 * tiles.edge_x_m + tiles.phase_x_m,
@@ -26,7 +26,7 @@ fn corner(tiles: &Tiles, laid: &LaidTiles, i: usize, j: usize) -> ([f64; 2], [f6
     (nominal, [nominal[0] + offset[0], nominal[1] + offset[1]])
 }
 
-/// Largest offset of any joint across itself, and largest angle to its nominal direction, at places inside the room.
+/// Largest offset of any joint across its direction, and largest angle between a joint and its nominal direction, at places inside the room.
 fn departures(tiles: &Tiles, laid: &LaidTiles) -> (f64, f64) {
     let (mut offset_m, mut angle_rad) = (0.0_f64, 0.0_f64);
     for i in 0..laid.count[0] - 1 {
@@ -69,7 +69,7 @@ fn every_joint_keeps_the_declared_laying_bound() {
             nearest_to_bound = nearest_to_bound.max(offset_m / bound_m);
         }
     }
-    // A bound that nothing comes near would prove nothing.
+    // Some joint must come near the bound: otherwise the check that all joints keep it would prove nothing.
     assert!(nearest_to_bound > 0.95, "{nearest_to_bound}");
 }
 
@@ -92,10 +92,10 @@ fn a_misplaced_tile_shows_near_itself_and_nowhere_else() {
     let misplaced = Misplaced { tile: [5, 3], offset_m: [0.008, 0.0] };
     let tiles = Tiles { misplaced: vec![misplaced], laying_tolerance_m: 0.0, ..Tiles::default() };
     let laid = LaidTiles::draw(&tiles, &ROOM, Distribution::Uniform, 0);
-    // The tile covers x 1.5 to 1.8 and y 0.9 to 1.2.
+    // The misplaced tile covers x from 1.5 to 1.8 and y from 0.9 to 1.2.
     assert!((laid.errors_near(&tiles, &ROOM, [1.65, 1.05], 0.3).offset_m - 0.008).abs() < 1e-12);
     assert!(laid.errors_near(&tiles, &ROOM, [0.6, 0.6], 0.3).offset_m < 1e-12);
-    // Its left joint stands 8 mm to the right, along its whole edge.
+    // The left joint of the misplaced tile is 8 mm further to the right along its whole edge.
     let at_edge = laid.joint_distance(&tiles, [1.508, 1.05]).unwrap();
     assert!(at_edge.distance_m < 1e-12 && at_edge.axis == 0 && at_edge.visible);
     let nominal = laid.joint_distance(&tiles, [1.5, 1.05]).unwrap();

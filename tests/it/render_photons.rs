@@ -1,4 +1,4 @@
-//! Grey levels and their noise against photon counts by hand, and the same bytes for the same noise key.
+//! Grey levels and their noise in rendered pictures, compared with photon counts by hand; and the same bytes for the same noise key.
 
 use sim::{
     optics::AutoExposure,
@@ -8,7 +8,7 @@ use sim::{
 
 use crate::render_studio::{Studio, exposed, renderer, standing};
 
-/// One tile fills the view: 5 m tiles of albedo 0.5, seen from the middle of one.
+/// A floor on which one tile fills the view: tiles of 5 m with albedo 0.5, seen from the middle of one.
 const ONE_TILE: &str = "[floor.tiles]\nedge_x_m = 5.0\nedge_y_m = 5.0\nphase_x_m = 0.0\npattern = \"plain\"\n\
                         tile_albedo = 0.5\ntile_albedo_spread = 0.0\n";
 
@@ -29,8 +29,8 @@ fn grey_level_follows_from_lux_albedo_aperture_and_exposure() {
     view.illuminance_at_floor_lux = 200.0;
     view.gain_levels_per_electron = 0.03;
     let image = studio.draw(view);
-    // L = 0.5·200/π; on the sensor (π/4)·L/2² = 6.25 lx. One lux of 555 nm is 4.09e15 photons/(s·m²):
-    // 6.25 · 4.09e15 · (4.8 µm)² · 10 ms · 0.55 = 3239 electrons, times 0.03 = 97.2 levels.
+    // Luminance L = 0.5·200/π; on the sensor (π/4)·L/2² = 6.25 lx. One lux of 555 nm is 4.09e15 photons/(s·m²): 6.25 · 4.09e15 · (4.8 µm)² · 10
+    // ms · 0.55 = 3239 electrons, times 0.03 = 97.2 levels.
     let (mean, _) = moments(image.as_raw());
     assert!((mean / 97.2 - 1.0).abs() < 0.02, "{mean}");
 }
@@ -39,11 +39,11 @@ fn grey_level_follows_from_lux_albedo_aperture_and_exposure() {
 fn noise_has_the_variance_of_photons_and_reading() {
     let studio = one_tile();
     let mut view = studio.view(&[standing(2.5, 2.5, 0.0)], 0);
-    // 16.2 electrons per lux: 30 lx is 486 electrons, times 0.25 = 121.5 levels.
+    // The tile gives 16.2 electrons per lux: 30 lx are 486 electrons, times 0.25 = 121.5 levels.
     view.illuminance_at_floor_lux = 30.0;
     view.gain_levels_per_electron = 0.25;
     let (mean, variance) = moments(studio.draw(view).as_raw());
-    // Shot noise gain·mean, read noise (6·0.25)², rounding 1/12.
+    // The variance in levels is that of shot noise, gain·mean, of read noise, (6·0.25)², and of rounding, 1/12.
     let expected = 0.25 * mean + 2.25 + 1.0 / 12.0;
     assert!((variance / expected - 1.0).abs() < 0.02, "{variance}, expected {expected}");
 }
@@ -56,7 +56,7 @@ fn few_electrons_are_counted_as_poisson_has_it() {
         view.sensor.read_noise_electrons = 0.0;
         view.illuminance_at_floor_lux = 300.0;
         view.exposure_s = 0.01 * mean_electrons / (16.196 * 300.0);
-        // One level per electron and room for all of them.
+        // Each electron is one grey level, and 255 levels hold all counts.
         view.gain_levels_per_electron = 1.0;
         let image = studio.draw(view);
         let n_pixels = image.as_raw().len() as f64;
@@ -66,7 +66,7 @@ fn few_electrons_are_counted_as_poisson_has_it() {
         let mut probability = (-mean).exp();
         for count in 0..12_u8 {
             let share = image.as_raw().iter().filter(|&&level| level == count).count() as f64 / n_pixels;
-            // 307 200 pixels scatter a share by 0.0009 at most.
+            // With 307 200 pixels, the share of a count scatters by 0.0009 at most (one standard deviation).
             assert!((share - probability).abs() < 0.004, "{count} electrons: {share}, Poisson {probability}");
             probability *= mean / f64::from(count + 1);
         }
@@ -88,7 +88,7 @@ fn noise_is_the_same_for_the_same_key_and_independent_for_another() {
     for other in [draw(5, 1), draw(6, 0), draw(5 + (1 << 32), 0)] {
         let products = first.iter().zip(&other).map(|(&a, &b)| (f64::from(a) - mean) * (f64::from(b) - mean));
         let correlation = products.sum::<f64>() / first.len() as f64 / variance;
-        // 307 200 independent pairs correlate by 0.0018 (one sigma).
+        // The correlation of 307 200 independent pairs of pixels scatters by 0.0018 (one standard deviation).
         assert!(correlation.abs() < 0.009, "{correlation}");
     }
 }
@@ -139,7 +139,7 @@ fn uneven_light_keeps_its_mean_and_its_ratio() {
         for j in 0..=n {
             let share = |k: i32| f64::from(k) / f64::from(n);
             let factor = field.factor_at([room.width_m * share(i), room.depth_m * share(j)].into());
-            // The trapezoidal rule: borders count half.
+            // Trapezoidal rule: values at the room's borders count half.
             let weight = |k: i32| if k == 0 || k == n { 0.5 } else { 1.0 };
             sum += factor * weight(i) * weight(j);
             least = least.min(factor);

@@ -1,4 +1,4 @@
-//! Rendered floor points against a projection derived by hand.
+//! Rendered points of the floor, compared with a projection derived by hand.
 
 use image::GrayImage;
 use localizer::Pose;
@@ -6,7 +6,8 @@ use sim::truth::Truth;
 
 use crate::render_studio::{Studio, standing};
 
-/// Dark squares of 13 mm on a plain floor, as strays; 13 mm is too wide for a wire, which would shade the floor.
+/// Text of a scene file for dark squares of 13 mm on a plain floor, as stray things; a stray thing of 13 mm is too wide to be a wire, which would
+/// cast a shadow.
 pub(crate) fn marks(places: &[[f64; 2]]) -> String {
     places
         .iter()
@@ -20,7 +21,7 @@ pub(crate) fn marks(places: &[[f64; 2]]) -> String {
         .collect()
 }
 
-/// Centroid of what is darker than the surroundings, within 16 px of a place.
+/// Centroid of the pixels that are darker than their surroundings, within 16 px of a place.
 pub(crate) fn dark_centroid(image: &GrayImage, near: [f64; 2]) -> [f64; 2] {
     let [u0, v0] = near.map(|coordinate| coordinate.round() as i32);
     let level = |u: i32, v: i32| f64::from(image.get_pixel(u as u32, v as u32).0[0]);
@@ -29,7 +30,7 @@ pub(crate) fn dark_centroid(image: &GrayImage, near: [f64; 2]) -> [f64; 2] {
     for v in v0 - 16..=v0 + 16 {
         for u in u0 - 16..=u0 + 16 {
             let dark = ring - level(u, v);
-            // Noise and quantisation are far below a tenth of the contrast.
+            // Noise and quantisation are far below a tenth of the mark's contrast.
             if dark > 0.1 * ring {
                 sums = [sums[0] + dark, sums[1] + dark * f64::from(u), sums[2] + dark * f64::from(v)];
             }
@@ -40,7 +41,7 @@ pub(crate) fn dark_centroid(image: &GrayImage, near: [f64; 2]) -> [f64; 2] {
 
 #[test]
 fn floor_points_appear_where_a_projection_derived_by_hand_puts_them() {
-    // Far from the world origin of a large hall, where single precision in world coordinates would show.
+    // The marks lie far from the world origin of a large hall, where single precision in world coordinates would show.
     let (x, y) = (18.3, 17.9);
     let places =
         [[0.0, 0.0], [0.12, 0.05], [-0.1, 0.08], [0.09, -0.11], [-0.12, -0.06]].map(|[dx, dy]| [x + dx, y + dy]);
@@ -53,7 +54,7 @@ fn floor_points_appear_where_a_projection_derived_by_hand_puts_them() {
     ] {
         studio.mount.yaw_rad = yaw;
         studio.mount.tilt_rad = mount_tilt;
-        // The camera is 0.15 m behind the axle: the marks are under it.
+        // The camera is 0.15 m behind the axle, so that this pose puts it over the marks.
         let pose = Pose { x_m: x + 0.15 * f64::cos(heading), y_m: y + 0.15 * f64::sin(heading), heading_rad: heading };
         let truth = Truth { pose, tilt_rad: tilt, heave_m: heave, ..Truth::default() };
         let image = studio.draw(studio.quiet_view(&[truth]));
@@ -68,17 +69,17 @@ fn floor_points_appear_where_a_projection_derived_by_hand_puts_them() {
 
 #[test]
 fn image_up_is_forward_and_image_right_is_right() {
-    // Robot at (1, 1) facing world y: forward of the camera is +y, right of it is +x.
+    // The robot stands at (1, 1) and faces world y: forward of the camera is +y, right of the camera is +x.
     let studio = Studio::new(2.0, &marks(&[[1.0, 0.95], [1.1, 0.85]]));
     let image = studio.draw(studio.quiet_view(&[standing(1.0, 1.0, std::f64::consts::FRAC_PI_2)]));
-    // 0.1 m is 133.3 px.
+    // A distance of 0.1 m is 133.3 px.
     let ahead = dark_centroid(&image, [319.5, 106.2]);
     let right = dark_centroid(&image, [452.8, 239.5]);
     assert!((ahead[0] - 319.5).abs() < 0.1 && (ahead[1] - (239.5 - 133.33)).abs() < 0.1, "{ahead:?}");
     assert!((right[0] - (319.5 + 133.33)).abs() < 0.1 && (right[1] - 239.5).abs() < 0.1, "{right:?}");
 }
 
-/// Darkness-weighted centre of a profile along u at row v, within 18 px of a place.
+/// Centre of a dark line's profile along u at row v, weighted by darkness, within 18 px of a place.
 fn profile_centre(image: &GrayImage, near_u: f64, v: u32) -> f64 {
     let u0 = near_u.round() as i32;
     let level = |u: i32| f64::from(image.get_pixel(u as u32, v).0[0]);
@@ -95,7 +96,7 @@ const PLAIN_TILES: &str = "[floor.tiles]\npattern = \"plain\"\ntile_albedo_sprea
 
 #[test]
 fn the_centre_of_a_laid_joint_is_unbiased_at_any_angle() {
-    // Rotated by 17° and seen from other headings, joints cross pixels at all angles.
+    // The tile grid is rotated by 17° and seen at several headings, so that joints cross the pixels at all angles.
     let studio = Studio::new(3.0, &format!("{PLAIN_TILES}rotation_deg = 17.0\n"));
     let laid = studio.drawn.tiles.as_ref().unwrap();
     let corner_in_world = |i: i32, j: i32| {
@@ -106,7 +107,7 @@ fn the_centre_of_a_laid_joint_is_unbiased_at_any_angle() {
         [cos * x - sin * y, sin * x + cos * y]
     };
     for heading in [0.0, 0.2, 0.5] {
-        // Under the camera: the middle of the joint from corner (5, 3) to (5, 4), which runs along image v within ±50°.
+        // Under the camera is the middle of the joint from corner (5, 3) to (5, 4), which runs along image v within ±50°.
         let ends = [corner_in_world(5, 3), corner_in_world(5, 4)];
         let middle = [0, 1].map(|axis| (ends[0][axis] + ends[1][axis]) / 2.0);
         let heading = heading + 107_f64.to_radians();
@@ -126,22 +127,22 @@ fn the_centre_of_a_laid_joint_is_unbiased_at_any_angle() {
 
 #[test]
 fn blur_is_as_long_as_the_way_during_the_exposure() {
-    // A black tape across the view, whose far edge is under the camera at mid-exposure: x = 1.5.
+    // A black tape lies across the view; its far edge, x = 1.5, is under the camera at mid-exposure.
     let tape = "[[floor.stray]]\nfrom_m = [1.45, 0.5]\nto_m = [1.45, 2.5]\nwidth_m = 0.1\nalbedo = 0.0\n";
     let studio = Studio::new(3.0, tape);
     for blur_px in [3.5, 7.0, 14.0] {
-        // Driving along world x; image up is forward and one pixel is 0.75 mm.
+        // The robot drives along world x; image up is forward, and one pixel is 0.75 mm.
         let way_m = blur_px * 0.00075;
         let truths: Vec<Truth> =
             (0..=10).map(|k| standing(1.65 + (f64::from(k) / 10.0 - 0.5) * way_m, 1.5, 0.0)).collect();
         let mut view = studio.view(&truths, 0);
-        // Noise of half a level, so that the mean of a row is finer than its levels.
+        // The noise is reduced to half a level, so that the mean of a row resolves fractions of a level.
         view.sensor.full_well_electrons = 1e5;
         view.exposure_s *= 10.0;
         view.gain_levels_per_electron /= 10.0;
         let image = studio.draw(view);
         let row = |v: u32| (20..620).map(|u| f64::from(image.get_pixel(u, v).0[0])).sum::<f64>() / 600.0;
-        // Steps from row to row are samples of way ⊗ pixel ⊗ pixel, three boxes, whose variances b²/12 add up.
+        // Steps from row to row are samples of motion ⊗ pixel ⊗ pixel, three boxes, whose variances b²/12 add up.
         let reach = (blur_px / 2.0) as u32 + 4;
         let steps: Vec<(f64, f64)> =
             (239 - reach..=239 + reach).map(|v| (f64::from(v) + 0.5, row(v) - row(v + 1))).collect();

@@ -1,4 +1,5 @@
-//! Wet patches: what a mirrored ray meets first, lamps and what hides them, and what the water does to the floor below it.
+//! Wet patches of the floor in rendered pictures: which thing a mirrored ray meets first, lamps and what hides them, and how water changes the
+//! floor below it.
 
 use std::f64::consts::PI;
 
@@ -12,12 +13,12 @@ use crate::{
     render_studio::renderer,
 };
 
-/// Water on black tiles: all light that comes from there is mirrored.
+/// Text of a scene file that lays a puddle on black tiles, from which all light that comes is mirrored light.
 const BLACK_PUDDLE: &str = "[floor.tiles]\npattern = \"plain\"\nedge_x_m = 5.0\nedge_y_m = 5.0\njoint_width_m = 0.001\n\
      tile_albedo = 0.0\ntile_albedo_spread = 0.0\njoint_albedo = 0.0\n[[floor.region]]\nname = \"puddle\"\n\
      x_m = [0.6, 3.0]\ny_m = [0.3, 2.7]\nfriction = 0.4\ncovering = \"wet\"\n";
 
-/// From (0.5, 1.5) along world x at this height, and the row on which it sees a place of the floor.
+/// Width and height of the picture, and focal length, of a camera that looks along world x from (0.5, 1.5).
 const LENS_PX: [u32; 2] = [321, 601];
 const FOCAL_PX: f64 = 300.0;
 
@@ -33,7 +34,7 @@ fn draw(scene: &Scene, view: View) -> GrayImage {
     renderer.draw(&world, &[View { illuminance_at_floor_lux, ..view }]).unwrap().remove(0)
 }
 
-/// Share that tiles mirror, 0.03 at right incidence, at this cosine (Schlick 1994).
+/// Share of light that tiles mirror at this cosine of incidence, 0.03 at perpendicular incidence (Schlick 1994).
 fn mirrored(cosine: f64) -> f64 {
     0.03 + 0.97 * (1.0 - cosine).powi(5)
 }
@@ -47,12 +48,12 @@ fn furniture(name: &str, front_m: f64, height_m: f64, albedo: f64) -> String {
 
 #[test]
 fn a_puddle_mirrors_the_nearest_of_the_things_that_stand_behind_one_another() {
-    // A bulb of 100 cd, 2 m high at x = 1.5, on a low dark box at x = 2.6 and a high bright one at x = 3.6.
+    // A bulb of 100 cd hangs 2 m high at x = 1.5; it lights a low dark box at x = 2.6 and a high bright one at x = 3.6.
     let bulb = "[[lamp]]\nkind = \"point\"\nx_m = 1.5\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\nspectrum = \"monochrome\"\n";
     let (near, far) = (furniture("near", 2.6, 0.2, 0.2), furniture("far", 3.6, 1.0, 0.8));
     let (eye_m, levels) = (0.5, 300.0);
     let row_of = |floor_x_m: f64| 300.0 + FOCAL_PX * eye_m / (floor_x_m - 0.5);
-    // A ray that meets the water at x rises as steeply as it fell.
+    // A mirrored ray rises from the water at x as steeply as it fell on it.
     let slope = |floor_x_m: f64| eye_m / (floor_x_m - 0.5);
     let expected = |floor_x_m: f64, front_m: f64, albedo: f64| {
         let height_m = slope(floor_x_m) * (front_m - floor_x_m);
@@ -61,7 +62,7 @@ fn a_puddle_mirrors_the_nearest_of_the_things_that_stand_behind_one_another() {
         let cosine = slope(floor_x_m) / slope(floor_x_m).hypot(1.0);
         levels * mirrored(cosine) * albedo * lux / PI
     };
-    // Whichever was built first.
+    // The order in which the boxes are built must not matter.
     for boxes in [format!("{near}{far}"), format!("{far}{near}")] {
         let image = look_ahead(&black_room(&format!("{BLACK_PUDDLE}{bulb}{boxes}")), eye_m, levels);
         let seen = |floor_x_m: f64| {
@@ -72,7 +73,7 @@ fn a_puddle_mirrors_the_nearest_of_the_things_that_stand_behind_one_another() {
             let (seen, expected) = (seen(floor_x_m), expected(floor_x_m, front_m, albedo));
             assert!((seen / expected - 1.0).abs() < 0.05, "at {floor_x_m} m {seen}, expected {expected}");
         }
-        // Past the top of the low box, 0.2 m high, the ray from x = 2 goes.
+        // The ray that is mirrored at x = 2 just passes the top of the low box, which is 0.2 m high.
         let [low, high] = [2.08, 1.9].map(seen);
         let rows = row_of(2.08) as u32..row_of(1.9) as u32;
         let edge = rows.clone().find(|row| level(&image, 160, *row) > (low + high) / 2.0).unwrap();
@@ -80,13 +81,14 @@ fn a_puddle_mirrors_the_nearest_of_the_things_that_stand_behind_one_another() {
     }
 }
 
-/// A panel of 0.3 m by 0.3 m at x = 2.9 and 1.2 m: seen from 0.6 m above the floor 2.4 m before it, its image lies 1.8 m below the eye.
+/// Text of a scene file for a panel of 0.3 m by 0.3 m at x = 2.9, 1.2 m high: for an eye 0.6 m above the floor and 2.4 m before the panel, the
+/// panel's mirror image lies 1.8 m below the eye.
 const LOW_PANEL: &str = "[[lamp]]\nkind = \"panel\"\nx_m = 2.9\ny_m = 1.5\nheight_m = 1.2\nsize_m = [0.3, 0.3]\nlumens = 20\n\
                          spectrum = \"monochrome\"\n";
 
-/// Rows between which the middle column is lighter than half of this level.
+/// First and last row in which the picture's middle column is lighter than half of the level `full`.
 fn light_rows(image: &GrayImage, full: f64) -> [f64; 2] {
-    // Below the row of the floor straight ahead at 1.8 m, where only the puddle is.
+    // Only rows below that of the floor 1.8 m straight ahead are searched; they show nothing but the puddle.
     let light: Vec<u32> = (480..600).filter(|v| level(image, 160, *v) > full / 2.0).collect();
     [light[0], light[light.len() - 1]].map(f64::from)
 }
@@ -94,7 +96,7 @@ fn light_rows(image: &GrayImage, full: f64) -> [f64; 2] {
 #[test]
 fn a_lamp_shows_in_a_puddle_where_and_as_large_as_its_image_below_the_water() {
     let image = look_ahead(&black_room(&format!("{BLACK_PUDDLE}{LOW_PANEL}")), 0.6, 50.0);
-    // Φ/(π·A), of which the water mirrors what it does at a slope of 1.8 to 2.4.
+    // The panel's luminance is Φ/(π·A), of which the water mirrors the share for a ray that falls by 1.8 m over 2.4 m.
     let full = 50.0 * mirrored(0.6) * 20.0 / (PI * 0.09);
     let middle = level(&image, 160, 525);
     assert!((middle / full - 1.0).abs() < 0.03, "{middle}, expected {full}");
@@ -110,7 +112,8 @@ fn a_lamp_shows_in_a_puddle_where_and_as_large_as_its_image_below_the_water() {
 
 #[test]
 fn a_lamp_in_a_puddle_ends_where_a_thing_before_it_begins() {
-    // The box begins at x = 2.3 and is 0.75 m high: the ray past its top comes from where 0.75/(2.3 − f) = 1.2/(a − f), and f = 0.5 + (a − 0.5)/3.
+    // The box begins at x = 2.3 and is 0.75 m high. The ray past its top comes from the place a of the lamp at which 0.75/(2.3 − f) = 1.2/(a −
+    // f), with the place f = 0.5 + (a − 0.5)/3 where the water mirrors it.
     let board = furniture("board", 2.3, 0.75, 0.0);
     let scene = black_room(&format!("{BLACK_PUDDLE}{LOW_PANEL}{board}"));
     let image = look_ahead(&scene, 0.6, 50.0);
@@ -132,7 +135,8 @@ fn a_lamp_in_a_puddle_ends_where_a_thing_before_it_begins() {
     );
 }
 
-/// From 1 m above (2, 1.5), where nothing but the black ceiling is mirrored: a bulb's image lies at x = 1.67.
+/// Picture of the floor from 1 m above (2, 1.5), where water mirrors nothing but the black ceiling: the bulb is mirrored at x = 1.67, outside of
+/// the picture.
 fn floor_below(floor: &str) -> GrayImage {
     let bulb = "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\nspectrum = \"monochrome\"\n";
     let scene = black_room(&format!("{floor}{bulb}"));
@@ -144,8 +148,8 @@ const PUDDLE: &str =
 
 #[test]
 fn a_wet_floor_is_as_much_darker_as_light_is_kept_in_by_the_water() {
-    // Ångström (1925): water of refractive index n lets 1 − r in and (1 − r)/n² of the floor's radiance out, and throws
-    // back on it what falls from below at all angles: 1 − (1 − 0.066)/n².
+    // Ångström (1925): water of refractive index n lets the share 1 − r of light in and (1 − r)/n² of the floor's radiance out, and throws back
+    // on the floor the share 1 − (1 − 0.066)/n² of the light that comes from below at all angles.
     let (n, r, albedo) = (1.33_f64, 0.02_f64, 0.4);
     let expected = ((1.0 - r) / n).powi(2) / (1.0 - albedo * (1.0 - (1.0 - 0.066) / n.powi(2)));
     let [dry, wet] = ["", PUDDLE].map(floor_below);

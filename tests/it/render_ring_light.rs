@@ -1,4 +1,5 @@
-//! The ring of diodes around a lens: I·cos α/r² across its rays, and Lambert's cosine on what they meet.
+//! The ring of diodes around a lens in rendered pictures: illuminance I·cos α/r² across its rays, and Lambert's cosine on the faces that it
+//! lights.
 
 use std::f64::consts::PI;
 
@@ -26,18 +27,19 @@ fn look(scene: &Scene, bodies: &[UprightBody], (lens, pose): (Lens, Isometry3<f6
         .remove(0)
 }
 
-/// Mean of 3 × 3 pixels.
+/// Mean grey level of 3 × 3 pixels around a place.
 fn around(image: &GrayImage, [u, v]: [f64; 2]) -> f64 {
     let (u, v) = (u.round() as u32, v.round() as u32);
     (0..9).map(|index| level(image, u - 1 + index % 3, v - 1 + index / 3)).sum::<f64>() / 9.0
 }
 
-/// Level at right incidence on a matt face of this albedo: E/π with E = I·cos α·cos β/r².
+/// Grey level of a matt face of this albedo in the ring's light, for the luminance albedo·E/π with E = I·cos α·cos β/r²; `cosines` is cos α off
+/// the lens's axis times cos β of incidence.
 fn expected(levels: f64, albedo: f64, cosines: f64, distance_m: f64) -> f64 {
     levels * albedo * RING_CANDELA * cosines / (PI * distance_m.powi(2))
 }
 
-/// Along world x, image right along −y, and turned left by an angle.
+/// Pose of a camera that looks along world x, with image right along −y, and is then turned to the left by an angle.
 fn turned(x_m: f64, height_m: f64, left_rad: f64) -> Isometry3<f64> {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), left_rad);
     Isometry3::from_parts(Translation3::new(x_m, 1.5, height_m), turn * looking_ahead().rotation)
@@ -51,7 +53,7 @@ fn a_wall_s_luminance_falls_by_the_cosine_off_the_axis_and_by_that_of_incidence(
     let (levels, left_rad) = (100.0, 0.5);
     let lens = Lens::ideal([321, 161], 150.0);
     let image = look(&scene, &[], (lens, turned(2.0, 1.3, left_rad)), levels);
-    // The wall at x = 4 is 2 m ahead; a pixel's ray in the world, by the turn.
+    // The wall at x = 4 is 2 m ahead. The ray of each pixel is turned into the world frame.
     for u in [20.0, 100.0, 160.0, 220.0, 300.0] {
         for v in [30.0, 80.0, 120.0] {
             let (right, down) = ((u - 160.0) / 150.0, (v - 80.0) / 150.0);
@@ -63,7 +65,7 @@ fn a_wall_s_luminance_falls_by_the_cosine_off_the_axis_and_by_that_of_incidence(
                 continue;
             }
             let (seen, expected) = (around(&image, [u, v]), expected(levels, 0.6, off_axis * incidence, distance_m));
-            // Plaster varies by 3.5 %.
+            // The texture of plaster varies by 3.5 %.
             assert!((seen / expected - 1.0).abs() < 0.045, "{u}, {v}: {seen}, expected {expected}");
         }
     }
@@ -84,7 +86,8 @@ fn person(x_m: f64) -> UprightBody {
 fn a_person_s_luminance_falls_by_the_cosine_off_the_axis() {
     let scene = black_room(DARK);
     let levels = 150.0;
-    // The chest, 0.7 of the height above the floor: half as deep as half the width over the shoulders, shirt of albedo 0.35.
+    // The camera looks at the person's chest, 0.7 of the height above the floor. The chest is half as deep as half the width over the shoulders,
+    // and the shirt's albedo is 0.35.
     let distance_m = 2.0 - 0.5 * 0.23;
     for left_rad in [-0.7_f64, -0.35, 0.0, 0.35, 0.7] {
         let lens = Lens::ideal([321, 65], 150.0);
@@ -98,19 +101,20 @@ fn a_person_s_luminance_falls_by_the_cosine_off_the_axis() {
 #[test]
 fn a_neck_is_as_bright_to_its_sides_as_the_cosine_on_an_ellipse_has_it() {
     let scene = black_room(DARK);
-    // Seen from its own height, 0.86 of the body's; of skin, 0.22 of half the width over the shoulders wide and 0.24 deep.
+    // The neck is seen from its own height, 0.86 of the body's. It is of skin, and an ellipse: its half axes are 0.22 of half the width over the
+    // shoulders across and 0.24 in depth.
     let (levels, focal_px) = (400.0, 1500.0);
     let (across_m, deep_m) = (0.22 * 0.23, 0.24 * 0.23);
     let lens = Lens::ideal([161, 17], focal_px);
     let image = look(&scene, &[person(2.5)], (lens, turned(1.0, 0.86 * 1.75, 0.0)), levels);
-    // It falls by some hundredths from pixel to pixel.
+    // The level falls by some hundredths from pixel to pixel, so that it is interpolated.
     let between = |image: &GrayImage, u: f64| {
         let (left, share) = (u.floor() as u32, u - u.floor());
         (1.0 - share) * level(image, left, 8) + share * level(image, left + 1, 8)
     };
     for degrees in [-60.0_f64, -30.0, 0.0, 30.0, 60.0] {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        // A place of the ellipse, its way from the eye, and the normal (cos/b, sin/a).
+        // A place on the ellipse, relative to the eye, and the ellipse's normal (cos/b, sin/a) there.
         let at = Point3::new(1.5 - deep_m * cos, across_m * sin, 0.0);
         let normal = Vector3::new(-cos / deep_m, sin / across_m, 0.0).normalize();
         let incidence = -at.coords.normalize().dot(&normal);
@@ -132,7 +136,7 @@ fn a_lamp_that_is_off_shows_its_diffuser_in_the_ring_s_light() {
         look(&scene, &[], (Lens::ideal([161, 161], 100.0), looking_up(2.0, 1.5, 1.0, Vector3::zeros())), levels);
     for aside_px in [0.0, 30.0, 60.0, 75.0] {
         let cosine = 1.0 / 1.0_f64.hypot(aside_px / 100.0);
-        // Of albedo 0.7; both cosines are that of the ray, which is 1.5 m/cos long.
+        // The diffuser's albedo is 0.7. Both cosines are that of the ray, which is 1.5 m/cos long.
         let expected = expected(levels, 0.7, cosine.powi(2), 1.5 / cosine);
         for at in [[80.0 + aside_px, 80.0], [80.0, 80.0 - aside_px]] {
             let seen = around(&image, at);
@@ -143,7 +147,7 @@ fn a_lamp_that_is_off_shows_its_diffuser_in_the_ring_s_light() {
 
 #[test]
 fn without_a_ring_a_dot_is_a_matt_disc_in_the_rooms_light() {
-    // A bulb of 100 cd, 0.6 m aside and 0.999 m below the dot: E = I·cos β/d². What the floor throws back adds some lux.
+    // The bulb of 100 cd is 0.6 m aside of the dot and 0.999 m below it: E = I·cos β/d². Light that the floor throws back adds some lux.
     let scene = black_room(
         "[[building.dot]]\nx_m = 2.0\ny_m = 1.5\nradius_m = 0.05\n[[lamp]]\nkind = \"point\"\nx_m = 2.6\ny_m = 1.5\n\
          height_m = 1.6\nlumens = 1256.637\nspectrum = \"monochrome\"\n",
@@ -184,15 +188,15 @@ fn an_infrared_forward_camera_sees_a_dark_room_by_its_ring() {
     };
     let levels = 80.0;
     let (image, lens) = seen("infrared", levels);
-    // A watt of 850 nm has as many photons as 683 · 850/555 lm of 555 nm; at 850 nm the wall's albedo is 0.25 + 0.65 · 0.6.
+    // A watt of 850 nm has as many photons as 683 · 850/555 lm of 555 nm. At 850 nm the wall's albedo is 0.25 + 0.65 · 0.6.
     let (candela, albedo) = (intensity_w_per_sr * 683.0 * 850.0 / 555.0, 0.64);
     for pixel in [[320.0, 240.0], [100.0, 240.0], [540.0, 300.0], [320.0, 80.0]] {
         let [right, down] = lens.ray(pixel).unwrap();
-        // The wall is 2 m ahead and faces the camera, so that the ray's cosine off the axis is that of incidence.
+        // The wall is 2 m ahead and faces the camera, so that the ray's cosine off the axis is also its cosine of incidence.
         let cosine = 1.0 / 1.0_f64.hypot(right).hypot(down);
         let lux = candela * cosine * cosine / (2.0 / cosine).powi(2);
         let (seen, expected) = (around(&image, pixel), levels * albedo * lux / PI);
-        // Plaster varies by 3.5 %.
+        // The texture of plaster varies by 3.5 %.
         assert!((seen / expected - 1.0).abs() < 0.045, "{pixel:?}: {seen}, expected {expected}");
     }
     let (image, _) = seen("visible", levels);

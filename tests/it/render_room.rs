@@ -12,7 +12,7 @@ use sim::{
 
 use crate::{light_of_lamps::black_room, render_studio::renderer};
 
-/// A view of half a second with hardly any noise, in which 1 cd/m² is `levels` grey levels.
+/// A view of a room with an exposure of half a second and hardly any noise, in which 1 cd/m² is `levels` grey levels.
 pub(crate) fn quiet_view(lens: Lens, poses: Vec<Isometry3<f64>>, levels: f64) -> View {
     let sensor = SensorModel {
         pixel_pitch_m: 5e-6,
@@ -35,7 +35,7 @@ pub(crate) fn quiet_view(lens: Lens, poses: Vec<Isometry3<f64>>, levels: f64) ->
     }
 }
 
-/// Draws a view in the light that the scene states.
+/// Renders a view in the light that the scene states.
 fn draw(scene: &Scene, view: View) -> GrayImage {
     let mut renderer = renderer();
     let world = renderer.upload_room(scene, &Drawn::draw(scene, 0)).unwrap();
@@ -43,13 +43,13 @@ fn draw(scene: &Scene, view: View) -> GrayImage {
     renderer.draw(&world, &[View { illuminance_at_floor_lux, ..view }]).unwrap().remove(0)
 }
 
-/// Looking down from a place, image up along world y.
+/// Pose of a camera that looks down from a place, with image up along world y.
 pub(crate) fn looking_down(x: f64, y: f64, z: f64) -> Isometry3<f64> {
     let rotation = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
     Isometry3::from_parts(Translation3::new(x, y, z), rotation)
 }
 
-/// Looking up from a place, image down along world y, turned about the axis and tipped.
+/// Pose of a camera that looks up from a place, with image down along world y, then turned by the rotation vector `turn`.
 pub(crate) fn looking_up(x: f64, y: f64, z: f64, turn: Vector3<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_scaled_axis(turn))
 }
@@ -58,7 +58,7 @@ pub(crate) fn level(image: &GrayImage, u: u32, v: u32) -> f64 {
     f64::from(image.get_pixel(u, v).0[0])
 }
 
-/// Brown and Conrady's model as OpenCV's documentation writes it, not as the simulator does.
+/// Brown and Conrady's distortion model, written as in OpenCV's documentation and not as in the simulator.
 fn opencv(lens: &Lens, p: Point3<f64>) -> [f64; 2] {
     let (x, y) = (p.x / p.z, p.y / p.z);
     let [k1, k2, p1, p2, k3] = lens.distortion;
@@ -69,7 +69,7 @@ fn opencv(lens: &Lens, p: Point3<f64>) -> [f64; 2] {
     [lens.focal_px[0] * xd + lens.principal_point_px[0], lens.focal_px[1] * yd + lens.principal_point_px[1]]
 }
 
-/// A dark room with dots on the ceiling, seen by the light of a ring.
+/// Scene of a dark room with retro-reflective dots on the ceiling, which a camera sees by the light of its ring.
 fn dots(places: &[[f64; 2]], radius_m: f64) -> Scene {
     let keys: String = places
         .iter()
@@ -84,7 +84,7 @@ fn ring(lens: Lens) -> Lens {
     Lens { ring_candela: 10.0, ..lens }
 }
 
-/// Level-weighted centre and variance along u within `reach` px of a place.
+/// Centre of a bright spot, and variance along u, weighted by grey level, within `reach` px of a place.
 fn spot(image: &GrayImage, near: [f64; 2], reach: i32) -> ([f64; 2], f64) {
     let [u0, v0] = near.map(|coordinate| coordinate.round() as i32);
     let pixels = || (v0 - reach..=v0 + reach).flat_map(move |v| (u0 - reach..=u0 + reach).map(move |u| (u, v)));
@@ -95,7 +95,7 @@ fn spot(image: &GrayImage, near: [f64; 2], reach: i32) -> ([f64; 2], f64) {
     (centre, mean(&|p| (f64::from(p.0) - centre[0]).powi(2)))
 }
 
-/// Centre of a disc's image: points of the disc weighted by the area that each takes up on the image.
+/// Centre of a disc's image: points of the disc, weighted by the area that each takes up on the image.
 fn disc_centre(project: &dyn Fn(Point3<f64>) -> [f64; 2], centre: [f64; 2], radius_m: f64) -> [f64; 2] {
     let at = |dx: f64, dy: f64| project(Point3::new(centre[0] + dx, centre[1] + dy, DOT_HEIGHT_M));
     let step = 1e-5;
@@ -114,7 +114,7 @@ fn disc_centre(project: &dyn Fn(Point3<f64>) -> [f64; 2], centre: [f64; 2], radi
 
 #[test]
 fn grey_levels_of_a_floor_are_its_luminance_by_hand() {
-    // 100 cd, 2 m above (1, 1.5): 25 lx below; screed has albedo 0.4, so that L = 0.4·25/π.
+    // The bulb of 100 cd hangs 2 m above (1, 1.5), which gives 25 lx below it; the screed has albedo 0.4, so that L = 0.4·25/π.
     let scene = black_room(
         "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\n\
          spectrum = \"monochrome\"\n",
@@ -129,12 +129,13 @@ fn grey_levels_of_a_floor_are_its_luminance_by_hand() {
 
 #[test]
 fn the_image_falls_off_by_the_fourth_power_of_the_cosine() {
-    // Straight below a large even light nothing else makes the corner darker: compare with the same view without fall-off.
+    // Straight below a large even light nothing but the lens makes the corner darker. The picture is compared with the same view without
+    // fall-off.
     let scene = black_room("[light]\nilluminance_at_floor_lux = 100\n");
     let lens = Lens { vignetting: true, ..Lens::ideal([65, 65], 40.0) };
     let with = draw(&scene, quiet_view(lens, vec![looking_down(2.0, 1.5, 0.5)], 15.0));
     let without = draw(&scene, quiet_view(Lens::ideal([65, 65], 40.0), vec![looking_down(2.0, 1.5, 0.5)], 15.0));
-    // At (62, 32): 30 px off the axis at a focal length of 40 px: tan = 0.75, cos⁴ = 0.64².
+    // The pixel (62, 32) is 30 px off the axis at a focal length of 40 px: tan = 0.75, cos⁴ = 0.64².
     let mean = |image: &GrayImage| (28..37).map(|v| level(image, 62, v)).sum::<f64>();
     let ratio = mean(&with) / mean(&without);
     assert!((ratio / 0.4096 - 1.0).abs() < 0.02, "{ratio}");
@@ -177,7 +178,7 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
     let (radius_m, row_time_s, exposure_s) = (0.012, 40e-6, 0.0005);
     let scene = dots(&places, radius_m);
     let lens = ring(Lens { row_time_s, distortion: [-0.1, 0.02, 0.0, 0.0, 0.0], ..Lens::ideal([640, 480], 560.0) });
-    // Turning at 1.5 rad/s and driving at 0.5 m/s while 480 rows are read out in 19 ms: some 16 px and 2.3 px.
+    // The camera turns at 1.5 rad/s and drives at 0.5 m/s while 480 rows are read out in 19 ms: some 16 px and 2.3 px.
     let total_s = exposure_s + 479.0 * row_time_s;
     let pose_at = |time_s: f64| looking_up(2.0 + 0.5 * time_s, 1.5, 0.3, vector![0.0, 0.0, 0.3 + 1.5 * time_s]);
     let poses = (0..=8).map(|index| pose_at(total_s * f64::from(index) / 8.0)).collect();
@@ -189,7 +190,7 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
     view.gain_levels_per_electron /= slower;
     let image = draw(&scene, view);
     for place in places {
-        // The row's own time, by bisection on row(time) − row.
+        // Time at which the dot's row is exposed, found by bisection on row(time) − row.
         let centre = Point3::new(place[0], place[1], DOT_HEIGHT_M);
         let row_at =
             |row: f64| opencv(&lens, pose_at(0.5 * exposure_s + row * row_time_s).inverse_transform_point(&centre));
@@ -210,7 +211,8 @@ fn rows_of_a_rolling_shutter_see_the_camera_where_it_then_is() {
 fn blur_is_as_long_as_the_way_on_the_image() {
     let scene = dots(&[[2.0, 1.5]], 0.005);
     let lens = ring(Lens::ideal([256, 192], 560.0));
-    // A metre away, and so near that the same blur is a quarter of the way: sub-frames are counted by what is seen.
+    // The dot is seen from a metre away, and from so near that the same blur is a third of the distance driven: sub-frames are counted by how
+    // far things move on the image.
     for height_m in [1.6, 2.25] {
         let depth_m = DOT_HEIGHT_M - height_m;
         let variance = |blur_px: f64| {
@@ -223,7 +225,7 @@ fn blur_is_as_long_as_the_way_on_the_image() {
         };
         let still = variance(0.0);
         for blur_px in [4.0, 9.0, 20.0, 70.0] {
-            // A steady motion adds a box of this length, whose variance is b²/12.
+            // A steady motion adds a box of this length to the spot, whose variance is b²/12.
             let measured_px = (12.0 * (variance(blur_px) - still)).sqrt();
             assert!(
                 (measured_px / blur_px - 1.0).abs() < 0.02,
@@ -241,7 +243,7 @@ fn defocus_spreads_a_point_over_its_disc() {
         let image = draw(&scene, quiet_view(lens, vec![looking_up(2.0, 1.5, 0.3, Vector3::zeros())], 0.4));
         spot(&image, [127.5, 95.5], 24).1
     };
-    // Along any axis a disc of diameter d has the variance d²/16.
+    // A blur disc of diameter d has the variance d²/16 along any axis.
     let added = variance(8.0) - variance(0.0);
     assert!((added / 4.0 - 1.0).abs() < 0.05, "{added}, expected 4");
 }
@@ -251,7 +253,7 @@ fn a_retro_reflector_is_as_bright_as_its_coefficient_says() {
     let scene = dots(&[[2.0, 1.5]], 0.05);
     let lens = Lens { ring_candela: 3.0, ..Lens::ideal([64, 64], 200.0) };
     let image = draw(&scene, quiet_view(lens, vec![looking_up(2.0, 1.5, 0.6, Vector3::zeros())], 1.0));
-    // R_A·E⊥ with 200 cd/lx/m² and 3 cd at 1.999 m.
+    // The dot's luminance is R_A·E⊥, with a coefficient of retroreflection R_A of 200 cd/lx/m² and the light of 3 cd from 1.999 m.
     let expected = 200.0 * 3.0 / (2.6_f64 - 0.001 - 0.6).powi(2);
     let mean =
         (30..34).flat_map(|u| (30..34).map(move |v| (u, v))).map(|(u, v)| level(&image, u, v)).sum::<f64>() / 16.0;
@@ -293,7 +295,7 @@ fn each_seed_has_a_pattern_of_its_own_whatever_was_drawn_before() {
     };
     let (first, other, again, next) = (look(5, 0), look(6, 0), look(5, 0), look(5, 1));
     assert!(again == first, "the first seed's pattern after another's");
-    // Hardly any noise of photons: two images of a seed differ little, those of two seeds by a tenth of their level.
+    // There is hardly any photon noise: two images of the same seed differ little, and those of two seeds by a tenth of their level.
     let apart = |one: &GrayImage, two: &GrayImage| {
         one.pixels()
             .zip(two.pixels())
@@ -314,7 +316,7 @@ fn rooms_that_share_a_wall_s_line_have_one_wall_there() {
         let total_m: f64 = building.walls().filter(along).map(|panel| panel.along.norm()).sum();
         assert!((total_m - 7.9).abs() < 1e-6, "{total_m} m of wall above the skirting at y = {y_m}, expected 7.9");
     }
-    // Rooms back to back keep both their walls.
+    // Rooms that stand back to back keep both of their walls.
     let scene = black_room("[[building.room]]\nx_m = 4.0\ny_m = 0.0\nwidth_m = 4.0\ndepth_m = 3.0\n");
     let building = Building::new(&scene, &Drawn::draw(&scene, 0));
     let between =
@@ -324,7 +326,7 @@ fn rooms_that_share_a_wall_s_line_have_one_wall_there() {
 
 #[test]
 fn a_floor_camera_under_lamps_sees_the_light_that_falls_there() {
-    // The bulb at x = 1: under it 25 lx, 2 m aside 8.84 lx. Screed has no texture: the image's mean is the light.
+    // The bulb is at x = 1: there are 25 lx under it, and 8.84 lx 2 m aside. Screed has no texture, so that the image's mean is the light.
     let scene = black_room(
         "[[lamp]]\nkind = \"point\"\nx_m = 1.0\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\n\
          spectrum = \"monochrome\"\n",
@@ -347,7 +349,7 @@ fn a_floor_camera_under_lamps_sees_the_light_that_falls_there() {
         let (seen, expected) = (mean(&look(x), 0..64), 50.0 * 0.4 * lux / PI);
         assert!((seen / expected - 1.0).abs() < 0.01, "{seen}, expected {expected}");
     }
-    // d ln E/dx = −3·2/(4 + 2²) at x = 3; the middles of both halves are 0.125 m apart.
+    // At x = 3 the slope of the light is d ln E/dx = −3·2/(4 + 2²); the middles of the picture's two halves are 0.125 m apart.
     let image = look(3.0);
     let slope = (mean(&image, 32..64) / mean(&image, 0..32)).ln() / 0.125;
     assert!((slope / -0.75 - 1.0).abs() < 0.05, "{slope} per metre, expected -0.75");
@@ -360,7 +362,7 @@ fn a_floor_camera_sees_the_edge_of_a_carpet() {
     let scene = black_room(carpet);
     let mut renderer = renderer();
     let world = renderer.upload(&scene, &Drawn::draw(&scene, 0)).unwrap();
-    // 0.2 m wide and high, the carpet's edge at x = 2 in the middle.
+    // The picture is 0.2 m wide and high, with the carpet's edge at x = 2 in the middle.
     let lens = Lens::ideal([64, 64], 80.0);
     let view = View {
         illuminance_at_floor_lux: 100.0,
@@ -369,7 +371,7 @@ fn a_floor_camera_sees_the_edge_of_a_carpet() {
     };
     let image = renderer.draw(&world, &[view]).unwrap().remove(0);
     let row: Vec<f64> = (0..64).map(|u| level(&image, u, 32)).collect();
-    // Screed has albedo 0.4, the carpet 0.22.
+    // Screed has albedo 0.4, and the carpet 0.22.
     assert!((row[10] / row[53] - 0.22 / 0.4).abs() < 0.02, "{} to {}", row[10], row[53]);
     let edge = row.iter().position(|level| *level > (row[10] + row[53]) / 2.0).unwrap();
     assert!((31..=33).contains(&edge), "{edge}");
@@ -389,30 +391,30 @@ fn a_person_stands_before_the_wall_where_the_projection_puts_head_and_feet() {
         velocity_m_per_s: [0.0; 2],
     };
     world.place_bodies(&[person]);
-    // Looking along world x from (0.5, 1.5, 0.9), image right along −y.
+    // The camera looks along world x from (0.5, 1.5, 0.9), with image right along −y.
     let columns = nalgebra::Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
     let rotation = UnitQuaternion::from_matrix(&columns);
     let pose = Isometry3::from_parts(Translation3::new(0.5, 1.5, 0.9), rotation);
     let lens = Lens::ideal([320, 320], 300.0);
     let view = View { illuminance_at_floor_lux: 200.0, ..quiet_view(lens, vec![pose], 20.0) };
     let image = renderer.draw(&world, &[view]).unwrap().remove(0);
-    // Walls are black: the topmost lit pixel of the middle column is the crown, 0.85 m above the axis at 2.5 m.
+    // The walls are black: the topmost lit pixel of the middle column is the crown of the person's head, 0.85 m above the axis at 2.5 m.
     let crown = (0..320).find(|v| level(&image, 159, *v) > 2.0).unwrap();
     let expected = 159.5 - 300.0 * 0.85 / 2.5;
     assert!((f64::from(crown) - expected).abs() < 3.0, "{crown}, expected {expected}");
-    // At the height of the shoulders only the body is lit.
+    // In the row at the height of the shoulders only the body is lit.
     let row = 159 - (300.0 * (0.79 * 1.75 - 0.9) / 2.5) as u32;
     let lit = (0..320).filter(|u| level(&image, *u, row) > 2.0).count() as f64;
     assert!((lit / (300.0 * 0.46 / 2.5) - 1.0).abs() < 0.35, "{lit} px wide");
 }
 
-/// A view from (0.5, 1.5, 1.6) along world x, image right along −y.
+/// Pose of a camera at (0.5, 1.5, 1.6) that looks along world x, with image right along −y.
 pub(crate) fn looking_ahead() -> Isometry3<f64> {
     let columns = nalgebra::Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
     Isometry3::from_parts(Translation3::new(0.5, 1.5, 1.6), UnitQuaternion::from_matrix(&columns))
 }
 
-/// Mean and variance of places by their weights.
+/// Mean and variance of places, weighted by the numbers beside them.
 pub(crate) fn spread(places: impl Iterator<Item = (f64, f64)> + Clone) -> (f64, f64) {
     let sum: f64 = places.clone().map(|(_, weight)| weight).sum();
     let mean = places.clone().map(|(at, weight)| at * weight).sum::<f64>() / sum;
@@ -424,7 +426,7 @@ fn a_person_who_walks_is_smeared_by_the_way_over_the_ground_sampling_distance() 
     let scene = black_room("[light]\nilluminance_at_floor_lux = 200\n[floor.tiles]\n");
     let mut renderer = renderer();
     let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
-    // Across the view; legs and arms swing, the neck does not.
+    // The person walks across the view; legs and arms swing, but the neck does not.
     let walker = |from_middle_m: f64, speed_m_per_s: f64| UprightBody {
         middle_m: [3.0, 1.5 + from_middle_m],
         heading_rad: -PI / 2.0,
@@ -434,8 +436,8 @@ fn a_person_who_walks_is_smeared_by_the_way_over_the_ground_sampling_distance() 
         velocity_m_per_s: [0.0, -speed_m_per_s],
     };
     let lens = Lens::ideal([320, 320], 300.0);
-    // Light along the row of the neck. Nothing may be white: white that the smear thins out is missing from the picture at rest, which made
-    // 14 px of 12.
+    // Grey levels along the row of the neck. No pixel may be saturated: the picture at rest would then lack light that the smear spreads, and a
+    // smear of 12 px would be measured as 14 px.
     let mut along_row = |from_middle_m: f64, speed_m_per_s: f64| {
         world.place_bodies(&[walker(from_middle_m, speed_m_per_s)]);
         let view = View { illuminance_at_floor_lux: 200.0, ..quiet_view(lens.clone(), vec![looking_ahead()], 6.0) };
@@ -448,12 +450,13 @@ fn a_person_who_walks_is_smeared_by_the_way_over_the_ground_sampling_distance() 
     };
     let pixel_m = 2.5 / 300.0;
     let still = along_row(0.0, 0.0).0;
-    // At rest the neck is up to a tenth of a pixel wider or narrower by where it lies between pixels: the mean over four places.
+    // At rest the neck's image is up to a tenth of a pixel wider or narrower, depending on where it lies between pixels; hence the mean over four
+    // places.
     let still_variance =
         [0.0, 0.25, 0.5, 0.75].map(|shift_px| along_row(shift_px * pixel_m, 0.0).1).iter().sum::<f64>() / 4.0;
     for speed_m_per_s in [0.2, 0.4] {
         let (middle, variance) = along_row(0.0, speed_m_per_s);
-        // Half a second at 0.2 m/s: 12 px, up to the place at the exposure's end.
+        // In half a second at 0.2 m/s the person walks 12 px, up to the place at the end of the exposure.
         let way_px = 0.5 * speed_m_per_s / pixel_m;
         assert!((still - middle - way_px / 2.0).abs() < 0.02 * way_px, "{still} px, {middle} px");
         // A steady motion adds a box of this length, whose variance is way²/12.
@@ -464,14 +467,14 @@ fn a_person_who_walks_is_smeared_by_the_way_over_the_ground_sampling_distance() 
 
 #[test]
 fn the_shadow_of_a_person_who_walks_is_smeared_as_the_person_is() {
-    // A bulb at (0.5, 1.5) and a person 1 m from it: on the floor 1.6 m from it the shadow moves 1.6 times as far as the person.
+    // The bulb is at (0.5, 1.5), and the person 1 m from it: on the floor 1.6 m from the bulb the shadow moves 1.6 times as far as the person.
     let scene = black_room(
         "[[lamp]]\nkind = \"point\"\nx_m = 0.5\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\nspectrum = \"monochrome\"\n",
     );
     let mut renderer = renderer();
     let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
     let lens = Lens::ideal([320, 320], 240.0);
-    // Straight down on the floor around (2.1, 1.5), image right along world y; from 1.2 m 200 px to the metre.
+    // The camera looks straight down on the floor around (2.1, 1.5), with image right along world y; from 1.2 m a metre takes 200 px.
     let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
     let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI / 2.0) * down;
     let pose = Isometry3::from_parts(Translation3::new(2.1, 1.5, 1.2), turned);
@@ -498,7 +501,7 @@ fn the_shadow_of_a_person_who_walks_is_smeared_as_the_person_is() {
         spread(lit.iter().zip(&levels).map(|((u, lit), (_, left))| (*u, 1.0 - left / lit)))
     };
     let (still, walking) = (shadow(0.0), shadow(0.5));
-    // Half a second at 0.5 m/s: 0.25 m, so that the shadow goes 0.4 m and ends where it stands still.
+    // In half a second at 0.5 m/s the person walks 0.25 m, so that the shadow moves 0.4 m and ends where it is when the person stands still.
     let way_px = 1.6 * 0.25 * 200.0;
     assert!((still.0 - walking.0 - way_px / 2.0).abs() < 0.03 * way_px, "{still:?}, {walking:?}");
     let measured_px = (12.0 * (walking.1 - still.1)).sqrt();
@@ -513,9 +516,9 @@ fn a_slat_of_a_pixel_or_less_covers_its_share_of_every_row() {
              y_m = {y_m}\nsize_m = [0.01, {width_m}]\nheight_m = 2.2\nalbedo = 0.6\n"
         ))
     };
-    // Rows from 0.5 m above the camera's axis to 0.4 m below; 75 px at 2.5 m are 30 px to the metre.
+    // The picture's rows reach from 0.5 m above the camera's axis to 0.4 m below; with 75 px of focal length at 2.5 m, a metre takes 30 px.
     let lens = Lens::ideal([96, 64], 75.0);
-    // The camera upright, and tipped to the side, so that the slat's edges run across columns.
+    // The camera is upright, and then tipped to the side, so that the slat's edges run across columns.
     for roll_rad in [0.0_f64, 0.3] {
         let pose = looking_ahead() * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), roll_rad);
         let look = |scene: &Scene| draw(scene, quiet_view(lens.clone(), vec![pose], 6.0));
@@ -527,7 +530,7 @@ fn a_slat_of_a_pixel_or_less_covers_its_share_of_every_row() {
                 let axis = 47.5 + (f64::from(v) - 31.5) * roll_rad.tan();
                 let full = level(&wide, axis as u32, v);
                 let seen_px = (0..96).map(|u| level(&image, u, v)).sum::<f64>() / full * roll_rad.cos();
-                // Half a level of rounding in each of four pixels, of 180 levels.
+                // Tolerance: rounding by half a level in each of four pixels, of 180 levels, and 1 % of the width.
                 let most = 0.012 + 0.01 * width_px;
                 assert!((seen_px - width_px).abs() < most, "{width_px} px, row {v}, roll {roll_rad}: {seen_px} px");
             }
@@ -537,7 +540,7 @@ fn a_slat_of_a_pixel_or_less_covers_its_share_of_every_row() {
 
 #[test]
 fn rows_of_a_rolling_shutter_see_walls_that_reach_beyond_the_picture_where_they_then_are() {
-    // A chessboard of 8 by 8 squares of 0.16 m, whose lines stand every 0.16 m to both sides of x = 2, on a wall that fills the picture.
+    // A chessboard of 8 by 8 squares of 0.16 m hangs on a wall that fills the picture; its lines are every 0.16 m to both sides of x = 2.
     let scene = black_room(
         "[[building.picture]]\nfrom_m = [2.8, 3.0]\nto_m = [1.2, 3.0]\nbottom_m = 0.5\nheight_m = 1.6\nchessboard = [8, 8]\n\
          [[lamp]]\nkind = \"panel\"\nx_m = 2.0\ny_m = 1.5\nlumens = 2000\n",
@@ -546,7 +549,7 @@ fn rows_of_a_rolling_shutter_see_walls_that_reach_beyond_the_picture_where_they_
     let total_s = exposure_s + 479.0 * row_time_s;
     let level_ahead =
         UnitQuaternion::from_matrix(&nalgebra::Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0));
-    // The picture's face lies 2 cm before the wall.
+    // The chessboard's face lies 2 cm before the wall.
     for (before_m, height_m) in [(0.48, 1.3), (0.48, 1.5), (0.98, 1.3)] {
         let pose_at = |time_s: f64| {
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rate_rad_per_s * (time_s - total_s / 2.0));
@@ -563,19 +566,19 @@ fn rows_of_a_rolling_shutter_see_walls_that_reach_beyond_the_picture_where_they_
             let bearing_rad = (0.16 * f64::from(line) / before_m).atan();
             let mut errors_px = Vec::new();
             for v in 2..478 {
-                // Turning left moves what is ahead to the right.
+                // A camera that turns to the left sees things ahead move to the right.
                 let turned_rad = rate_rad_per_s * row_time_s * (f64::from(v) - 239.5);
                 let expected = 319.5 + focal_px * (bearing_rad + turned_rad).tan();
                 let depth_m = before_m / bearing_rad.cos() * (bearing_rad + turned_rad).cos();
                 let squares = (height_m - (f64::from(v) - 239.5) * depth_m / focal_px - 0.5) / 0.16;
-                // Where squares meet at their corners, no line is seen.
+                // In rows where squares meet at their corners, no line is seen.
                 if !(16.0..624.0).contains(&expected) || (squares - squares.round()).abs() < 0.05 {
                     continue;
                 }
                 let first = expected.round() as u32 - 9;
                 let row: Vec<f64> = (first..first + 19).map(|u| level(&image, u, v)).collect();
                 let [low, high] = [&row[..4], &row[15..]].map(|part| part.iter().sum::<f64>() / 4.0);
-                // Beyond the board's last squares.
+                // Places beyond the board's last squares have no contrast and are left out.
                 if (high - low).abs() < 40.0 {
                     continue;
                 }
@@ -583,7 +586,7 @@ fn rows_of_a_rolling_shutter_see_walls_that_reach_beyond_the_picture_where_they_
                 let seen = f64::from(first) - 0.5 + before;
                 errors_px.push(seen - expected);
             }
-            // Photons and rounding scatter the place in a row by 0.02 px.
+            // Photon noise and rounding scatter the line's place in a row by 0.02 px.
             for errors_px in errors_px.chunks(20) {
                 let mean_px = errors_px.iter().sum::<f64>() / errors_px.len() as f64;
                 assert!(mean_px.abs() < 0.1, "{before_m} m, line {line}: {mean_px} px off");
@@ -601,7 +604,7 @@ fn a_lamp_is_mirrored_where_its_image_below_the_floor_lies_unless_something_stan
     let board =
         "[[furniture]]\nname = \"board\"\nx_m = 2.6\ny_m = 1.5\nsize_m = [0.1, 1.0]\nheight_m = 1.1\nalbedo = 0.0\n";
     let lens = Lens::ideal([321, 481], 300.0);
-    // 0.6 m above the floor, 2.5 m before the lamp, whose image lies 1.8 m below the eye.
+    // The eye is 0.6 m above the floor and 2.5 m before the lamp, whose mirror image lies 1.8 m below the eye.
     let pose = Isometry3::from_parts(Translation3::new(0.5, 1.5, 0.6), looking_ahead().rotation);
     let expected_v = 240.0 + 300.0 * 1.8 / 2.5;
     let look = |more: &str| {
@@ -614,7 +617,7 @@ fn a_lamp_is_mirrored_where_its_image_below_the_floor_lies_unless_something_stan
     let (sum, moment) = glint.fold((0.0, 0.0), |(sum, moment), (seen, v)| (sum + seen, moment + seen * v));
     assert!(open.iter().copied().fold(0.0, f64::max) > 50.0, "{open:?}");
     assert!((moment / sum - expected_v).abs() < 2.0, "{}, expected {expected_v}", moment / sum);
-    // The ray from the floor to the lamp passes the board 0.91 m above the floor; it is 1.1 m high.
+    // The ray from the floor to the lamp passes the board 0.91 m above the floor, and the board is 1.1 m high.
     let hidden = look(board);
     assert!(hidden.iter().all(|seen| *seen < 5.0), "{hidden:?}");
 }
@@ -632,7 +635,8 @@ fn a_floor_camera_sees_shadows_end_where_similar_triangles_put_them() {
         stride: 0.0,
         velocity_m_per_s: [0.0; 2],
     };
-    // 0.4 m wide: 200 px to the metre. The lamp's ray past the board's far edge, 0.5 m high at x = 2.6, falls 2 m on 1.6·2/1.5 m.
+    // The picture is 0.4 m wide, with 200 px to the metre. The lamp's ray past the board's far edge, 0.5 m high at x = 2.6, reaches the floor
+    // 1.6·2/1.5 m from the lamp, which is 2 m high.
     let lens = Lens::ideal([80, 80], 50.0);
     let ends_m = 1.0 + 1.6 * 2.0 / 1.5;
     let look = |more: &str, bodies: &[UprightBody], x_m: f64| {
@@ -656,7 +660,7 @@ fn a_floor_camera_sees_shadows_end_where_similar_triangles_put_them() {
     );
     let dark_px: f64 = share.iter().map(|share| 1.0 - share).sum();
     assert!((dark_px - 40.0).abs() < 4.0, "{dark_px} px dark, expected 40 as the shadow ends in the middle");
-    // Behind a person who stands there it is dark too; a metre high, he shades as far as 1 + 1.4·2/1 m.
+    // The floor behind a person who stands there is dark too: a person 1 m high casts a shadow as far as x = 1 + 1.4·2/1 m.
     let behind = look("", &[person], ends_m);
     assert!(behind.iter().zip(&open).all(|(behind, open)| *behind < 0.1 * open), "{behind:?}");
 }
@@ -668,7 +672,7 @@ fn people_and_lamps_show_in_infrared_as_their_light_and_albedo_have_it() {
             "[[lamp]]\nkind = \"panel\"\nx_m = {x_m}\ny_m = 1.5\nsize_m = [0.6, 0.6]\nlumens = 500\nspectrum = \"incandescent\"\n"
         )
     };
-    // One to look at, one behind the camera that lights the person's front.
+    // One panel is in view, and one behind the camera lights the person's front.
     let scene = black_room(&(panel(3.4) + &panel(0.5)));
     let mut renderer = renderer();
     let mut world = renderer.upload_room(&scene, &Drawn::draw(&scene, 0)).unwrap();
@@ -681,7 +685,7 @@ fn people_and_lamps_show_in_infrared_as_their_light_and_albedo_have_it() {
         velocity_m_per_s: [0.0; 2],
     }]);
     let illuminance_at_floor_lux = world.illuminance_at_floor_lux().unwrap();
-    // 150 px to the unit of depth: a shirt 0.3 m below the eye 22 px, the lamp 51 px above.
+    // The focal length is 150 px: a shirt 0.3 m below the eye is 22 px below the middle of the picture, and the lamp 51 px above it.
     let mut level_at = |band: Band, [u, v]: [u32; 2], levels: f64| {
         let lens = Lens { band, ..Lens::ideal([320, 320], 150.0) };
         let view = View { illuminance_at_floor_lux, ..quiet_view(lens, vec![looking_ahead()], levels) };
@@ -698,7 +702,7 @@ fn people_and_lamps_show_in_infrared_as_their_light_and_albedo_have_it() {
     let photons = Photons::of(Spectrum::Incandescent);
     let expected = photons.infrared / photons.visible;
     assert!((lamp / expected - 1.0).abs() < 0.03, "lamp {lamp}, expected {expected}");
-    // A shirt reflects 0.35 of the one and 0.55 of the other; walls that are black to the eye throw some infrared on it, too.
+    // The shirt reflects 0.35 of visible light and 0.55 of infrared; walls that are black to the eye also throw some infrared on it.
     let own = shirt / expected / (0.55 / 0.35);
     assert!((0.97..1.6).contains(&own), "shirt {shirt}, light {expected}");
 }

@@ -1,4 +1,4 @@
-//! The sensor against EMVA 1288's linear model: means and variances by hand, pattern noise over many images, bit depths, presets.
+//! The simulated image sensor against EMVA 1288's linear model: means and variances by hand, pattern noise over many images, bit depths, presets.
 
 use image::GrayImage;
 use sim::{
@@ -9,7 +9,7 @@ use sim::{
 
 use crate::render_studio::{Studio, exposed, renderer, standing};
 
-/// One tile of albedo 0.5 fills the view.
+/// A floor on which one tile of albedo 0.5 fills the view.
 fn one_tile() -> Studio {
     Studio::new(
         5.0,
@@ -18,7 +18,7 @@ fn one_tile() -> Studio {
     )
 }
 
-/// A sensor of 12 bits and one level per electron over a black level of 100, without any noise but photons'.
+/// A sensor of 12 bits with one level per electron above a black level of 100, and without any noise but that of photons.
 fn counting() -> SensorModel {
     SensorModel {
         read_noise_electrons: 0.0,
@@ -65,7 +65,7 @@ fn dark_current_adds_electrons_and_their_shot_noise() {
     let sensor = SensorModel { dark_current_electrons_per_s: 500.0, ..counting() };
     let dark = View { exposure_s: 0.2, ..view(&studio, sensor, 0.0, 0) };
     let (mean, variance) = moments(levels(&draw_deep(&studio, &[dark])[0]));
-    // 500 · 0.2 = 100 electrons over a black level of 100; Poisson, so the variance is 100.
+    // Dark current gives 500 · 0.2 = 100 electrons over a black level of 100. The count is Poisson distributed, so that its variance is 100.
     close(mean - 100.0, 100.0, 0.003);
     close(variance, 100.0, 0.02);
 }
@@ -75,7 +75,7 @@ fn pixels_differ_by_offset_and_sensitivity_alike_in_every_image() {
     const N_IMAGES: u32 = 40;
     let studio = one_tile();
     let sensor = SensorModel { dsnu_electrons: 12.0, prnu: 0.03, read_noise_electrons: 5.0, ..counting() };
-    // Albedo 0.5 and 16.2 electrons per lux at 10 ms: 60 lx is 972 electrons.
+    // With albedo 0.5 and 16.2 electrons per lux at 10 ms, 60 lx give 972 electrons.
     let series = |lux: f64| -> Vec<DeepImage> {
         (0..N_IMAGES).map(|image| draw_deep(&studio, &[view(&studio, sensor, lux, image)]).remove(0)).collect()
     };
@@ -90,11 +90,11 @@ fn pixels_differ_by_offset_and_sensitivity_alike_in_every_image() {
     let (bright_mean, bright_variance) = moments(bright.iter().copied());
     let signal = bright_mean - dark_mean;
     close(signal, 972.0, 0.02);
-    // What is left of temporal noise in the mean of n images is taken off, as EMVA 1288 does (section 8).
+    // The temporal noise that is left in the mean of n images is subtracted from the variance, as EMVA 1288 does (section 8).
     close((dark_variance - (25.0 + 1.0 / 12.0) / f64::from(N_IMAGES)).sqrt(), 12.0, 0.01);
     let spatial = bright_variance - (signal + 25.0 + 1.0 / 12.0) / f64::from(N_IMAGES);
     close((spatial - 144.0).sqrt() / signal, 0.03, 0.01);
-    // Pixels do not depend on their neighbours.
+    // The offset of a pixel does not depend on that of its neighbour.
     let pairs = dark.windows(2).map(|pair| (pair[0] - dark_mean) * (pair[1] - dark_mean));
     assert!((pairs.sum::<f64>() / dark.len() as f64 / dark_variance).abs() < 0.01);
 }
@@ -125,12 +125,12 @@ fn a_deep_picture_is_the_same_picture_with_more_bits() {
         let one = View { gain_levels_per_electron: gain, ..view(&studio, sensor, 120.0, 0) };
         let deep = draw_deep(&studio, std::slice::from_ref(&one)).remove(0);
         let shallow: GrayImage = studio.draw(one);
-        // 16.2 · 120 = 1944 electrons.
+        // At 16.2 electrons per lux, 120 lx give 1944 electrons.
         close(moments(levels(&deep)).0, 1944.0 * gain, 0.02);
         let shift = bits.bits() - 8;
         assert!(deep.as_raw().iter().zip(shallow.as_raw()).all(|(deep, level)| deep >> shift == u16::from(*level)));
     }
-    // Twelve bits end at 4095.
+    // Levels of twelve bits end at 4095.
     let bright = View { gain_levels_per_electron: 10.0, ..view(&studio, counting(), 300.0, 0) };
     assert!(draw_deep(&studio, &[bright])[0].as_raw().iter().all(|level| *level == 4095));
 }
@@ -139,7 +139,7 @@ fn a_deep_picture_is_the_same_picture_with_more_bits() {
 fn counts_of_some_dozens_of_photons_are_skewed_as_poisson_s_law_is() {
     const N_IMAGES: u32 = 4;
     let studio = one_tile();
-    // Albedo 0.5: 16.2 electrons per lux at 10 ms.
+    // A tile of albedo 0.5 gives 16.2 electrons per lux at 10 ms.
     for electrons in [25.0, 36.0, 60.0] {
         let views: Vec<View> = (0..N_IMAGES).map(|image| view(&studio, counting(), electrons / 16.2, image)).collect();
         let images: Vec<DeepImage> =
@@ -148,7 +148,7 @@ fn counts_of_some_dozens_of_photons_are_skewed_as_poisson_s_law_is() {
         let (mean, variance) = moments(counts.iter().copied());
         let third = counts.iter().map(|count| (count - mean).powi(3)).sum::<f64>() / counts.len() as f64;
         let skewness = third / variance.powf(1.5);
-        // The scatter of a skewness is √(6/n): 0.002 for 1.2 million pixels.
+        // The scatter of a measured skewness is √(6/n): 0.002 for 1.2 million pixels.
         let (expected, deviation) = ((mean - 100.0).sqrt().recip(), (6.0 / counts.len() as f64).sqrt());
         close(mean - 100.0, electrons, 0.02);
         assert!((skewness - expected).abs() < 5.0 * deviation, "{skewness}, expected {expected} within {deviation}");
@@ -171,11 +171,12 @@ fn at_a_tenth_of_a_lux_the_vacuums_camera_counts_two_electrons() {
     let sensor = SensorModel { bits: BitDepth::Twelve, black_level: 200.0, ..preset };
     let dim = View { exposure_s: 0.033, gain_levels_per_electron: 20.0, ..view(&studio, sensor, 0.1, 0) };
     let (mean, variance) = moments(levels(&draw_deep(&studio, &[dim])[0]));
-    // By hand: L = 0.5 · 0.1/π cd/m²; on the sensor (π/4)·L/2² = 0.003125 lx; times 4.0907e15 photons/(lx·s·m²), (3 µm)², 33 ms
-    // and 0.55: 2.088 electrons. Dark current: 10 · 0.033 = 0.33.
+    // Photo-electrons by hand: L = 0.5 · 0.1/π cd/m²; on the sensor (π/4)·L/2² = 0.003125 lx; times 4.0907e15 photons/(lx·s·m²), (3 µm)², 33 ms
+    // and 0.55: 2.088 electrons. The dark current adds 10 · 0.033 = 0.33.
     let electrons = (mean - 200.0) / 20.0;
     close(electrons, 2.088 + 0.33, 0.01);
-    // Shot noise 2.418, read noise 3², offsets 1.5², sensitivities (0.01 · 2.088)²; rounding is a twentieth of an electron.
+    // The variance in electrons is shot noise 2.418, read noise 3², pixel offsets 1.5² and pixel sensitivities (0.01 · 2.088)²; rounding is a
+    // twentieth of an electron.
     close(variance / 400.0, 2.418 + 9.0 + 2.25, 0.02);
 }
 
@@ -208,7 +209,7 @@ fn auto_exposure_uses_the_range_of_every_sensor_above_its_black_level() {
 
 #[test]
 fn lamps_in_view_darken_all_else_only_where_they_may_not_turn_white() {
-    // Three pixels of a hundred look into lamps a hundred times as bright as all else.
+    // Three of a hundred pixels look into lamps that are a hundred times as bright as all else.
     let settled = |highlight_share: Option<f64>| {
         let sensor =
             SensorModel { highlight_share: highlight_share.unwrap_or(0.005), ..SensorPreset::GlobalShutter.model() };
@@ -224,9 +225,9 @@ fn lamps_in_view_darken_all_else_only_where_they_may_not_turn_white() {
         }
         f64::from(level(control.exposure(), 1.0))
     };
-    // Lamps at 215 at most leave 2.15 levels for all else.
+    // When the lamps may reach level 215 at most, 2.15 levels are left for all else.
     assert!(settled(None) <= 3.0, "{}", settled(None));
-    // 0.03·255 + 0.97·x = 110.
+    // When the lamps may turn white, the mean level of 110 is reached: 0.03·255 + 0.97·x = 110.
     let expected = (110.0 - 0.03 * 255.0) / 0.97;
     assert!((settled(Some(0.05)) - expected).abs() < 2.0, "{}, expected {expected}", settled(Some(0.05)));
 }

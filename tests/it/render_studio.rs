@@ -1,4 +1,5 @@
-//! What the renderer's tests share: a scene, an ideal mount, one renderer for the process, whole runs with all their images.
+//! Helpers that the renderer's tests share: a scene with an ideally mounted camera, one renderer for the process, and whole runs with all their
+//! images.
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -19,7 +20,7 @@ use sim::{
 
 use crate::judging::verdict_of;
 
-/// A room with even light, a scene's worth of drawn errors, and a camera that is mounted as a test wants it.
+/// A room with even light, the errors drawn for its scene, and a floor camera that is mounted as the test wants it.
 pub(crate) struct Studio {
     pub(crate) scene: Scene,
     pub(crate) drawn: Drawn,
@@ -27,7 +28,7 @@ pub(crate) struct Studio {
 }
 
 impl Studio {
-    /// A square room of this width, lit evenly by 300 lx unless `more` says otherwise; `more` is appended to the scene.
+    /// A square room of this width, lit evenly by 300 lx unless `more` says otherwise; `more` is appended to the scene's text.
     pub(crate) fn new(width_m: f64, more: &str) -> Studio {
         let light = if more.contains("[light]") { "" } else { "[light]\nunevenness_ratio = 1.0" };
         let middle_m = width_m / 2.0;
@@ -41,7 +42,7 @@ impl Studio {
         let scene = Scene::parse(&text, "studio.toml").unwrap();
         let drawn = Drawn::draw(&scene, 1);
         let camera = scene.robot.floor_camera.as_ref().unwrap();
-        // 640 px over 0.48 m seen from 0.25 m above: one pixel is 0.75 mm.
+        // The 640 px cover 0.48 m of the floor, seen from 0.25 m above: one pixel is 0.75 mm.
         let focal_px = 0.25 * 640.0 / 0.48;
         assert_eq!((camera.height_m, camera.footprint_width_m), (0.25, 0.48));
         let mount = DrawnFloorCamera {
@@ -55,7 +56,7 @@ impl Studio {
         Studio { scene, drawn, mount }
     }
 
-    /// A view from poses during an exposure of 10 ms, in light that gives a tile of albedo 0.55 some 110 levels.
+    /// A view from the poses that the robot takes during an exposure of 10 ms, in light that gives a tile of albedo 0.55 some 110 levels.
     pub(crate) fn view(&self, truths: &[Truth], image: u32) -> View {
         let camera = self.scene.robot.floor_camera.as_ref().unwrap();
         View {
@@ -70,7 +71,7 @@ impl Studio {
         }
     }
 
-    /// A view whose noise is a fifth of a grey level: a well of a million electrons without read noise.
+    /// A view whose noise is a fifth of a grey level: the full well holds a million electrons, and there is no read noise.
     pub(crate) fn quiet_view(&self, truths: &[Truth]) -> View {
         let mut view = self.view(truths, 0);
         view.sensor.full_well_electrons = 1e6;
@@ -92,8 +93,8 @@ impl Studio {
 
     /// Image of a floor point by trigonometry alone, written from the frames' definitions and not from the simulator's code.
     ///
-    /// World to body undoes heading, then pitch, then roll; body to mount undoes tilt, then yaw; looking down, image right
-    /// is robot right (−y) and image down is robot backward (−x).
+    /// From world to body the transform undoes heading, then pitch, then roll; from body to mount it undoes tilt, then yaw. For a camera that
+    /// looks down, image right is robot right (−y) and image down is robot backward (−x).
     pub(crate) fn project(&self, truth: &Truth, [x, y]: [f64; 2]) -> [f64; 2] {
         let [roll, pitch] = truth.tilt_rad;
         let (dx, dy, dz) = (x - truth.pose.x_m, y - truth.pose.y_m, -truth.heave_m);
@@ -107,31 +108,31 @@ impl Studio {
         let (sin, cos) = self.mount.yaw_rad.sin_cos();
         let (px, py) = (cos * p[0] + sin * p[1], -sin * p[0] + cos * p[1]);
         let depth = -p[2];
-        // Principal points of 640 × 480.
+        // The principal point is that of 640 × 480 pixels.
         [319.5 + self.mount.focal_px * -py / depth, 239.5 + self.mount.focal_px * -px / depth]
     }
 }
 
-/// The process's one renderer; tests run in threads.
+/// The one renderer of the test process, behind a lock because tests run in threads.
 pub(crate) fn renderer() -> MutexGuard<'static, Renderer> {
     static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
     let mutex = RENDERER.get_or_init(|| Mutex::new(Renderer::new().unwrap()));
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A truth at rest.
+/// True state of a robot at rest.
 pub(crate) fn standing(x_m: f64, y_m: f64, heading_rad: f64) -> Truth {
     Truth { pose: Pose { x_m, y_m, heading_rad }, ..Truth::default() }
 }
 
-/// An exposure as auto-exposure states it, put into a view.
+/// The view with its exposure replaced by one that auto-exposure chose.
 pub(crate) fn exposed(mut view: View, exposure: Exposure) -> View {
     view.exposure_s = exposure.exposure_s;
     view.gain_levels_per_electron = exposure.gain_levels_per_electron;
     view
 }
 
-/// Rodrigues: p·cos a + (n × p)·sin a + n·(n·p)·(1 − cos a) for the rotation vector a·n.
+/// Rodrigues' formula: p·cos a + (n × p)·sin a + n·(n·p)·(1 − cos a) for the rotation vector a·n.
 fn rotated(p: [f64; 3], vector: [f64; 3]) -> [f64; 3] {
     let angle = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
     if angle == 0.0 {
@@ -143,7 +144,7 @@ fn rotated(p: [f64; 3], vector: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| p[k] * angle.cos() + cross[k] * angle.sin() + n[k] * dot * (1.0 - angle.cos()))
 }
 
-/// A run with all its images, and what the check says of it.
+/// Simulates a run with all its images, and judges it.
 pub(crate) fn judged(scene: &Scene, seed: u64) -> (RunRecord, Verdict) {
     let options = RunOptions { keep_images: FramesPolicy::All };
     let record =

@@ -12,7 +12,7 @@ use crate::{
     render_studio::renderer,
 };
 
-/// Levels for 1 cd/m² at which whatever is lit is white, so that a row tells how much of each pixel is covered.
+/// Grey levels for 1 cd/m² at which everything that is lit is white, so that a row shows how much of each pixel is covered.
 const WHITE: f64 = 3000.0;
 
 fn person(middle_m: [f64; 2], heading_rad: f64, speed_m_per_s: f64) -> UprightBody {
@@ -26,7 +26,7 @@ fn person(middle_m: [f64; 2], heading_rad: f64, speed_m_per_s: f64) -> UprightBo
     }
 }
 
-/// What a camera sees of people in exposures of half a second, or of `exposure_s` with as many photons.
+/// Picture of people by a camera that exposes for half a second, or for `exposure_s` with as many photons.
 fn look(scene: &Scene, bodies: &[UprightBody], view: View, exposure_s: f64) -> GrayImage {
     let mut renderer = renderer();
     let mut world = renderer.upload_room(scene, &Drawn::draw(scene, 0)).unwrap();
@@ -37,12 +37,12 @@ fn look(scene: &Scene, bodies: &[UprightBody], view: View, exposure_s: f64) -> G
     renderer.draw(&world, &[view]).unwrap().remove(0)
 }
 
-/// Along world x, image right along −y, from here.
+/// Pose of a camera at this place that looks along world x, with image right along −y.
 fn ahead_from(x_m: f64, y_m: f64, z_m: f64) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(x_m, y_m, z_m), looking_ahead().rotation)
 }
 
-/// Walls and ceiling are black: where no camera sees the floor, nothing is lit but people.
+/// A lit room with black walls and ceiling: where the camera does not see the floor, only people are lit.
 fn lit_room() -> Scene {
     black_room("[light]\nilluminance_at_floor_lux = 200\n")
 }
@@ -53,20 +53,21 @@ fn rows_of_a_rolling_shutter_see_people_where_they_then_are() {
     let total_s = exposure_s + 479.0 * row_time_s;
     let lens = Lens { row_time_s, ..Lens::ideal([320, 480], focal_px) };
     let scene = lit_room();
-    // A head, whose middle is 0.91 of the height above the floor, seen on one row after another: both its sides are alike.
+    // The camera looks at the person's head, whose middle is 0.91 of the height above the floor, and which appears on one row after another. The
+    // head is symmetric, so that its centre is where its axis is.
     let head_m = 0.91 * 1.75;
     for speed_m_per_s in [1.2, -1.2] {
         for row in [40.0, 140.0, 239.5, 340.0, 440.0] {
             let eye_m = head_m + (row - 239.5) * before_m / focal_px;
             let view = quiet_view(lens.clone(), vec![ahead_from(1.0, 1.5, eye_m)], WHITE);
-            // Faces and walks along −y, to the right; at y = 1.5 when the last row's exposure ends.
+            // The person faces and walks along −y, to the right of the image, and is at y = 1.5 when the last row's exposure ends.
             let walker = person([1.0 + before_m, 1.5], -PI / 2.0, speed_m_per_s);
             let image = look(&scene, &[walker], view, exposure_s);
             for v in row as u32 - 3..row as u32 + 3 {
                 let before_end_s = total_s - 0.5 * exposure_s - f64::from(v) * row_time_s;
                 let expected = 159.5 - focal_px / before_m * speed_m_per_s * before_end_s;
                 let (seen, _) = spread((0..320).map(|u| (f64::from(u), level(&image, u, v))));
-                // White or not, a pixel on either side counts as a whole one.
+                // A pixel on either side of the head is white or not, so that it counts as a whole one.
                 assert!((seen - expected).abs() < 0.6, "{speed_m_per_s} m/s, row {v}: {seen}, expected {expected}");
             }
         }
@@ -78,7 +79,7 @@ fn of_somebody_beside_the_picture_the_arm_is_seen_that_reaches_into_it() {
     let (focal_px, before_m) = (300.0, 1.0);
     let scene = lit_room();
     let view = || quiet_view(Lens::ideal([160, 240], focal_px), vec![ahead_from(0.5, 1.5, 1.2)], WHITE);
-    // Arms reach 0.9 + 0.2 of the half width at 0.8 of the height.
+    // Arms reach 0.9 + 0.2 of half the body's width, at 0.8 of its height.
     let (reach_px, row) = (focal_px * 1.1 * 0.23 / before_m, 119.5 - focal_px * (0.8 * 1.75 - 1.2) / before_m);
     for side in [-1.0, 1.0] {
         // The body's axis is 40 px beyond the picture's border.
@@ -102,27 +103,27 @@ fn somebody_who_runs_out_of_the_picture_has_been_in_it() {
     let levels = 12.0;
     let still = look(&scene, &[person([3.5, 1.25], PI / 2.0, 0.0)], view(levels), 0.5);
     let full = level(&still, column_of(1.25), row);
-    // In half a second from y = 1 to y = 2.5, far beyond the picture, which ends at y = 1.4.
+    // In half a second the person runs from y = 1 to y = 2.5, far out of the picture, which ends at y = 1.4.
     let image = look(&scene, &[person([3.5, 2.5], PI / 2.0, 3.0)], view(8.0 * levels), 0.5);
-    // A trunk is half as deep as half its width: it passes a place in 0.23 m of 1.5 m; sub-frames know that to a fifth, and
-    // people are lit as where they are at the end.
+    // A trunk is half as deep as half its width, so that it passes a place in 0.23 m of the 1.5 m driven; sub-frames resolve that to a fifth, and
+    // people are lit throughout as they are at their last place.
     let share = level(&image, column_of(1.25), row) / full / 8.0;
     assert!((0.5..1.5).contains(&(share / (0.23 / 1.5))), "{share} of {full}, expected {}", 0.23 / 1.5);
 }
 
 #[test]
 fn a_camera_that_goes_with_a_shadow_sees_it_sharp() {
-    // A bulb at (0.5, 1.5) and a person 1 m from it: on the floor 1.6 m from it the shadow moves 1.6 times as far.
+    // The bulb is at (0.5, 1.5), and the person 1 m from it: on the floor 1.6 m from the bulb the shadow moves 1.6 times as far.
     let scene = black_room(
         "[[lamp]]\nkind = \"point\"\nx_m = 0.5\ny_m = 1.5\nheight_m = 2.0\nlumens = 1256.637\nspectrum = \"monochrome\"\n",
     );
     let lens = Lens::ideal([320, 64], 240.0);
-    // Straight down on the floor 1.6 m from the lamp, image right along world y; from 1.2 m 200 px to the metre.
+    // The camera looks straight down on the floor 1.6 m from the lamp, with image right along world y; from 1.2 m a metre takes 200 px.
     let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
     let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI / 2.0) * down;
     let pose = |y_m: f64| Isometry3::from_parts(Translation3::new(2.1, y_m, 1.2), turned);
     let walker = |speed: f64| UprightBody { radius_m: 0.15, ..person([1.5, 1.5], PI / 2.0, speed) };
-    // The shadow ends at y = 1.5, and so does the camera.
+    // At the end of the exposure the shadow and the camera are both at y = 1.5.
     let along = |bodies: &[UprightBody], speed_m_per_s: f64| {
         let poses = (0..=4).map(|index| pose(1.5 - 1.6 * speed_m_per_s * 0.5 * (1.0 - f64::from(index) / 4.0)));
         let image = look(&scene, bodies, quiet_view(lens.clone(), poses.collect(), 60.0), 0.5);
@@ -134,7 +135,8 @@ fn a_camera_that_goes_with_a_shadow_sees_it_sharp() {
     };
     let (still, walking) = (shadow(0.0), shadow(0.5));
     assert!((still.0 - walking.0).abs() < 3.0, "{still:?}, {walking:?}");
-    // Shadows are set anew every 0.05 m of the way, while the camera goes on: a box of 16 px, whose variance is 16²/12; without, of 80 px.
+    // Shadows are updated every 0.05 m of the person's way while the camera moves on: that adds a box of 16 px, whose variance is 16²/12. A
+    // shadow that stood still would be smeared over 80 px.
     let added = walking.1 - still.1;
     assert!((-10.0..60.0).contains(&added), "{added} px², {still:?}, {walking:?}");
 }

@@ -34,7 +34,7 @@ fn the_schema_file_is_up_to_date() {
 
 #[test]
 fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside() {
-    // Angles and coordinates are free; what is outside the room is refused elsewhere.
+    // Angles and coordinates need no range; a place outside of the room is refused by other checks.
     const FREE: [&str; 9] =
         ["rotation_deg", "yaw_deg", "waypoints_m", "x_m", "y_m", "unevenness_direction_deg", "tile", "from_m", "to_m"];
     fn walk(name: &str, node: &Value) {
@@ -61,7 +61,7 @@ fn every_number_of_a_scene_has_a_range_or_none_on_purpose_and_a_default_inside()
     walk("", &serde_json::from_str(&schema_text()).unwrap());
 }
 
-/// The pages of the book, its summary among them.
+/// Files of the book's pages, with its summary among them.
 fn pages() -> Vec<PathBuf> {
     let entries = fs::read_dir(root().join("docs/src")).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.extension().is_some_and(|ending| ending == "md")).collect()
@@ -91,13 +91,13 @@ fn the_readme_holds_a_table_of_results() {
     }
 }
 
-/// What stands in `back quotes` or in (a link) and begins with a folder of the repository.
+/// Paths in a document's text: parts in `back quotes` or in (a link) that begin with a folder of the repository.
 fn named_paths(text: &str) -> Vec<PathBuf> {
     const FOLDERS: [&str; 8] = ["localizer/", "sim/", "tests/", "scenes/", "scripts/", "experiments/", ".ci/", "docs/"];
     let spans = text.split(['`', '(', ')', ' ', '\n']);
     spans
         .filter(|span| FOLDERS.iter().any(|folder| span.starts_with(folder)))
-        // Patterns and placeholders stand for many files, and experiments/out for what is not committed.
+        // Patterns and placeholders stand for many files, and `experiments/out` holds files that are not committed.
         .filter(|span| !span.contains(['*', '<', '…', '{']) && !span.starts_with("experiments/out"))
         .map(|span| Path::new(span.trim_end_matches([',', '.', ':', ';'])).to_owned())
         .collect()
@@ -150,7 +150,7 @@ fn every_contractor_is_in_the_book() {
     let libraries = ["localizer/interval/src/contractor.rs", "localizer/src/rigid_motion.rs"].map(text);
     let lines = libraries.iter().flat_map(|library| library.lines());
     let shown = lines.filter_map(|line| line.strip_prefix("pub use ")?.split_once("::")?.1.strip_suffix(';'));
-    // What is no contractor of its own: a formula, a pair of boxes, the intersection, and combinators by their verbs.
+    // Names that are no contractors of their own: a formula, a pair of boxes, the intersection, and combinators that are used by their verbs.
     let others = ["Expression", "Landmark", "q_intersection", "Fixpoint", "OnAxes", "Then", "Union"];
     for name in shown.flat_map(|names| names.trim_matches(['{', '}']).split(", ")) {
         assert!(others.contains(&name) || page.contains(&format!("| `{name}` |")), "{name}");

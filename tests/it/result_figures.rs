@@ -1,4 +1,5 @@
-//! The result table: which method did it, and how the figures of several runs become one; the report's measures; the CSV's reader.
+//! The result table: which method contributed how much, and how the figures of several runs are pooled; the report's measures; the reader of CSV
+//! files.
 
 use serde_json::{Value, json};
 use sim::{
@@ -7,7 +8,8 @@ use sim::{
     judge::figures::Figures,
 };
 
-/// A run in which `tiles` halved x twice and the heading `tiles_heading` times, and `walls` y once and the heading three times.
+/// Figures of a run in which method `tiles` halved x twice and the heading `tiles_heading` times, and `walls` halved y once and the heading three
+/// times.
 fn outcome(seed: u64, tiles_heading: f64) -> Outcome {
     let method = |readings: u32, constraints: u32, halved: [f64; 3]| {
         let [x, y, heading] = halved;
@@ -27,10 +29,10 @@ fn a_methods_share_is_of_all_that_was_halved_in_all_runs() {
     let runs = [outcome(0, 1.0), outcome(1, 5.0)];
     let (tiles, walls) = (line(&runs, "tiles").unwrap().figures, line(&runs, "walls").unwrap().figures);
     assert_eq!((tiles["method.readings"], tiles["method.constraints"]), (20.0, 10.0));
-    // Twice x against once y, in both runs.
+    // In both runs `tiles` halved x twice and `walls` halved y once.
     let third = 1.0 / 3.0;
     assert_eq!((tiles["method.position_share"], walls["method.position_share"]), (2.0 * third, third));
-    // 1 + 5 of 6 + 2 · 3 halvings.
+    // The heading was halved 1 + 5 times by `tiles`, of 6 + 2 · 3 halvings in all.
     assert_eq!((tiles["method.heading_share"], walls["method.heading_share"]), (0.5, 0.5));
 }
 
@@ -52,7 +54,7 @@ fn counts_add_up_squares_pool_and_the_worst_stays_the_worst() {
     let pooled = line(&runs, "2 seeds").unwrap().figures;
     assert_eq!(pooled["metrics.collisions"], 7.0);
     assert_eq!((pooled["metrics.clearance_least_m"], pooled["metrics.path_greatest_m"]), (0.2, 0.4));
-    // √((3² + 4²)/2), and of the pooled thirds 5, 0 and that the greatest.
+    // The pooled error is √((3² + 4²)/2); the pooled thirds are 5, 0 and that error, of which 5 is the greatest.
     assert!((pooled["error.x_m.rmse"] - 12.5_f64.sqrt()).abs() < 1e-12);
     assert!((pooled["error.x_m.rmse_worst_third"] - 5.0).abs() < 1e-12, "{pooled:?}");
 }
@@ -66,7 +68,7 @@ fn goals_are_a_share_of_errands_and_a_hundred_means_all() {
     };
     assert_eq!((of(4.0, 3.0), of(4.0, 4.0), of(0.0, 0.0)), ("75.0".to_owned(), "100".to_owned(), String::new()));
     assert_eq!(goals.of(&Figures::new()), "");
-    // 99.996 % is not all of them.
+    // A share of 99.996 % must not be shown as all of them.
     assert_eq!(of(25_000.0, 24_999.0), "99.99");
 }
 

@@ -8,7 +8,7 @@ use sim::{
 
 use crate::command::{blind_scene, folder, outcome, root, wherein};
 
-/// Writes files into a folder of the test's own, whose name begins the test's.
+/// Writes files into a folder for this test, whose name `test` is part of the folder's name.
 fn files(test: &str, texts: &[(&str, &str)]) -> std::path::PathBuf {
     let folder = folder(&format!("extends_{test}"));
     for (name, text) in texts {
@@ -23,7 +23,8 @@ fn loaded(path: &Path) -> Scene {
     Scene::load(path).unwrap_or_else(|error| panic!("failed to {error}"))
 }
 
-/// Asserts that `wherein run scene.toml` ends with code 2 and one message that holds every one of `parts`; returns all that it says.
+/// Asserts that `wherein run scene.toml` ends with code 2 and a message that contains each of `parts`; returns everything that the command wrote
+/// to stderr.
 fn assert_refused(test: &str, texts: &[(&str, &str)], parts: &[&str]) -> String {
     let folder = files(test, texts);
     let (code, stdout, stderr) = outcome(&mut wherein(&folder, &["run", "scene.toml"]));
@@ -53,7 +54,7 @@ fn tables_merge_key_by_key_and_any_other_value_replaces_the_whole() {
     assert!(scene.events.is_empty());
     let places: Vec<f64> = scene.route.unwrap().waypoints.iter().map(|waypoint| waypoint.x_m).collect();
     assert_eq!(places, [3.5, 1.0]);
-    // The base says `floor_camera = false`, which is no table: the whole is replaced.
+    // The base says `floor_camera = false`, which is not a table, so that the extending file's table replaces it as a whole.
     assert_eq!(scene.robot.floor_camera.unwrap().period_s, 0.5);
 }
 
@@ -94,7 +95,7 @@ fn a_map_lies_beside_the_file_that_names_it() {
     let scene = folder.join("mine/scene.toml");
     fs::write(&scene, "extends = \"../lab/lab.toml\"\n").unwrap();
     assert_eq!(loaded(&scene).navigation.unwrap().surveyed, loaded(&folder.join("lab/lab.toml")).navigation().surveyed);
-    // Written anew with what is set, the scene still finds it.
+    // When a scene is run with `--set`, its text is written anew; the path of the map must still be found.
     let run = ["run", "mine/scene.toml", "--set", "duration_s=0.5"];
     let (code, _, errors) = outcome(&mut wherein(&folder, &run));
     assert_eq!(code, 0, "{errors}");
@@ -131,7 +132,7 @@ fn what_neither_file_states_is_missing_in_the_extending_one() {
 fn values_of_two_files_that_contradict_each_other_are_refused_in_the_name_of_the_extending_one() {
     let base = blind_scene(10.0, "[light]\nilluminance_at_floor_lux = 5\n");
     let scene = "extends = \"base.toml\"\n[room]\nwidth_m = 2.5\n[light]\nilluminance_at_camera_lux = 5\n";
-    // The room is 2.5 m wide now and the body reaches 0.25 m; the base's waypoint is at 2.4 m.
+    // The extending file makes the room 2.5 m wide and the body reaches 0.25 m, but the base's waypoint is at x = 2.4 m.
     let parts = [
         "in base.toml, `route.waypoint[0].x_m = 2.4`: outside the room, expected a number from 0.25 to 2.25",
         "in base.toml, `light.illuminance_at_floor_lux = 5`: stands beside `illuminance_at_camera_lux`",
@@ -291,7 +292,7 @@ fn the_schema_knows_the_key_and_asks_for_nothing_that_may_stand_in_another_file(
     for table in ["", "/$defs/Room", "/$defs/Start", "/$defs/Route", "/$defs/Spread"] {
         assert!(schema.pointer(table).unwrap().get("required").is_none(), "{table}");
     }
-    // Lists are never merged.
+    // Items of lists must be complete, because lists of two files are never merged.
     for item in ["/$defs/Waypoint", "/$defs/Marker", "/$defs/Region"] {
         assert!(schema.pointer(item).unwrap().get("required").is_some(), "{item}");
     }

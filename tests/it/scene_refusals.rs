@@ -4,7 +4,7 @@ use sim::scene::Scene;
 
 use crate::command::{blind_scene, folder, outcome, wherein};
 
-/// Asserts that a scene is refused with exit code 2 and one message that holds every one of `parts`.
+/// Asserts that a scene is refused with exit code 2 and a message that contains each of `parts`.
 fn assert_refused(test: &str, scene: impl AsRef<[u8]>, parts: &[&str]) {
     let folder = folder(test);
     fs::write(folder.join("scene.toml"), scene).unwrap();
@@ -81,14 +81,14 @@ fn a_list_of_the_wrong_length_is_refused() {
 
 #[test]
 fn a_waypoint_outside_the_room_is_refused() {
-    // The room is 3 m wide and the body reaches 0.25 m: its origin comes no farther than 2.75 m.
+    // The room is 3 m wide and the body reaches 0.25 m, so that the robot's origin may be at 2.75 m at most.
     let scene = edited("x_m = 2.4", "x_m = 2.8");
     assert_refused("outside", scene, &["`route.waypoint[0].x_m = 2.8`", "outside the room", "from 0.25 to 2.75"]);
 }
 
 #[test]
 fn a_start_that_may_be_drawn_into_a_wall_is_refused() {
-    // 0.25 m for the body and 0.4 m for the tolerance.
+    // The start must be 0.25 m away from a wall for the body, and 0.4 m more for the start's tolerance.
     let scene = edited("y_m = 0.6", "y_m = 0.6\ntolerance_m = 0.4");
     assert_refused("start", scene, &["`start.x_m = 0.6`", "from 0.65 to 2.35", "drawn within 0.4 m"]);
 }
@@ -174,13 +174,13 @@ fn bytes_that_are_not_text_are_refused_at_the_first_wrong_byte() {
 
 #[test]
 fn whatever_bytes_a_file_holds_it_is_refused_without_a_crash() {
-    // A linear congruential generator: bytes without a pattern, the same in every run.
+    // A linear congruential generator gives bytes without a pattern that are the same in every run.
     let mut state = 1_u32;
     for round in 0..20 {
         let bytes: Vec<u8> = (0..200)
             .map(|_| {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                // Half of the rounds stay in ASCII, where the TOML parser has to cope with them.
+                // In half of the rounds the bytes are ASCII, so that they get as far as the TOML parser.
                 (state >> 24) as u8 & if round % 2 == 0 { 0x7f } else { 0xff }
             })
             .collect();
@@ -290,7 +290,7 @@ fn lamps_doors_and_lenses_that_cannot_be_are_refused() {
                 .to_owned(),
             "`light.illuminance_at_floor_lux = 80`: stands beside `illuminance_at_camera_lux`, expected one of the two",
         ),
-        // The outer side of the only wall, and a further room that lies elsewhere.
+        // An open door in an outer wall leads into no room: neither where there is no further room, nor where that room lies elsewhere.
         (
             "[[building.door]]\nfrom_m = [1.0, 0.0]\nto_m = [1.8, 0.0]\nopen = true\n".to_owned(),
             "`building.door[0].open = true`: leads into no room, expected a `[[building.room]]`",
@@ -324,7 +324,7 @@ fn open_doors_between_rooms_are_accepted_however_thick_the_wall() {
 
 #[test]
 fn what_hangs_in_the_air_or_above_the_ceiling_is_refused() {
-    // The room is 3 m by 2 m.
+    // The room is 3 m by 2 m in each of these scenes.
     let cases = [
         (
             "[[lamp]]\nkind = \"window\"\nx_m = 1.0\ny_m = 1.0\nheading_deg = 90\n",
@@ -373,7 +373,7 @@ fn what_hangs_in_the_air_or_above_the_ceiling_is_refused() {
 
 #[test]
 fn doors_pictures_and_windows_on_walls_that_another_room_leaves_out_are_refused() {
-    // Within the room of 3 m by 2 m, and off its walls.
+    // A further room within the room of 3 m by 2 m, away from the walls of that room.
     let inner = "[[building.room]]\nx_m = 0.6\ny_m = 0.6\nwidth_m = 1.8\ndepth_m = 0.8\n";
     let door = "[[building.door]]\nfrom_m = [1.0, 0.6]\nto_m = [1.8, 0.6]\n";
     let picture = "[[building.picture]]\nfrom_m = [1.0, 0.6]\nto_m = [1.8, 0.6]\n";
@@ -387,7 +387,7 @@ fn doors_pictures_and_windows_on_walls_that_another_room_leaves_out_are_refused(
     ];
     for (index, (keys, parts)) in cases.iter().enumerate() {
         assert_refused(&format!("room_within_{index}"), blind_scene(10.0, &format!("{inner}{keys}")), parts);
-        // The same on a wall that is there.
+        // The same door, picture or window on an existing wall is accepted.
         let keys = keys.replace("0.6", "0.0");
         Scene::parse(&blind_scene(10.0, &keys.replace("open = true", "")), "wall.toml")
             .unwrap_or_else(|error| panic!("failed to {error}"));
@@ -396,7 +396,7 @@ fn doors_pictures_and_windows_on_walls_that_another_room_leaves_out_are_refused(
 
 #[test]
 fn furniture_and_people_may_be_in_further_rooms_but_not_in_walls() {
-    // A room of 3 m by 3 m behind the wall at x = 3, and an open door of 0.9 m in it.
+    // Behind the wall at x = 3 is a room of 3 m by 3 m, with an open door of 0.9 m in that wall.
     let rooms = "[[building.room]]\nx_m = 3.0\ny_m = 0.0\nwidth_m = 3.0\ndepth_m = 3.0\n\
                  [[building.door]]\nfrom_m = [3.0, 0.5]\nto_m = [3.0, 1.4]\nopen = true\n";
     let scene = |more: &str| blind_scene(10.0, &format!("{rooms}{more}"));
@@ -451,7 +451,7 @@ fn things_in_impossible_places_are_refused() {
     for (index, (more, parts)) in cases.into_iter().enumerate() {
         assert_refused(&format!("impossible_things_{index}"), blind_scene(10.0, more), &parts);
     }
-    // As far from the start as both radii, and through it later on.
+    // A person who starts as far from the robot's start as both radii, and walks through the start later on, is accepted.
     let beside = blind_scene(10.0, "[[person]]\nwaypoints_m = [[1.1, 0.6], [0.6, 0.6]]\n");
     Scene::parse(&beside, "beside.toml").unwrap_or_else(|error| panic!("failed to {error}"));
 }
@@ -480,7 +480,8 @@ fn a_range_camera_that_cannot_be_is_refused() {
 
 #[test]
 fn a_declared_width_that_the_room_itself_implies_is_refused() {
-    // The room is 3 m by 2 m. A body of 0.25 m, at contact a millimetre less, stands within 2 - 2 * 0.249 = 1.502 m of it along y.
+    // The room is 3 m by 2 m. A body of radius 0.25 m, which at contact counts a millimetre less, can have its origin only within 2 - 2 * 0.249 =
+    // 1.502 m of the room along y.
     let scene = |key: &str| blind_scene(10.0, &format!("[localizer]\n{key}\n"));
     assert_refused(
         "declared_width",
@@ -576,12 +577,12 @@ fn exposures_and_rows_that_take_longer_than_a_period_are_refused() {
             "[robot.forward_camera]\nperiod_s = 0.05\nsensor.longest_exposure_s = 0.06",
             ["`robot.forward_camera.sensor.longest_exposure_s = 0.06`", "`period_s`, expected at most 0.05"],
         ),
-        // The preset's exposure.
+        // The longest exposure is that of the sensor's preset.
         (
             "[robot.forward_camera]\nperiod_s = 0.02",
             ["`robot.forward_camera.sensor.longest_exposure_s", "0.033 s is longer"],
         ),
-        // 0.02 s and 479 rows of 0.2 ms.
+        // Exposure and readout take 0.02 s and 479 rows of 0.2 ms.
         (
             "[robot.ceiling_camera]\nlens.row_time_s = 0.0002",
             ["`robot.ceiling_camera.lens.row_time_s = 0.0002`", "480 rows after an exposure of up to 0.02 s"],
@@ -591,7 +592,7 @@ fn exposures_and_rows_that_take_longer_than_a_period_are_refused() {
         let scene = with(keys).replacen("floor_camera = false\n[robot.floor", "[robot.floor", 1);
         assert_refused(&format!("period_{index}"), scene, &parts);
     }
-    // As long as the period, and not longer.
+    // An exposure and readout exactly as long as the period are accepted.
     let fits = with("[robot.forward_camera]\nsensor.exposure_s = 0.0521\nlens.row_time_s = 0.0001");
     Scene::parse(&fits, "fits.toml").unwrap_or_else(|error| panic!("failed to {error}"));
 }

@@ -1,11 +1,12 @@
-//! Slots farther apart than stamps are remembered: readings are told from the slot before them, however old that is.
+//! Localizers whose stored poses lie farther apart in time than a reading's stamp may be old (3 s): the pose at a reading's stamp is predicted
+//! from the last stored pose before it, however old that one is.
 
 use interval::Interval;
 use localizer::{Constraint, Localizer, Map, Method, PoseBox, PoseUnion, Reading, RobotModel, Status, motion::Twist};
 
 use crate::range_landmarks_setup::{robot, says};
 
-/// Says x = 0, give or take a centimetre.
+/// A stand-in for a method: it claims x = 0 to within a centimetre.
 struct AtZero;
 
 impl Method for AtZero {
@@ -22,7 +23,7 @@ impl Method for AtZero {
     }
 }
 
-/// A robot that rests in the origin, with slip windows as long as this.
+/// Localizer of a robot that rests in the origin and counts slip over windows of this length.
 fn resting(slip_window_s: f64) -> Localizer {
     let mut robot: RobotModel = robot(0, 1);
     robot.wheels.slip_window_s = slip_window_s;
@@ -39,7 +40,7 @@ fn room() -> Map {
     }
 }
 
-/// Wheels at rest at every 10 ms of a span.
+/// Gives the localizer readings of wheels at rest, every 10 ms of a time interval.
 fn rest(localizer: &mut Localizer, [from_s, to_s]: [f64; 2]) {
     for step in (from_s * 100.0).round() as i32..=(to_s * 100.0).round() as i32 {
         let time_s = f64::from(step) * 0.01;
@@ -47,7 +48,8 @@ fn rest(localizer: &mut Localizer, [from_s, to_s]: [f64; 2]) {
     }
 }
 
-/// A look at a stamp, taken as if nothing were wrong: the truth stays inside, and nothing is doubted.
+/// Gives the localizer a range reading with this stamp, and asserts that the truth stays inside the box and that no assumption is doubted;
+/// returns the pose at the stamp.
 fn look(localizer: &mut Localizer, measured_s: f64, arrived_s: f64) -> PoseUnion {
     let accounts = localizer.observe(&Reading::Range { measured_s, arrived_s, sightings: Vec::new() });
     let [account] = accounts.as_slice() else { panic!("the reading at {measured_s} s is refused") };
@@ -64,7 +66,7 @@ fn a_reading_long_after_the_last_slot_is_told_from_it_by_the_wheels() {
     for [from_s, to_s] in [[0.0, 8.0], [8.01, 12.0], [12.01, 21.9]] {
         rest(&mut localizer, [from_s, to_s]);
         let posterior = look(&mut localizer, to_s - 0.05, to_s);
-        // Two slip windows of a robot at rest, and not as far as it could go in that time.
+        // The pose may have moved by the slip of two windows of a robot at rest, but not as far as the robot could have driven in that time.
         assert!(posterior.hull()[1].width() < 1.0 && posterior.hull()[2].width() < 1.0, "{posterior:?}");
     }
 }
@@ -72,7 +74,7 @@ fn a_reading_long_after_the_last_slot_is_told_from_it_by_the_wheels() {
 #[test]
 fn a_reading_that_the_next_slot_overtakes_is_told_from_the_slot_before() {
     let mut localizer = resting(5.0);
-    // Slots are opened anew after two slip windows.
+    // The localizer stores a pose anew after two slip windows, here at 10 s: after the reading's stamp, but before the reading arrives.
     rest(&mut localizer, [0.0, 10.1]);
     look(&mut localizer, 9.95, 10.1);
 }
@@ -97,7 +99,7 @@ fn a_reading_older_than_stamps_are_remembered_is_refused_however_old_the_last_sl
 fn a_robot_that_may_be_anywhere_still_has_turned_as_often_as_was_last_known() {
     let headings_rad = [0.0, 20.0, -31.0];
     for heading_rad in headings_rad {
-        // Said to stand in a wall, so that nothing is left from the first.
+        // The start is said to be inside a wall, so that no pose is left from the first step on.
         let start = PoseBox::from([Interval::point(9.0), Interval::ZERO, Interval::centred(heading_rad, 0.05)]);
         let mut localizer = Localizer::new(room(), robot(0, 1), Vec::new(), start);
         rest(&mut localizer, [0.0, 1.0]);

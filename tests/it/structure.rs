@@ -1,4 +1,4 @@
-//! What the folders of each crate may know of each other, read from their sources.
+//! Which modules of each crate may name which others, checked in their source texts.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -10,7 +10,7 @@ use localizer::bounds;
 
 use crate::command::root;
 
-/// By module below the root of a crate, the modules that its files name by `crate::`, and in which file.
+/// For each module below the root of a crate: the modules that its files name by `crate::`, each with a file that names it.
 type Uses = BTreeMap<String, BTreeMap<String, String>>;
 
 fn uses(sources: &str) -> Uses {
@@ -20,7 +20,7 @@ fn uses(sources: &str) -> Uses {
     walk(&folder, &mut |path, text| {
         let below = path.strip_prefix(&folder).unwrap();
         let module = below.iter().next().unwrap().to_str().unwrap().trim_end_matches(".rs").to_owned();
-        // The library's root and the program name everything, and nothing names them.
+        // The library's root and the program's main file may name every module, and no module names them.
         if ["lib", "main"].contains(&module.as_str()) {
             return;
         }
@@ -46,13 +46,13 @@ fn walk(folder: &Path, see: &mut dyn FnMut(&Path, &str)) {
     }
 }
 
-/// Of a file what is compiled into the library: no comments, and nothing from its unit tests on, which stand last.
+/// The part of a source file that is compiled into the library: without comments, and without the unit tests, which are at the end of a file.
 fn code(text: &str) -> String {
     let before_tests = text.split("\n#[cfg(test)]\n").next().unwrap();
     before_tests.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
 }
 
-/// The first name of every path from the root of the crate, those of a group included.
+/// The first name of every path from the root of the crate, including those in a group in braces.
 fn named(code: &str) -> BTreeSet<String> {
     let name = |text: &str| {
         text.trim_start().chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect()
@@ -83,7 +83,7 @@ fn named(code: &str) -> BTreeSet<String> {
     names
 }
 
-/// What a library's root gives out under another path, with the module that it is of.
+/// Names that a library's root re-exports, each with the module that it comes from.
 fn exported(lib: &str) -> BTreeMap<String, String> {
     let mut exported = BTreeMap::new();
     for line in lib.lines().filter_map(|line| line.strip_prefix("pub use ")) {
@@ -95,7 +95,7 @@ fn exported(lib: &str) -> BTreeMap<String, String> {
     exported
 }
 
-/// A way from a module back to itself, each step with the file that takes it; `None` where there is none.
+/// A path from a module back to itself, each step with the file that makes it; `None` where there is none.
 fn circle(uses: &Uses) -> Option<String> {
     fn from(module: &str, uses: &Uses, way: &mut Vec<String>, done: &mut BTreeSet<String>) -> Option<String> {
         if let Some(first) = way.iter().position(|before| before == module) {
@@ -135,7 +135,7 @@ fn bounds_are_named_by_their_table_and_nowhere_else() {
             if path.ends_with("localizer/src/bounds.rs") {
                 return;
             }
-            // A stream of random numbers may be called like the bound that its draws keep.
+            // A stream of random numbers may have the name of the bound that its draws keep.
             for line in code(text).lines().filter(|line| !line.contains("stream(")) {
                 let named = bounds::ALL.iter().find(|bound| line.contains(&format!("\"{}\"", bound.name)));
                 assert_eq!(named, None, "{}: {line}", path.display());
@@ -167,7 +167,7 @@ fn a_circle_through_three_modules_is_found() {
     assert_eq!(named(code), ["d", "g", "j"].map(str::to_owned).into());
 }
 
-/// The number that follows the first `before` in a file of the renderer.
+/// The number that follows the first occurrence of `before` in a file of the simulator's sources.
 fn number_after(file: &str, before: &str) -> f64 {
     let text = fs::read_to_string(root().join("sim/src").join(file)).unwrap();
     let (_, rest) = text.split_once(before).unwrap_or_else(|| panic!("{file} has no `{before}`"));

@@ -1,4 +1,4 @@
-//! Localizers of somebody's own in the loop: what they are told and how they are judged.
+//! Localizers that a user writes, run in the simulator: what they are given and how they are judged.
 
 use std::cell::Cell;
 
@@ -14,7 +14,7 @@ use sim::{
 
 use crate::{command::blind_scene, judging::verdict_of_subject};
 
-/// Adds up what the wheels rolled, from the middle of the start on.
+/// A localizer that adds up what the wheels rolled, from the middle of the start box on.
 struct DeadReckoning {
     wheels: WheelModel,
     pose: Pose,
@@ -70,7 +70,7 @@ fn a_point_is_judged_by_its_error_and_by_nothing_that_is_of_boxes() {
         assert_eq!(summary[of_boxes], Value::Null, "{of_boxes}");
     }
     assert!(verdict.judgements.is_empty() && !verdict.metrics.contains_key("recovering_share"));
-    // The run's own odometry alone begins at the same middle: the same readings, added up by other code.
+    // The run's own odometry baseline begins at the middle of the same start box: other code adds up the same readings.
     let odometry = verdict.baselines["odometry"].error.as_ref().unwrap();
     for (ours, theirs) in [
         (verdict.error.position_m.max, odometry.position_m.max),
@@ -103,7 +103,7 @@ fn a_subject_is_started_once_a_station() {
 
 #[test]
 fn a_run_again_with_a_bound_told_wider_starts_in_the_box_that_follows_from_it() {
-    /// Keeps where it was told to start.
+    /// A localizer that keeps the width of the start box that it was given.
     struct Starts<'a>(DeadReckoning, &'a Cell<f64>);
     impl Subject for Starts<'_> {
         fn start(&mut self, start: &PoseBox) {
@@ -114,7 +114,7 @@ fn a_run_again_with_a_bound_told_wider_starts_in_the_box_that_follows_from_it() 
             Answer::Point(self.0.pose)
         }
     }
-    // The base's clock may lag by 20 ms, in which the robot gathers speed: the start is known to the tolerance and a·ε²/2.
+    // The stamps of the base's clock may be off by 20 ms, in which the robot gathers speed: the start is known to its tolerance and a·ε²/2.
     let scene = Scene {
         bounds: Bounds { reach_acceleration_m_per_s2: 1.0, ..Bounds::default() },
         ..scene("[robot.delivery]\nstamp_tolerance_s = 0.02\n")
@@ -131,11 +131,11 @@ fn a_run_again_with_a_bound_told_wider_starts_in_the_box_that_follows_from_it() 
     };
     let asked = Counterfactual { changes: vec![told], until_s: Some(0.1), ..Counterfactual::default() };
     run_otherwise(&scene, &record, &asked, &subject_of, None, &mut |_| {}).unwrap();
-    // Twice ½·(3 − 1) m/s²·(0.02 s)².
+    // When the localizer is given 3 m/s² in place of 1 m/s², the start box is wider by twice ½·(3 − 1) m/s²·(0.02 s)².
     assert!((widths_m.get() - declared_m - 0.0008).abs() < 1e-6, "{} after {declared_m}", widths_m.get());
 }
 
-/// Says that the robot is in one small box, somewhere else.
+/// A localizer that claims that the robot is in one small box, which is at a wrong place.
 struct Elsewhere(IntervalLocalizer);
 
 impl Subject for Elsewhere {

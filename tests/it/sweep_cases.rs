@@ -12,7 +12,7 @@ use sim::campaign::cases::from_csv;
 
 use crate::command::{blind_scene, folder, outcome, wherein};
 
-/// A scene with a carpet, a short run, and a limit that wide boxes miss.
+/// Text of a scene file for a floor with a carpet, and for the expectation that no check is unsound.
 const CARPET: &str = "[floor]\nfriction = 0.8\n[[floor.region]]\nname = \"carpet\"\nx_m = [1.0, 2.0]\ny_m = [0.2, 1.8]\n\
                       friction = 0.5\n[expect]\nunsound = 0\n";
 
@@ -20,7 +20,7 @@ fn write_scene(folder: &Path, duration_s: f64) {
     fs::write(folder.join("scene.toml"), blind_scene(duration_s, CARPET)).unwrap();
 }
 
-/// `wherein sweep scene.toml` over carpet and floor with two seeds: 12 cases.
+/// Arguments of `wherein sweep scene.toml` over friction of carpet and floor, with two seeds: 12 cases.
 fn grid<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let mut arguments = vec!["sweep", "scene.toml", "--vary", "floor.region.carpet.friction=0.2..0.4/3"];
     arguments.extend(["--vary", "floor.friction=0.5,0.8", "--seeds", "3..5", "--out", out]);
@@ -28,14 +28,14 @@ fn grid<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     arguments
 }
 
-/// Columns by name, a list of texts each.
+/// Columns of a table by name, each as a list of texts.
 fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
     let (names, rows) = from_csv(&fs::read_to_string(path).unwrap()).unwrap();
     let column = |index: usize| rows.iter().map(|row| row[index].clone()).collect();
     names.into_iter().enumerate().map(|(index, name)| (name, column(index))).collect()
 }
 
-/// Everything that is the result of a sweep: the table and each case's summary, by path.
+/// Files that are the result of a sweep, by path: the table and the files of each case.
 fn result_bytes(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut bytes = BTreeMap::from([(PathBuf::from("results.csv"), fs::read(folder.join("results.csv")).unwrap())]);
     for case in fs::read_dir(folder.join("cases")).unwrap() {
@@ -80,7 +80,7 @@ fn a_row_holds_the_figures_of_the_same_run_alone() {
     let text = fs::read_to_string(folder.join("renders/scene/4/summary.json")).unwrap();
     let summary: Value = serde_json::from_str(&text).unwrap();
     let columns = columns(&folder.join("out/results.csv"));
-    // Second carpet, second floor, second seed.
+    // The row of the second carpet friction, the second floor friction and the second seed.
     let row = 7;
     assert_eq!(columns["digest.estimates"][row], summary["digest"]["estimates"].as_str().unwrap());
     let number = |name: &str| columns[name][row].parse::<f64>().unwrap();
@@ -97,7 +97,7 @@ fn a_setting_reaches_the_world() {
     assert_eq!(outcome(&mut wherein(&folder, &slow)).0, 0);
     let distance_m = &columns(&folder.join("out/results.csv"))["metrics.distance_m"];
     let [slow_m, fast_m] = [0, 1].map(|row| distance_m[row].parse::<f64>().unwrap());
-    // 2 s at no more than the greatest speed, less what starting and turning cost.
+    // The robot drives for 2 s at no more than its greatest speed, less what starting and turning cost.
     assert!(slow_m < 0.1 && 0.1 < fast_m && fast_m < 0.4, "{slow_m} {fast_m}");
 }
 
@@ -159,13 +159,13 @@ fn what_is_recorded_is_not_run_again_unless_it_is_damaged() {
     let mut cases: Vec<PathBuf> =
         fs::read_dir(folder.join("out/cases")).unwrap().map(|case| case.unwrap().path()).collect();
     cases.sort();
-    // A digit changed, a file cut short, a file gone, a folder gone.
+    // Four recorded cases are damaged: a digit is changed, a file is cut short, a file is removed, a folder is removed.
     let summary = fs::read_to_string(cases[0].join("summary.json")).unwrap();
     fs::write(cases[0].join("summary.json"), summary.replacen("\"checks\": 51", "\"checks\": 61", 1)).unwrap();
     fs::write(cases[1].join("case.json"), "{").unwrap();
     fs::remove_file(cases[2].join("boxes.csv")).unwrap();
     fs::remove_dir_all(&cases[3]).unwrap();
-    // Neither a report nor a merger takes what was not recorded so.
+    // Neither a report nor a merger accepts files that differ from what was recorded.
     let (code, stdout, _) = outcome(&mut wherein(&folder, &["report", "out"]));
     assert_eq!((code, stdout.matches("its files are not those that were recorded").count()), (2, 2), "{stdout}");
     assert_eq!(stdout.matches("MISSING").count(), 2, "{stdout}");
@@ -220,7 +220,7 @@ fn merge_names_every_missing_case_and_ends_with_code_2() {
     let junit = fs::read_to_string(folder.join("junit.xml")).unwrap();
     assert_eq!(junit.matches("<error message=\"missing: the case has not run\"").count(), 6, "{junit}");
     assert!(junit.contains("tests=\"12\"") && junit.contains("errors=\"6\""), "{junit}");
-    // Cases 1, 3, 5, …, 11 counted from 0 are the second seed of every combination.
+    // The missing cases 1, 3, 5, …, 11, counted from 0, are the second seed of every combination.
     let missing: Vec<&str> = stdout.lines().filter_map(|line| line.strip_prefix("MISSING ")).collect();
     assert_eq!(missing.len(), 6, "{stdout}");
     assert_eq!(missing[1], "floor.region.carpet.friction=0.2 floor.friction=0.8 seed 4");

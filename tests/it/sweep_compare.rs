@@ -18,8 +18,8 @@ use sim::{
 use crate::command::{blind_scene, folder, outcome, wherein};
 use crate::judging::verdict_of;
 
-/// Ten seeds of a drive whose errors are all in a corner of what is declared, with every box `scale` times as wide as the
-/// localizer answered: a localizer with a bound that is too wide or too tight.
+/// Results of ten seeds of a drive whose errors are all in a corner of what is declared, with every box `scale` times as wide as the localizer
+/// answered: they stand for a localizer with a bound that is too wide or too tight. Returns their folder.
 fn planted(folder: &Path, name: &str, scale: f64) -> PathBuf {
     let scene = folder.join("scene.toml");
     let text = blind_scene(0.5, "").replace("[robot]\n", "[robot]\nerrors = \"corner\"\n");
@@ -75,7 +75,7 @@ fn a_bound_five_percent_too_tight_is_found_to_lose_the_truth() {
     let comparison = compare(&Side::load(&sound).unwrap(), &Side::load(&tight).unwrap(), 0.99);
     assert_eq!(finding(&comparison, "contained"), Finding::Worse);
     assert_eq!(finding(&comparison, "width in x"), Finding::Better, "it looks better where it must not count");
-    // With errors in the corner the start is at the edge of its box, so that every seed shows it.
+    // With errors in the corner the robot's start is at the edge of its box, so that every seed shows the loss.
     assert_eq!(comparison.lost.len(), 10);
     let (code, stdout, _) = outcome(&mut wherein(&folder, &["compare", "sound", "tight"]));
     assert_eq!(code, 1, "{stdout}");
@@ -100,7 +100,7 @@ fn identical_versions_are_not_distinguishable_in_twenty_of_twenty_trials() {
     }
 }
 
-/// A table with one case for each seed, all figures of a side about 1.
+/// Results with one case for each seed, in which all figures are 0.5 plus a tenth of the noise.
 fn noisy(noise: &mut dyn FnMut() -> f64, seeds: u64) -> Side {
     let figures = "containment.contained_share,error.position_m.mean,error.heading_rad.rmse,\
                    width.x_m.mean,width.y_m.mean,width.heading_rad.mean,availability";
@@ -112,7 +112,7 @@ fn noisy(noise: &mut dyn FnMut() -> f64, seeds: u64) -> Side {
     Side::parse(&text).unwrap()
 }
 
-/// Cubes of uniform numbers have heavier tails than a normal distribution.
+/// Noise with heavier tails than a normal distribution: cubes of uniform random numbers.
 fn cubes(seed: u64) -> impl FnMut() -> f64 {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     move || (2.0 * random.random::<f64>() - 1.0).powi(3)
@@ -127,7 +127,7 @@ fn chance_is_taken_for_a_difference_no_more_often_than_the_confidence_allows() {
         let comparison = compare(&noisy(&mut noise, 6), &noisy(&mut noise, 6), 0.9);
         wrong += usize::from(comparison.lines.iter().any(|line| line.finding != Finding::NotDistinguishable));
     }
-    // At 90 % at most 100 are allowed; three standard deviations of chance are 28 more.
+    // With a confidence of 90 %, at most 100 wrong findings are allowed; three standard deviations of chance are 28 more.
     assert!(wrong <= 128, "{wrong} of {trials}");
     assert!(wrong >= 10, "{wrong} of {trials}: intervals so wide say nothing");
 }
@@ -144,18 +144,18 @@ fn settings_that_share_a_seed_are_one_witness() {
     };
     let comparison = compare(&table(0.0), &table(1.0), 0.99);
     assert_eq!((comparison.n_pairs, comparison.n_seeds), (10, 2));
-    // Two differences, 1.0 and 0.1 mm: their mean 0.55 ± 0.45 · t, and t of one degree of freedom is above 60 here. Ten
-    // witnesses would have called it certain.
+    // There are two differences, 1.0 and 0.1 mm: their mean is 0.55 ± 0.45 · t, and t of one degree of freedom is above 60 here. If all ten cases
+    // counted as independent, the finding would have been certain.
     assert_eq!(finding(&comparison, "width in x"), Finding::NotDistinguishable);
     let half_width_m = 0.5 * (comparison.lines[0].difference[1] - comparison.lines[0].difference[0]);
-    // t(1 − 0.01/14, 1) = tan(π (1/2 − 0.01/14)), as the distribution of one degree is Cauchy's.
+    // The quantile is t(1 − 0.01/14, 1) = tan(π (1/2 − 0.01/14)), because the t distribution with one degree of freedom is Cauchy's.
     let expected_m = 0.00045 * (std::f64::consts::PI * (0.5 - 0.01 / 14.0)).tan();
     assert!((half_width_m / expected_m - 1.0).abs() < 1e-6, "{half_width_m} {expected_m}");
 }
 
 #[test]
 fn quantiles_are_those_of_the_printed_tables() {
-    // Abramowitz and Stegun, table 26.10.
+    // Values of Student's t from Abramowitz and Stegun, table 26.10.
     let printed = [
         (0.975, 1.0, 12.706),
         (0.995, 1.0, 63.657),
@@ -193,7 +193,7 @@ fn results_without_a_common_case_cannot_be_compared() {
     assert!(stderr.starts_with("wherein: failed to compare one and two: no case ran in both"), "{stderr}");
 }
 
-/// Ten seeds, of which `changed` has other figures from `from` on.
+/// Results of ten seeds, of which those from `from` on have the figures `changed`.
 fn table(from: u64, changed: &str) -> Side {
     let mut text = "scene,seed,status,passed,containment.contained_share,containment.unsound,containment.perception,\
                     containment.bound_broken,width.x_m.mean,width.y_m.mean\n"
@@ -207,7 +207,7 @@ fn table(from: u64, changed: &str) -> Side {
 
 #[test]
 fn one_case_that_breaks_a_promise_is_worse_whatever_the_means_say() {
-    // The first side is not spotless itself: the last seed breaks a bound at some steps.
+    // The first side has a fault itself: its last seed breaks a bound at some steps.
     let first = table(9, "true,0.9,0,0,100,0.01,0.01");
     assert!(!compare(&first, &first, 0.99).is_worse());
     let unsound = compare(&first, &table(9, "true,0.9,100,0,0,0.01,0.01"), 0.99);

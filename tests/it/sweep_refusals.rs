@@ -10,7 +10,7 @@ fn with_scene(name: &str) -> std::path::PathBuf {
     folder
 }
 
-/// Asserts that a variation is refused with exit code 2 and one message that holds every one of `parts`.
+/// Asserts that a sweep over these variations is refused with exit code 2 and a message that contains each of `parts`.
 fn assert_refused(test: &str, vary: &[&str], parts: &[&str]) {
     let folder = with_scene(test);
     let mut arguments = vec!["sweep", "scene.toml", "--out", "out"];
@@ -91,7 +91,7 @@ fn a_folder_that_cannot_be_written_is_named_before_anything_runs() {
     assert!(stderr.starts_with("wherein: failed to create the folder file/out: "), "{stderr}");
 }
 
-/// A limit on the size of files stands for a disk that is full: writes fail half way.
+/// A limit on the size of files stands for a full disk: writing a file fails half way.
 #[cfg(unix)]
 #[test]
 fn a_write_that_fails_is_told_and_what_was_recorded_before_stays() {

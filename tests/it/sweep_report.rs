@@ -12,11 +12,13 @@ use sim::{
 
 use crate::command::{blind_scene, folder, outcome, root, wherein};
 
-/// A push of 0.1 m within 0.2 s breaks the bound of slip; half of the cases ask for narrower boxes than there are.
+/// Text of a scene file: a push of 0.1 m within 0.2 s breaks the bound on slip, and half of the cases of the sweep below expect narrower boxes
+/// than there are.
 const PUSHED: &str = "[[event]]\nkind = \"push\"\nat_s = 0.5\ndisplacement_m = [0.0, 0.1]\nlasts_s = 0.2\n\
                       [expect]\nunsound = 0\navailability_min = 0.4\n";
 
-/// Two widths, two frictions, two seeds; the results lie in `out`, the exit code must be 1.
+/// Sweeps over two declared widths, two frictions and two seeds into `out`, and asserts that the exit code is 1; returns the folder and the
+/// output.
 fn swept(name: &str, more: &[&str]) -> (PathBuf, String) {
     let folder = folder(name);
     fs::write(folder.join("scene.toml"), blind_scene(1.0, PUSHED)).unwrap();
@@ -32,7 +34,7 @@ fn read(folder: &Path, name: &str) -> String {
     fs::read_to_string(folder.join(name)).unwrap()
 }
 
-/// Rows of `results.csv`, by name of the column.
+/// Rows of `results.csv`, each with its fields by the name of the column.
 fn rows(folder: &Path) -> Vec<BTreeMap<String, String>> {
     let (names, rows) = from_csv(&read(folder, "out/results.csv")).unwrap();
     rows.into_iter().map(|row| names.iter().cloned().zip(row).collect()).collect()
@@ -42,7 +44,7 @@ fn number(row: &BTreeMap<String, String>, name: &str) -> f64 {
     row[name].parse().unwrap()
 }
 
-/// Texts of the cells of the table body with this id, row by row.
+/// Texts of the cells in the body of an HTML table with this id, row by row.
 fn table(html: &str, id: &str) -> Vec<Vec<String>> {
     let body = html.split(&format!("<tbody id=\"{id}\">")).nth(1).unwrap().split("</tbody>").next().unwrap();
     let text = |cell: &str| cell.split_once('>').unwrap().1.split("</td>").next().unwrap().to_owned();
@@ -97,7 +99,7 @@ fn the_numbers_of_the_page_and_of_the_summary_are_those_of_the_csv() {
         assert_eq!(told[8], row["blame"]);
     }
     let markdown = read(&folder, "out/summary.md");
-    // Both seeds of a combination last equally long, so that theirs are plain means.
+    // Both seeds of a combination run equally long, so that the combination's figures are plain means of the two rows.
     for (told, pair) in table(&html, "combinations").iter().zip(rows.chunks(2)) {
         let mean = |name: &str| (number(&pair[0], name) + number(&pair[1], name)) / 2.0;
         let figures = [
@@ -133,7 +135,7 @@ fn the_example_sweep_is_valid() {
     assert_eq!((variations.len(), sweep.seeds), (9, 0..5));
 }
 
-/// The recipe's first call makes the results that its second call takes for a baseline.
+/// The first call of the recipe `docs/ci/sweep.sh` makes the results that its second call uses as a baseline.
 #[cfg(unix)]
 #[test]
 fn the_shell_recipe_ends_with_the_gravest_code() {
@@ -202,7 +204,7 @@ fn github_gets_annotations_and_a_summary_and_nobody_else_does() {
     assert_eq!(code, 1);
     let line = "::error file=scene.toml,title=scene floor.friction=0.5 seed 3::containment.checks is 51, expected 1%0Areplay: ";
     assert!(stderr.lines().any(|found| found.starts_with(line)), "{stderr}");
-    // A sweep's file names its scene from its own folder.
+    // A sweep's file names its scene by a path from the folder of the sweep's file.
     fs::create_dir_all(folder.join("sweeps")).unwrap();
     fs::write(folder.join("sweeps/dark.toml"), "scene = \"../scene.toml\"\nseeds = \"3..4\"\n").unwrap();
     let mut sweep = wherein(&folder, &["sweep", "sweeps/dark.toml", "--out", "out"]);
@@ -224,7 +226,8 @@ fn frames_of_failures_are_left_by_failed_cases_alone() {
     for row in rows(&folder) {
         let names = fs::read_dir(folder.join("out/cases").join(&row["case"])).unwrap();
         let pictures = names.filter(|name| name.as_ref().unwrap().path().extension().is_some_and(|kind| kind == "png"));
-        // Nothing was outside: the image that left the widest box, as it is and explained.
+        // The truth was never outside of the boxes, so that the frames of a failed case are those of the image with the widest box: the image and
+        // its explanation.
         assert_eq!(pictures.count(), if row["passed"] == "true" { 0 } else { 2 });
     }
     assert!(read(&folder, "out/report.html").contains("data:image/jpeg;base64,"));

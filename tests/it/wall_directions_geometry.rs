@@ -1,4 +1,4 @@
-//! Level edges to headings, against a camera, rooms and lines of the tests' own.
+//! The method that takes the heading from level edges of walls, against a camera, rooms and edges simulated by the tests themselves.
 
 use interval::Interval;
 use localizer::{
@@ -38,7 +38,7 @@ fn method(directions_rad: &[f64], learns: bool) -> WallDirections {
     WallDirections::with(camera([0.0; 5]), &body, &reach, &directions, learns).with_floor_edges_and_lean()
 }
 
-/// A camera as it truly is: focal length, principal point, and the turn from the robot's frame (x forward, y left, z up).
+/// A camera as it truly is: focal length, principal point, distortion, and the rotation from the robot's frame (x forward, y left, z up).
 struct TrueCamera {
     focal_px: f64,
     centre_px: [f64; 2],
@@ -49,10 +49,10 @@ struct TrueCamera {
 impl TrueCamera {
     fn draw(rng: &mut ChaCha8Rng) -> TrueCamera {
         let mut within = |bound: f64| rng.random_range(-bound..=bound);
-        // Rows: image right, image down and the optical axis in the robot's frame.
+        // The rows are image right, image down and the optical axis, in the robot's frame.
         let level =
             Rotation3::from_matrix_unchecked(nalgebra::Matrix3::new(0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0));
-        // About robot left, counter-clockwise, the axis would dip: up is clockwise.
+        // A counter-clockwise rotation about robot left would make the optical axis dip, so that tilting up is clockwise.
         let tilt = Rotation3::from_axis_angle(&Vector3::y_axis(), -TILT_UP_RAD);
         let (axis, yaw) = (within(std::f64::consts::PI), within(YAW_ERROR_RAD));
         let lean = Rotation3::from_scaled_axis(Vector3::new(axis.cos(), axis.sin(), 0.0) * within(TILT_ERROR_RAD));
@@ -67,7 +67,7 @@ impl TrueCamera {
 
     fn pixel(&self, place: Vector3<f64>) -> Option<[f64; 2]> {
         let seen = self.camera_from_robot * place;
-        // Brown and Conrady's formula, in powers of the distance.
+        // Brown and Conrady's distortion formula, in powers of the distance from the axis.
         let ([k1, k2, p1, p2, k3], [x, y]) = (self.distortion, [seen.x / seen.z, seen.y / seen.z]);
         let r = x.hypot(y);
         let radial = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
@@ -76,12 +76,12 @@ impl TrueCamera {
             y * radial + p1 * (x * x + 3.0 * y * y) + 2.0 * p2 * x * y,
         ];
         let pixel = [0, 1].map(|axis| self.centre_px[axis] + self.focal_px * bent[axis]);
-        // The polynomials of the lenses tried fold back beyond twice the focal length, far outside of the picture.
+        // The distortion polynomials of the tested lenses fold the image back beyond twice the focal length from the axis, far outside the picture.
         let inside = seen.z > 0.1 && r < 2.0 && (0.0..640.0).contains(&pixel[0]) && (0.0..480.0).contains(&pixel[1]);
         inside.then_some(pixel)
     }
 
-    /// An edge along `direction_rad` of the world as the robot with this heading sees it, its ends off by up to the bound.
+    /// Image of an edge along `direction_rad` of the world, seen by a robot with this heading; its ends are shifted by up to the edge's bound.
     fn edge(&self, direction_rad: f64, heading_rad: f64, rng: &mut ChaCha8Rng) -> EdgeLine {
         loop {
             let azimuth = direction_rad - heading_rad;
@@ -111,10 +111,10 @@ fn union(heading_rad: f64, radius_rad: f64) -> PoseUnion {
     PoseUnion::single(PoseBox::from([Interval::ZERO, Interval::ZERO, Interval::centred(heading_rad, radius_rad)]))
 }
 
-/// So many images of the same edges make a fix, and are too few for the rule of spoilt images.
+/// Number of images of the same edges that make a heading fix; they are too few for the rule on spoilt images to matter.
 const FIX_IMAGES: usize = 12;
 
-/// Headings left after as many images of the same edges; the robot stands still.
+/// Headings that are left after `FIX_IMAGES` images of the same edges, while the robot stands still.
 fn fixed(method: &mut WallDirections, edges: &[EdgeLine], prior: &PoseUnion) -> Option<Vec<Interval>> {
     let mut left = None;
     for _ in 0..FIX_IMAGES {
@@ -149,7 +149,8 @@ fn walls_of_two_directions_keep_the_true_heading_with_as_many_edges_wrong_as_dec
             .collect();
         let prior = union(heading_rad + rng.random_range(-0.15..0.15), 0.17);
         let mut walls = method(&directions, false);
-        // Of the edges that were of use, more may be wrong than of all; one image more is held.
+        // Among the edges that the method uses, wrong ones may be more than declared although they are not among all edges; such rooms are
+        // skipped. The method holds this image in addition to the later ones.
         let used = walls.constraint(0.0, &edges, &prior).map_or(Vec::new(), |constraint| constraint.claims);
         let is_wrong = |claim: &&Claim| {
             let Claim::WallLine { ends_px, .. } = claim else { return false };
@@ -177,10 +178,10 @@ fn any_quarter_turn_of_the_prior_is_kept_and_none_is_gated() {
     let truth = TrueCamera::draw(&mut rng);
     let heading_rad = 0.7;
     let edges: Vec<EdgeLine> = (0..6).map(|_| truth.edge(0.0, heading_rad, &mut rng)).collect();
-    // 40° off, beyond the paper's gate of 20° and across its boundary at 45°.
+    // The prior is 40° off: beyond the gate of 20° in the paper, and across the paper's boundary at 45°.
     let headings = fixed(&mut method(&[0.0], false), &edges, &union(heading_rad + 0.7, 0.75)).unwrap();
     assert!(holds(&headings, heading_rad), "{headings:?}");
-    // Half a turn of doubt leaves two quarter turns or three.
+    // A prior a little wider than half a turn leaves three headings, a quarter turn apart.
     let headings = fixed(&mut method(&[0.0], false), &edges, &union(heading_rad, 1.6)).unwrap();
     assert!(holds(&headings, heading_rad) && headings.len() >= 3, "{headings:?}");
 }
@@ -190,7 +191,7 @@ fn a_sixth_of_all_edges_and_five_may_be_wrong_and_no_more() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let truth = TrueCamera::draw(&mut rng);
     let good: Vec<EdgeLine> = (0..8).map(|_| truth.edge(0.0, 0.2, &mut rng)).collect();
-    // Seen as if the robot stood 8.6° on.
+    // The wrong edges are seen as if the robot were turned by another 8.6°.
     let bad: Vec<EdgeLine> = (0..8).map(|_| truth.edge(0.0, 0.35, &mut rng)).collect();
     let prior = union(0.2, 0.3);
     let claimed = |edges: &[EdgeLine]| method(&[0.0], false).constraint(0.0, edges, &prior).unwrap().claims.len();
@@ -204,7 +205,7 @@ fn a_sixth_of_all_edges_and_five_may_be_wrong_and_no_more() {
         let (n_wrong, n_right) = (n_bad * claimed(&bad), (n_images - n_bad) * claimed(&good));
         let branches = last.unwrap().on_pose.branches(&prior.hull());
         let is_kept = branches.iter().any(|branch| branch[2].contains(0.2));
-        // By hand: of N edges N/6 + 5 may be wrong.
+        // By hand: of N edges that are held, N/6 + 5 may be wrong.
         assert_eq!(is_kept, n_wrong <= (n_wrong + n_right) / 6 + 5, "{n_wrong} wrong edges and {n_right} right ones");
     }
 }
@@ -212,7 +213,8 @@ fn a_sixth_of_all_edges_and_five_may_be_wrong_and_no_more() {
 #[test]
 fn each_edge_of_each_image_counts_once() {
     let truth = leaning([0.0; 2]);
-    // Six images of a wall's four edges, some of them as if the robot stood 4.6° on. By hand: of 24, 24/6 + 5 may be wrong.
+    // Six images of the four edges of a wall, some of them seen as if the robot were turned by another 4.6°. By hand: of 24 edges, 24/6 + 5 may
+    // be wrong.
     let image = |n_right: usize| -> Vec<EdgeLine> {
         let seen_at = |idx: usize| if idx < n_right { 0.0 } else { 0.08 };
         let rails = [0.8, 1.1, 1.4, 1.7].into_iter().enumerate();
@@ -232,7 +234,8 @@ fn each_edge_of_each_image_counts_once() {
 #[test]
 fn of_twenty_images_six_have_no_wrong_edge() {
     let truth = leaning([0.0; 2]);
-    // Six edges of a wall, the last of them in some images as if the robot stood 4.6° on: far fewer than 120/6 + 5.
+    // Six edges of a wall, of which the last is in some images seen as if the robot were turned by another 4.6°: far fewer wrong edges than 120/6
+    // + 5.
     let image = |is_spoilt: bool| -> Vec<EdgeLine> {
         let rails = [0.8, 1.0, 1.2, 1.4, 1.6, 1.8].into_iter().enumerate();
         let seen_at = |idx: usize| if is_spoilt && idx == 5 { 0.08 } else { 0.0 };
@@ -253,8 +256,8 @@ fn of_twenty_images_six_have_no_wrong_edge() {
 #[test]
 fn more_images_in_a_row_that_refute_themselves_than_may_be_spoilt_are_a_contradiction() {
     let truth = leaning([0.0; 2]);
-    // Three edges of a wall, each as if the robot stood elsewhere, and three that agree: of three edges one may be wrong, of twenty images 14 may
-    // have such.
+    // One image shows three edges of a wall, each as if the robot had another heading; the other shows three edges that agree. Of three edges one
+    // may be wrong, and of twenty images 14 may have more wrong ones.
     let image = |headings_rad: [f64; 3]| -> Vec<EdgeLine> {
         let rails = [0.8, 1.2, 1.6].into_iter().zip(headings_rad);
         rails.map(|(z, heading_rad)| sharp(rail(&truth, heading_rad, [3.0, 1.3, z], [3.0, -1.3]))).collect()
@@ -268,7 +271,7 @@ fn more_images_in_a_row_that_refute_themselves_than_may_be_spoilt_are_a_contradi
     for n_refuted in 1..=15 {
         let told = walls.constraint(0.0, &refuted, &prior);
         assert_eq!(told.is_some(), n_refuted == 15, "{n_refuted}");
-        // What it tells then is nothing but that.
+        // The constraint that reports the contradiction makes no claims, relies on no bounds and decides nothing.
         assert!(told.is_none_or(|told| told.claims.is_empty() && !told.decides && told.relies_on.is_empty()));
         assert_eq!(walls.take_contradiction(), n_refuted == 15, "{n_refuted}");
     }
@@ -284,7 +287,7 @@ fn edges_on_the_floor_count_where_they_are_said_to_run_along_walls_and_are_long(
         let mut walls = walls;
         walls.constraint(0.0, &edges, &union(0.0, 0.05)).unwrap().claims.len()
     };
-    // 417 px over 2 m: 0.4 m are 83 px, 1 m are 209 px.
+    // At 2 m, with a focal length of 417 px, a joint of 0.4 m takes 83 px and one of 1 m takes 209 px.
     assert_eq!(n_claims(on_a_body_that_leans(0.001), 0.5), 4);
     assert_eq!(n_claims(on_a_body_that_leans(0.001), 0.2), 3);
     let (body, reach) = (
@@ -297,7 +300,7 @@ fn edges_on_the_floor_count_where_they_are_said_to_run_along_walls_and_are_long(
 #[test]
 fn a_level_edge_that_runs_straight_ahead_is_no_upright_one() {
     let truth = leaning([0.0; 2]);
-    // Along world x, 5 cm to the left, on the ceiling and on the floor: its plane is all but upright.
+    // The edges run along world x, 5 cm to the left, on the ceiling and on the floor: the plane of such an edge and the eye is almost upright.
     let straight = |z: f64| sharp(rail(&truth, 0.0, [1.9, 0.05, z], [4.0, 0.05]));
     let edges = [wall(&truth, &[1.2, 1.5, 1.8]), vec![straight(1.0), straight(-0.4)]].concat();
     let claims = on_a_body_that_leans(0.03).constraint(0.0, &edges, &union(0.0, 0.05)).unwrap().claims;
@@ -358,7 +361,7 @@ fn images_older_than_those_held_are_forgotten() {
     assert!(!branches.iter().any(|branch| branch[2].contains(0.35)), "{branches:?}");
 }
 
-/// A robot whose body leans forward and to the left, seen by a camera without errors of its own.
+/// A camera without errors of its own, on a robot whose body leans by this rotation about the forward axis and about the left axis.
 fn leaning(lean_rad: [f64; 2]) -> TrueCamera {
     let level = Rotation3::from_matrix_unchecked(nalgebra::Matrix3::new(0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0));
     let tilt = Rotation3::from_axis_angle(&Vector3::y_axis(), -TILT_UP_RAD);
@@ -392,7 +395,7 @@ fn sharp(edge: EdgeLine) -> EdgeLine {
     EdgeLine { bound_px: 0.1, ..edge }
 }
 
-/// A wall 3 m ahead, seen over the whole width at these heights over the camera.
+/// Edges of a wall 3 m ahead, at these heights over the camera, seen over the whole width of the image.
 fn wall(truth: &TrueCamera, heights_m: &[f64]) -> Vec<EdgeLine> {
     heights_m.iter().map(|&z| sharp(rail(truth, 0.0, [3.0, 1.6, z], [3.0, -1.6]))).collect()
 }
@@ -405,8 +408,8 @@ fn a_lean_is_told_by_low_and_high_edges_together() {
         assert!(holds(&headings, 0.0), "{headings:?}");
         headings.iter().map(|set| set.width()).sum::<f64>()
     };
-    // By hand: seen at elevation ε, tan ε = z/3, a roll of ±0.01 turns an edge by ±0.01/tan ε: low ones at −0.6 m by 0.05, high ones at
-    // 1.6 m by 0.019 the other way. Together they leave the roll hardly any room.
+    // By hand: for an edge seen at elevation ε, with tan ε = z/3, a roll of ±0.01 turns the edge by ±0.01/tan ε: low edges at −0.6 m by 0.05, and
+    // high edges at 1.6 m by 0.019 the other way. Together they leave hardly any room for a roll.
     let (low, high) = (width(&[-0.45, -0.6, -0.75]), width(&[1.4, 1.6, 1.8]));
     let both = width(&[-0.45, -0.6, -0.75, 1.4, 1.6, 1.8]);
     assert!(low > 0.025 && high > 0.015 && both < 0.25 * low.min(high), "{both} of {low} and {high}");
@@ -429,8 +432,8 @@ fn upright_edges_tell_a_lean() {
     assert!(with_posts < 0.5 * alone, "{with_posts} of {alone}");
 }
 
-/// Of an image without a wrong edge: whether the headings on which all its edges agree, if they say any, hold the true one, and how wide
-/// they are.
+/// Total width of the headings on which all edges of one image agree, when none of them is wrong, or `None` if they say nothing. Asserts that the
+/// headings contain the true one.
 fn heading_of_image(walls: WallDirections, edges: &[EdgeLine], heading_rad: f64, prior: &PoseUnion) -> Option<f64> {
     let none = Quotas { edge_share: 0.0, images: 0, held_share: 0.0, held_edges: 0, spoilt_images: 0 };
     let constraint = walls.with_quotas(none).constraint(0.0, edges, prior)?;
@@ -485,7 +488,7 @@ fn no_lean_of_body_and_mount_loses_the_heading_however_great() {
     for lean_deg in [0.5_f64, 1.0, 3.0, 10.0, 30.0] {
         let (lean_rad, mut n_told, mut widths) = (lean_deg.to_radians(), 0, 0.0);
         for _ in 0..600 {
-            // Half of it the mount's; the heading is where the forward axis of the body goes, seen from above.
+            // Half of the lean is the mount's. The heading is the direction of the body's forward axis, seen from above.
             let mut lean = || {
                 let about = rng.random_range(0.0..std::f64::consts::TAU);
                 Rotation3::from_scaled_axis(Vector3::new(about.cos(), about.sin(), 0.0) * 0.5 * lean_rad)
@@ -563,7 +566,8 @@ fn of_directions_that_the_edges_leave_open_none_is_learnt() {
     let mut n_learnt = 0;
     for _ in 0..600 {
         let truth = TrueCamera::draw(&mut rng);
-        // Of five that are strange to the map, the fewest that teach, one may be wrong; a little askew, it agrees with some of the others.
+        // Five edges of a direction that is not in the map are the fewest from which it is learnt, and one of them may be wrong. The wrong edge
+        // is only a little askew, so that it agrees with some of the others.
         let n_wrong = rng.random_range(0..=1);
         let edges: Vec<EdgeLine> = (0..6)
             .map(|line| {
@@ -608,7 +612,7 @@ fn images_are_carried_by_the_turn_between_them() {
     assert!(branches.iter().map(|branch| branch[2].width()).sum::<f64>() < 0.06, "{branches:?}");
 }
 
-/// The ends of a level edge of the world from one place to another, seen without error.
+/// Image of a level edge of the world from one place to another, seen without error.
 fn rail(truth: &TrueCamera, heading_rad: f64, from: [f64; 3], to: [f64; 2]) -> EdgeLine {
     let seen = |[x, y, z]: [f64; 3]| {
         let in_robot = Rotation3::from_axis_angle(&Vector3::z_axis(), -heading_rad) * Vector3::new(x, y, z);
@@ -620,7 +624,8 @@ fn rail(truth: &TrueCamera, heading_rad: f64, from: [f64; 3], to: [f64; 2]) -> E
 #[test]
 fn both_rims_of_a_board_that_hangs_askew_are_one_wrong_edge_not_two() {
     let truth = TrueCamera::draw(&mut ChaCha8Rng::seed_from_u64(6));
-    // The foot and the head of a wall 3 m ahead, a shelf at its right, and the two rims of a board in its middle, 2 degrees askew.
+    // The edges are the foot and the head of a wall 3 m ahead, a shelf at the wall's right end, and the two rims of a board in the wall's middle
+    // that hangs 2 degrees askew.
     let wall = |z: f64| rail(&truth, 0.0, [3.0, 1.2, z], [3.0, -1.2]);
     let shelf = rail(&truth, 0.0, [2.0, -0.9, 0.9], [3.0, -0.9]);
     let rim = |z: f64| rail(&truth, 0.0, [2.95 - 0.6 * 0.035, 0.6, z], [2.95 + 0.6 * 0.035, -0.6]);
@@ -633,7 +638,7 @@ fn both_rims_of_a_board_that_hangs_askew_are_one_wrong_edge_not_two() {
     };
     assert_eq!(edges.map(|edge| claimed(&edge))[..3], [true; 3], "{:?}", constraint.claims);
     assert_eq!(usize::from(claimed(&edges[3])) + usize::from(claimed(&edges[4])), 1, "{:?}", constraint.claims);
-    // With both of them and q = 1 of 5, two wrong edges would have been more than declared.
+    // If both rims were claimed, two of five edges would be wrong, where only one is declared.
     let headings = fixed(&mut method(&[0.0], false), &edges, &union(0.0, 0.05)).unwrap();
     assert!(holds(&headings, 0.0), "{headings:?}");
 }
@@ -651,7 +656,7 @@ fn edges_a_little_askew_are_clutter_unless_hardly_any_other_is_there() {
     };
     assert_eq!(n_claims(&straight), 5);
     assert_eq!(n_claims(&[&straight[..], &askew[..2]].concat()), 5);
-    // Where all that is seen stands seven degrees off, the prior may be what is wrong.
+    // Where all edges in view are seven degrees off, the prior may be wrong instead.
     assert_eq!(n_claims(&askew[..4]), 0, "four are too few");
     assert_eq!(n_claims(&askew), 5);
 }

@@ -1,4 +1,4 @@
-//! What is left when the localizer is told narrower bounds than hold.
+//! What becomes of a run when the localizer is given narrower bounds than those that hold.
 
 use localizer::PoseUnion;
 use serde_json::Value;
@@ -15,7 +15,7 @@ use crate::{
     judging::verdict_of,
 };
 
-/// Straight on from a start that is known: both radii 1 % off, and 0.8 % of slip declared besides.
+/// A drive straight on from an exactly known start: both wheel radii are 1 % off, and 0.8 % of slip is declared in addition.
 fn cornered(more: &str) -> (Scene, RunRecord) {
     let text = blind_scene(6.0, &format!("[bounds]\nslip_ratio = 0.008\n[localizer]\nmethods = []\n{more}"))
         .replace("floor_camera = false", "floor_camera = false\nerrors = \"corner\"\nwheel_radius_tolerance = 0.01")
@@ -28,8 +28,9 @@ fn cornered(more: &str) -> (Scene, RunRecord) {
 
 #[test]
 fn told_ever_narrower_bounds_a_run_loses_the_truth_where_they_end() {
-    // By hand: 1 % of the way is off, of 1 % and 0.8 % declared, so that 1 / 1.8 = 0.56 of the bounds is needed at least, a little less as
-    // floors of slip add to what is told: 0.6 holds the truth, and 0.4 or 0.5 is the first that does not.
+    // By hand: the distance is off by 1 %, while 1 % and 0.8 % are declared, so that at least 1 / 1.8 = 0.56 of the bounds is needed, or a little
+    // less because the floors of the slip bounds are declared too. With 0.6 of the bounds the truth is held, and 0.4 or 0.5 is the first share
+    // that loses it.
     let (scene, record) = cornered("");
     let verdict = verdict_of(&scene, &record);
     assert_eq!(
@@ -42,7 +43,7 @@ fn told_ever_narrower_bounds_a_run_loses_the_truth_where_they_end() {
     let (factor, tightness) = (weakened.factor.unwrap(), weakened.tightness.unwrap());
     assert!([0.4, 0.5].contains(&factor) && (tightness * factor - 1.0).abs() < 1e-12, "{weakened:?}");
     assert_eq!(weakened.lost, Some(Lost::Outside));
-    // Ten times the slip declared and none more made: 1 / 9 of the bounds is enough.
+    // Ten times the slip is declared and no more occurs: 1 / 9 of the bounds is enough.
     let loose = Scene { bounds: Bounds { slip_ratio: 0.08, ..scene.bounds.clone() }, ..scene };
     let narrower =
         run(&loose, 5, &mut IntervalLocalizer::of(&loose), None, &RunOptions::default(), &mut |_| {}).unwrap();
@@ -56,7 +57,7 @@ fn a_run_that_loses_the_truth_anyway_is_lost_at_its_own_bounds() {
         cornered("[[event]]\nkind = \"push\"\nat_s = 1.0\ndisplacement_m = [0.0, 0.15]\nlasts_s = 0.3\n");
     let weakened = weaken(&scene, &record, &IntervalLocalizer::boxed, None, &mut |_, _| {}).unwrap();
     assert_eq!((weakened.factor, weakened.tightness), (Some(1.0), Some(1.0)));
-    // Lost when it was pushed and ever since; counted from half of its 6 s on.
+    // The truth is lost from the push at 1 s on, but a loss counts only in the second half of the drive of 6 s.
     assert_eq!((weakened.counted_after_s, weakened.lost_at_s), (3.0, Some(3.0)), "{weakened:?}");
 }
 

@@ -15,7 +15,7 @@ use sim::{
 use crate::command::{folder, outcome, root, scene_text, wherein};
 use crate::judging::verdict_of;
 
-/// A scene of the repository, cut to `duration_s`.
+/// A scene of the repository, shortened to `duration_s`.
 fn scene(path: &str, duration_s: f64) -> Scene {
     let mut scene = SceneFile::load_all(&[root().join("scenes").join(path)]).unwrap().remove(0).scene;
     scene.duration_s = duration_s;
@@ -48,7 +48,7 @@ fn on_plain_tiles_the_truth_is_in_a_box_of_millimetres() {
         verdict.width
     );
     assert!(verdict.width.as_ref().unwrap().at_fix.heading_rad.mean < 0.6_f64.to_radians(), "{:?}", verdict.width);
-    // Odometry alone has no such luck: were it as good, the images would have shown nothing.
+    // Odometry alone must be clearly worse than the estimate: if it were as good, the images would have contributed nothing.
     let odometry = verdict.baselines["odometry"].error.as_ref().unwrap();
     assert!(odometry.position_m.max > 3.0 * verdict.error.position_m.mean);
 }
@@ -107,7 +107,7 @@ fn a_push_is_told_by_name_time_and_amount_and_forgotten_within_two_seconds() {
     assert_eq!(record.estimates.last().unwrap().pose.branches.len(), 1);
     let slip = verdict.violations.iter().find(|violation| violation.bound == "wheels.side_slip").unwrap();
     assert!((slip.from_s - 8.0).abs() <= 0.03 && (8.15..8.5).contains(&slip.to_s), "{slip:?}");
-    // The greatest lateral travel within a window of 0.2 s, 20 steps, read from the truth alone.
+    // The greatest lateral travel within a window of 0.2 s (20 steps), computed from the true states alone.
     let travel = |index: usize| record.truths[index].lateral_travel_m;
     let greatest = (20..record.truths.len()).map(|end| (travel(end) - travel(end - 20)).abs()).fold(0.0, f64::max);
     assert!((slip.true_value / greatest - 1.0).abs() < 0.02, "{slip:?} against {greatest}");
@@ -126,7 +126,7 @@ fn a_tile_laid_off_its_place_is_told_while_it_is_in_view() {
     let told = verdict.violations.iter().find(|violation| violation.bound == "floor_tiles.laying").unwrap();
     let first = verdict.containment.as_ref().unwrap().first_failure.as_ref().map(|first| first.blame.as_str());
     assert!(first.is_none_or(|blame| blame.starts_with("floor_tiles.")), "{first:?}");
-    // The tile is [7, 2], moved by 8 mm along x on top of what its four corners drew.
+    // The misplaced tile is [7, 2]. It is moved by 8 mm along x, in addition to the errors drawn for its four corners.
     let laid = record.drawn.tiles.as_ref().unwrap();
     let corner = |i: i32, j: i32| {
         laid.corner_offset_m[(i - laid.first[0]) as usize * laid.count[1] + (j - laid.first[1]) as usize][0].abs()
@@ -145,7 +145,7 @@ fn the_same_seed_gives_the_same_bytes_in_any_process_on_any_number_of_threads() 
     let digest = |seed: &str, threads: &str| -> Value {
         let arguments = ["run", "short.toml", "--seed", seed, "--out", "out", "--json"];
         let mut command = wherein(&place, &arguments);
-        // Read by Mesa's software drivers.
+        // Mesa's software drivers read their number of threads from this variable.
         let (_, output, errors) = outcome(command.env("LP_NUM_THREADS", threads));
         let summaries: Value = serde_json::from_str(&output).unwrap_or_else(|error| panic!("{error}: {errors}"));
         summaries[0]["digest"].clone()

@@ -1,4 +1,5 @@
-//! Errors that stay the same all a run: inside their tolerance, all over it or at its ends, and each from its own stream.
+//! Errors that are drawn once and stay the same throughout a run: they stay inside their tolerance, they fill it or lie at its ends, and each is
+//! drawn from its own stream of random numbers.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,7 +14,7 @@ use sim::{
 
 use crate::world_setup::scene;
 
-/// Every kind of drawn error.
+/// Names of all kinds of distributions from which errors are drawn.
 const KINDS: [&str; 4] = ["uniform", "truncated_gaussian", "corner", "drift"];
 
 fn scene_with(errors: &str, yaw_tolerance_deg: f64) -> Scene {
@@ -35,7 +36,7 @@ fn scene_with(errors: &str, yaw_tolerance_deg: f64) -> Scene {
     }))
 }
 
-/// A drawn error over its tolerance; without a sign where the tolerance bounds a distance or an angle in any direction.
+/// A drawn error divided by its tolerance; it has no sign where the tolerance bounds a distance or an angle in any direction.
 struct Share {
     error: String,
     value: f64,
@@ -50,7 +51,7 @@ fn norm(error: &str, value: f64) -> Share {
     Share { error: error.to_owned(), value, is_norm: true }
 }
 
-/// Every drawn error over its tolerance; all of them in [−1, 1] when the draws keep their bounds.
+/// Every drawn error divided by its tolerance; all of them are in [−1, 1] when the draws keep their bounds.
 fn shares(scene: &Scene, drawn: &Drawn) -> Vec<Share> {
     let floor = drawn.devices.floor_camera.unwrap();
     let px_per_m = floor.focal_px / floor.height_m;
@@ -81,7 +82,7 @@ fn shares(scene: &Scene, drawn: &Drawn) -> Vec<Share> {
     shares
 }
 
-/// How far a corner of the image is put off by a k1 that is not the declared 0, over the tolerance of 0.4 px.
+/// Shift of an image corner by a drawn k1 where 0 is declared, divided by the tolerance of 0.4 px.
 fn bend(camera: &str, lens: &Lens) -> Share {
     let straight = Lens { distortion: [0.0; 5], ..lens.clone() };
     let far_px = lens.corners().into_iter().map(|ray| {
@@ -139,7 +140,7 @@ fn places(drawn: &Drawn) -> Vec<Share> {
         let off_m = (marker.centre_m[0] - x_m).hypot(marker.centre_m[1] - y_m);
         shares.push(norm(&name("place"), off_m / 0.002));
         shares.push(share(&name("rotation"), marker.rotation_rad.to_degrees() / 0.2));
-        // A marker hangs 1 mm below the ceiling of 2.6 m even at the top of its tolerance of 5 mm, so that its nominal height is 2.594 m.
+        // At the top of its tolerance of 5 mm a marker still hangs 1 mm below the ceiling of 2.6 m, so that its nominal height is 2.594 m.
         shares.push(share(&name("height"), (marker.height_m - (2.6 - 0.001 - 0.005)) / 0.005));
         let (sin, cos) = marker.rotation_rad.sin_cos();
         let misprint_m = |dot: &sim::drawn::DrawnDot| {
@@ -164,7 +165,7 @@ fn drawn_errors_fill_their_tolerance_and_never_leave_it() {
         for index in 0..draws[0].len() {
             let (error, is_norm) = (&draws[0][index].error, draws[0][index].is_norm);
             let drawn: Vec<f64> = draws.iter().map(|draw| draw[index].value).collect();
-            // The tip of an axis by a rotation vector is told to a few millionths of itself.
+            // The angle by which a rotation vector tips an axis is recovered to a few millionths of itself.
             assert!(drawn.iter().all(|share| share.abs() <= 1.0 + 1e-5), "{errors}: {error} leaves its tolerance");
             assert!(drawn.iter().any(|share| *share > 0.8), "{errors}: {error} never comes near its tolerance");
             assert!(is_norm || drawn.iter().any(|share| *share < -0.8), "{errors}: {error} is one-sided");
@@ -183,7 +184,7 @@ fn in_a_drift_everything_of_a_kind_is_off_alike() {
         assert!((one.centre_m[0] - 3.0 - (other.centre_m[0] - 5.0)).abs() < 1e-12);
         assert!((one.height_m - other.height_m).abs() < 1e-12);
         assert_eq!(drawn.furniture_turn_deg[0], drawn.furniture_turn_deg[1]);
-        // Every joint of a family is as far off at the ends of the room as every other.
+        // At the ends of the room, all joints of a family are off by the same distance.
         let laid = drawn.tiles.unwrap();
         for axis in 0..2 {
             let first_m = laid.corner_offset_m[0][axis];
@@ -206,7 +207,7 @@ fn furniture_is_felt_and_seen_as_it_stands_and_mapped_as_stated() {
     }
 }
 
-/// The same place with walls whose directions are known to a tolerance, read by these methods.
+/// The same room with walls whose directions are known to a tolerance, read by these methods.
 fn walls(methods: &[&str], setup: serde_json::Value) -> Scene {
     let door = serde_json::json!([{ "from_m": [0.0, 1.0], "to_m": [0.0, 2.0] }]);
     scene(serde_json::json!({
@@ -227,7 +228,7 @@ fn walls_turn_together_about_the_middle_of_the_room_and_furniture_stays() {
         let built = scene.as_built(&drawn);
         assert_eq!(built.furniture[0].rotation_deg, scene.furniture[0].rotation_deg + drawn.furniture_turn_deg[0]);
         let building = Building::new(&built, &drawn);
-        // Of a room of 8 m by 6 m: each wall is turned, and as far from the middle as it was.
+        // In a room of 8 m by 6 m, each wall is turned and keeps its distance from the middle of the room.
         let off_rad = drawn.walls_turn_deg.to_radians();
         for wall in building.walls() {
             let quarters = (wall.along.y.atan2(wall.along.x) - off_rad) / FRAC_PI_2;
@@ -237,10 +238,11 @@ fn walls_turn_together_about_the_middle_of_the_room_and_furniture_stays() {
             let expected_m = if quarters.round() as i32 % 2 == 0 { 3.0 } else { 4.0 };
             assert!((away_m - expected_m).abs() < 1e-12, "seed {seed}: {away_m} m from the middle");
         }
-        // By hand, to first order: a turn to the left takes what is 2 m below the middle and 4 m left of it to the right and down.
+        // By hand, to first order: a turn to the left moves a door 2 m below and 4 m to the left of the room's middle to the right and down.
         let [x_m, y_m] = built.building.doors[0].from_m;
         assert!((x_m - 2.0 * off_rad).abs() < 1e-3 && (y_m - (1.0 - 4.0 * off_rad)).abs() < 1e-3, "{x_m}, {y_m}");
-        // What is told is the same whatever was drawn: the directions as stated, and the room however it is turned.
+        // The map that the localizer is given does not depend on the draw: it has the stated directions, and contains the room at every allowed
+        // turn.
         let map = scene.map();
         assert!(map.wall_directions_rad[0].mid().abs() < 1e-12);
         let corners = [[0.0, 0.0], [8.0, 0.0], [0.0, 6.0], [8.0, 6.0]];
@@ -269,13 +271,13 @@ fn walls_stand_as_stated_where_nobody_reads_them_or_their_map_is_already_off() {
 
 #[test]
 fn walls_leave_the_robot_the_place_that_the_scene_gives_it() {
-    // By hand: 2 m beside the middle a wall that turns by 1° comes 2 m · sin 1° = 35 mm nearer, and 20 mm are free.
+    // By hand: 2 m beside the middle, a wall that turns by 1° comes 2 m · sin 1° = 35 mm nearer, while only 20 mm are free.
     let mut scene = walls(&["wall_directions"], serde_json::json!({ "tolerance_deg": 1.0 }));
     (scene.start.x_m, scene.start.y_m) = (scene.robot.body_radius_m + 0.02, 0.5 * scene.room.depth_m + 2.0);
     for seed in 0..6 {
         let drawn = Drawn::draw(&scene, seed);
         let (sin, cos) = drawn.walls_turn_deg.to_radians().sin_cos();
-        // The wall of x = 0, of normal (cos, sin) and 4 m from the middle.
+        // The wall at x = 0 has the normal (cos, sin) and is 4 m from the middle.
         let to_wall_m = 4.0 + cos * (drawn.start.x_m - 4.0) + sin * (drawn.start.y_m - 3.0);
         assert!(to_wall_m >= scene.robot.body_radius_m - 1e-9, "seed {seed}: {to_wall_m} m");
         assert!(drawn.walls_turn_deg != 0.0, "seed {seed}: not turned at all");

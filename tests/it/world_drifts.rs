@@ -1,4 +1,5 @@
-//! Errors that every reading has anew: within their bounds by every kind of draw, at the ends in a corner, and one way in a drift.
+//! Errors that are drawn anew for every reading: inside their bounds for every kind of distribution, at the ends of the bounds for a corner, and
+//! always to one side for a drift.
 
 use localizer::{Pose, Reading};
 use sim::{
@@ -33,7 +34,7 @@ fn a_drift_keeps_to_one_side_or_goes_from_end_to_end() {
     assert!(sides.contains(&0.3) && sides.contains(&-0.3), "the seed chooses the side");
 }
 
-/// What a range camera at rest reads of one landmark 2 m ahead: by how much stamps and latencies are off, and both columns.
+/// Readings that a range camera at rest makes of a landmark 2 m ahead: the error of the stamp, the error of the latency, and both image columns.
 fn range_readings(errors: &str, column_noise_px: f64, seed: u64) -> Vec<[f64; 4]> {
     let camera = serde_json::json!({
         "column_step_px": 0.001, "match_step_px": 0.001, "column_noise_px": column_noise_px,
@@ -73,7 +74,7 @@ fn stamps_latencies_and_columns_of_a_range_camera_go_as_the_errors_say() {
                 let first = noisy[0];
                 assert!(noisy.iter().all(|reading| (reading[0] - first[0]).abs() < 1e-9), "stamps on both sides");
                 assert!(noisy.windows(2).all(|pair| pair[0][1] * pair[1][1] < 0.0), "latencies at one end");
-                // Both views to opposite sides: the disparity is off by both, 0.6 px, and always the same way.
+                // Both views are off in opposite directions: the disparity is off by both errors, 0.6 px, and always to the same side.
                 let disparity_px = |reading: &[f64; 4]| reading[2] - reading[3];
                 let off_px = disparity_px(&first) - disparity_px(&exact[0]);
                 assert!((off_px.abs() - 0.6).abs() < 0.003, "{off_px}");
@@ -83,7 +84,7 @@ fn stamps_latencies_and_columns_of_a_range_camera_go_as_the_errors_say() {
     }
 }
 
-/// Noise and bias of a gyroscope at rest, reading by reading.
+/// Noise and bias of a gyroscope at rest, for each reading.
 fn gyro_errors(errors: &str, gyro: serde_json::Value, seed: u64, n: u32) -> Vec<[f64; 2]> {
     let scene = scene(serde_json::json!({ "robot": { "errors": errors, "gyro": gyro } }));
     let mut sensor = gyro_sensor(&scene, seed, &Drawn::draw(&scene, seed));
@@ -112,7 +113,7 @@ fn what_pushes_one_way_keeps_to_the_band_over_spans_and_reaches_it() {
         let mut sums_deg = vec![0.0];
         for [noise, bias] in &read {
             assert!(noise.abs() <= 0.03 + 1e-12, "{errors}: noise beyond its own bound");
-            // The first reading's bias is the first value but for what it wandered in half a period.
+            // The bias of the first reading is the initial bias, except for how much it changed in half a period.
             sums_deg.push(sums_deg[sums_deg.len() - 1] + 0.005 * (noise + bias - read[0][1]));
         }
         let mut greatest = 0.0_f64;
@@ -122,7 +123,7 @@ fn what_pushes_one_way_keeps_to_the_band_over_spans_and_reaches_it() {
                 greatest = greatest.max((sums_deg[to] - sums_deg[from]).abs() / allowed_deg);
             }
         }
-        // 1e-3: what the bias wandered before the first reading, over 100 s.
+        // The tolerance of 1e-3 is for the bias's change before the first reading, over 100 s.
         assert!(greatest < 1.0 + 1e-3, "{errors}, seed {seed}: {greatest} of the band");
         assert!(errors == "corner" || greatest > 0.99, "seed {seed}: only {greatest} of the band");
     }
@@ -141,7 +142,7 @@ fn a_bias_that_drifts_goes_to_the_end_of_its_tolerance_and_back_as_fast_as_decla
     }
 }
 
-/// Counts along the first axis of an exactly mounted flow sensor that faces along x and goes 1 m there and 1 m back.
+/// Counts along the first axis of an exactly mounted flow sensor that faces along x, after it has moved 1 m forward and after it has moved back.
 fn there_and_back(errors: &str, seed: u64) -> [i64; 2] {
     let scene = scene(serde_json::json!({ "robot": { "errors": errors, "flow": {} } }));
     let mut drawn = Drawn::draw(&scene, seed);
@@ -165,7 +166,8 @@ fn a_flow_sensor_that_drifts_counts_one_way_longer_than_the_way_back() {
             let [there, back] = there_and_back(errors, seed);
             assert!((there - 20_000).abs() <= 1 && back.abs() <= 1, "{there} {back}");
         }
-        // What `flow.scale` leaves beside the calibration is 0.3 % − 0.1 %: 40 counts of 20 000 there, and 40 more back.
+        // Beside the calibration error of 0.1 %, the bound `flow.scale` of 0.3 % leaves 0.3 % − 0.1 % of the distance: 40 counts of 20 000 on the
+        // way there, and 40 more on the way back.
         let [there, back] = there_and_back("drift", seed);
         assert!(((there - 20_000).abs() - 40).abs() <= 1 && (back.abs() - 80).abs() <= 2, "{there} {back}");
     }
@@ -190,7 +192,7 @@ fn at_a_corner_wheels_start_at_the_begin_or_the_end_of_a_tick() {
     }
 }
 
-/// By how much each reading of the wheels of a standing robot is late.
+/// Delay of each wheel reading of a robot that stands still.
 fn lateness(errors: &str) -> Vec<f64> {
     let robot = serde_json::json!({ "errors": errors, "delivery": { "late_s": 0.1 }, "floor_camera": false });
     let scene: Scene = scene(serde_json::json!({ "robot": robot }));
@@ -202,7 +204,7 @@ fn lateness(errors: &str) -> Vec<f64> {
         }
     }
     late.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    // What was taken in the last 0.1 s may be on its way still.
+    // Readings of the last 0.1 s may not have arrived yet.
     late.into_iter().filter(|[measured_s, _]| *measured_s < 4.8).map(|[_, late_s]| late_s).collect()
 }
 

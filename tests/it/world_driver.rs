@@ -1,4 +1,4 @@
-//! The driver reaches what the route asks for, and drives gently enough for the bounds that a scene declares by default.
+//! The driver reaches what the route demands, and drives gently enough for the bounds that a scene declares by default.
 
 use localizer::{Estimate, PoseUnion, Status};
 use sim::{
@@ -15,7 +15,7 @@ fn waypoint(x_m: f64, y_m: f64, turn_in_place: bool, pause_s: f64) -> serde_json
     serde_json::json!({ "x_m": x_m, "y_m": y_m, "speed_m_per_s": 0.5, "turn_in_place": turn_in_place, "pause_s": pause_s })
 }
 
-/// A 3.6 × 2.4 m room with lanes, corners taken in curves and corners turned in place.
+/// A 3.6 × 2.4 m room with a route of lanes, in which the robot takes some corners in a curve and turns on the spot in others.
 fn lanes() -> Scene {
     let corners =
         [(3.1, 0.5, true), (3.1, 0.9, true), (0.5, 0.9, true), (0.5, 1.9, false), (3.1, 1.9, false), (1.8, 0.5, true)];
@@ -80,7 +80,7 @@ fn a_repeated_route_goes_round_again() {
     assert!(arrivals >= 2, "passed the first waypoint {arrivals} times in 120 s");
 }
 
-/// The declared bounds over every window up to their length, as shares of what is declared: slip, side slip.
+/// Greatest slip and side slip over all windows up to the declared length, as shares of the declared bounds.
 fn used_shares(truths: &[Truth], drawn: &Drawn, bounds: &Bounds) -> [f64; 2] {
     let rolled_m = |from: &Truth, to: &Truth, wheel: usize| {
         drawn.base.wheel_radius_m[wheel] * (to.wheel_angle_rad[wheel] - from.wheel_angle_rad[wheel])
@@ -141,7 +141,7 @@ fn a_jumping_estimate_neither_stops_the_driver_nor_breaks_the_slip_bound() {
     let mut truths = vec![world.truth()];
     for step in 0..6000_usize {
         let mut seen = world.truth();
-        // A fix every 0.2 s that moves the midpoint by up to 2 cm and 1°.
+        // A heading and position fix every 0.2 s moves the estimate's midpoint by up to 2 cm and 1°.
         let jump = ((step / 20 * 7919) % 101) as f64 / 50.0 - 1.0;
         seen.pose.x_m += 0.02 * jump;
         seen.pose.y_m -= 0.02 * jump;

@@ -1,4 +1,4 @@
-//! Encoders against the definition of a tick.
+//! Simulated wheel encoders against the definition of a tick.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ fn ticks_are_the_floor_of_the_turned_angle() {
         let ticks_at =
             |turns: f64| encoder.latch(&Truth { wheel_angle_rad: [turns * TAU, -turns * TAU], ..Truth::default() });
         assert_eq!(ticks_at(0.0), [0, 0]);
-        // Each wheel counts on somewhere within a tick, and exactly a turn's ticks a turn later.
+        // Each wheel starts at some place within a tick, and has counted exactly a turn's ticks one turn later.
         for tenth in -50..50 {
             let turns = f64::from(tenth) * 0.00013;
             let [left, right] = ticks_at(turns);

@@ -4,7 +4,7 @@ use sim::{truth::Truth, world::World};
 
 use crate::world_setup::{command, hold, nominal, nominal_world, scene};
 
-/// Share of the rolled distance that the left wheel does not travel while the robot is told to dash off for a second.
+/// Share of the rolled distance that the left wheel does not travel, while the robot is commanded to start at full speed for a second.
 fn slip_of_a_dash(world: &mut World) -> f64 {
     let before = world.truth();
     let after = hold(world, command(0.5, 0.0), 1.0);
@@ -28,7 +28,7 @@ fn a_wheel_spins_at_the_friction_limit() {
     hold(&mut world, command(0.5, 0.0), 0.2);
     let before = world.truth();
     let after = hold(&mut world, command(0.5, 0.0), 0.3);
-    // Coulomb: a = μ·g·(share of the weight on the wheels).
+    // Coulomb friction: a = μ·g·(share of the weight on the driven wheels).
     let acceleration_m_per_s2 = (after.velocity[0] - before.velocity[0]) / 0.3;
     let expected_m_per_s2 = 0.05 * 9.80665 * 0.85;
     assert!((acceleration_m_per_s2 / expected_m_per_s2 - 1.0).abs() < 0.005, "{acceleration_m_per_s2} m/s²");
@@ -63,8 +63,8 @@ fn of_overlapping_regions_the_last_one_counts() {
     assert!(slip([0.8, 0.05]) > 0.1);
 }
 
-/// Displacement against where the wheels alone would have gone, robot frame at the start of the push, and the greatest
-/// speed of it.
+/// Displacement of a pushed robot from where its wheels alone would have taken it, in the robot's frame at the start of the push, and the
+/// greatest speed of that displacement.
 fn pushed(displacement_m: [f64; 2], lasts_s: f64, motion: [f64; 2]) -> ([f64; 2], f64) {
     let push = serde_json::json!({ "kind": "push", "at_s": 1.0, "displacement_m": displacement_m, "lasts_s": lasts_s });
     let scene = scene(serde_json::json!({ "start": { "x_m": 3.0, "y_m": 3.0, "heading_deg": 25.0 }, "event": [push] }));

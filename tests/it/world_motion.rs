@@ -1,4 +1,4 @@
-//! How the robot moves against closed forms: at rest, straight on, in a circle; and that its truth is one.
+//! Motion of the simulated robot against closed forms: at rest, straight on and in a circle; and the consistency of its true state.
 
 use sim::{
     drawn::Drawn,
@@ -48,7 +48,8 @@ fn gathering_speed_slips_as_the_brush_says() {
     };
     let rolled_m = 0.0975 * (after.wheel_angle_rad[0] - before.wheel_angle_rad[0]);
     let slip = 1.0 - (after.wheel_travel_m[0] - before.wheel_travel_m[0]) / rolled_m;
-    // m·a = C·σ·N for 85 % of the weight on the driven wheels, and the curvature of the brush, F = Cσ(1 − s + s²/3).
+    // The force is m·a = C·σ·N for slip stiffness C, slip σ and 85 % of the weight N on the driven wheels; the curvature of the brush model is F
+    // = Cσ(1 − s + s²/3).
     let needed = 0.4 / (9.80665 * 0.85);
     let linear = needed / 25.0;
     let expected = linear * (1.0 + linear * 25.0 / (3.0 * 0.8));
@@ -69,8 +70,9 @@ fn a_circle_has_the_closed_form_turn_rate_and_slip_angle() {
     let gap_m = (after.pose.x_m - before.pose.x_m).hypot(after.pose.y_m - before.pose.y_m);
     assert!(gap_m < 0.002, "the circle does not close: {gap_m} m");
 
-    // Centripetal force m·v·ω on wheels that bear 85 % of the weight, the outer one more by m·a·h/t; both slide sideways
-    // at the same speed v_y, so that σ = v_y/V_r. To first order of the brush, F = Σ C·N·σ·(1 − s).
+    // The centripetal force m·v·ω acts on wheels that bear 85 % of the weight, the outer one more by m·a·h/t, with sideways acceleration a,
+    // height h of the mass and track t. Both wheels slide sideways at the same speed v_y, so that σ = v_y/V_r. To first order of the brush model,
+    // F = Σ C·N·σ·(1 − s).
     let (mass_kg, height_m, track_m) = (9.0, 0.125, 0.33);
     let sideways_m_per_s2 = speed_m_per_s * turn_rad_per_s;
     let shift_n = mass_kg * sideways_m_per_s2 * height_m / track_m;

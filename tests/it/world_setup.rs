@@ -1,4 +1,4 @@
-//! Scenes and drives that the tests of the world share.
+//! Scenes and drives that the tests of the simulated world share.
 
 use interval::Interval;
 use localizer::{Estimate, PoseBox, PoseUnion, Reading, Status, bounds};
@@ -11,7 +11,7 @@ use sim::{
     world::{WheelCommand, World},
 };
 
-/// A P3-DX in the middle of an 8 × 6 m room, facing along world x, with more keys of the scene's top level.
+/// Scene of a P3-DX in an 8 × 6 m room that faces along world x from (1.5, 3), with more keys of the scene's top level.
 pub(crate) fn scene(more: serde_json::Value) -> Scene {
     let mut scene = serde_json::json!({
         "floor": {},
@@ -24,12 +24,12 @@ pub(crate) fn scene(more: serde_json::Value) -> Scene {
     serde_json::from_value(scene).expect("the test's own scene is valid")
 }
 
-/// A world whose wheels and track are exactly nominal.
+/// A world in which wheel radii and track are exactly nominal.
 pub(crate) fn nominal_world(scene: &Scene) -> World {
     World::new(scene, &nominal(scene))
 }
 
-/// Draws without any error.
+/// Draws of a scene's errors with start, wheel radii and track exactly nominal.
 pub(crate) fn nominal(scene: &Scene) -> Drawn {
     let mut drawn = Drawn::draw(scene, 0);
     drawn.start = scene.nominal_start();
@@ -38,7 +38,7 @@ pub(crate) fn nominal(scene: &Scene) -> Drawn {
     drawn
 }
 
-/// Wheel speeds of a nominal P3-DX for a motion of its axle middle.
+/// Wheel speeds of a nominal P3-DX for a motion of the middle of its axle.
 pub(crate) fn command(speed_m_per_s: f64, turn_rad_per_s: f64) -> WheelCommand {
     let half_turn_m_per_s = 0.5 * 0.33 * turn_rad_per_s;
     WheelCommand {
@@ -46,7 +46,7 @@ pub(crate) fn command(speed_m_per_s: f64, turn_rad_per_s: f64) -> WheelCommand {
     }
 }
 
-/// Steps a world under one command and returns the last truth.
+/// Steps a world under one constant wheel command and returns the last true state.
 pub(crate) fn hold(world: &mut World, command: WheelCommand, lasts_s: f64) -> Truth {
     for _ in 0..(lasts_s * 1000.0).round() as usize {
         world.step(command);
@@ -54,7 +54,7 @@ pub(crate) fn hold(world: &mut World, command: WheelCommand, lasts_s: f64) -> Tr
     world.truth()
 }
 
-/// Gathers speed at 0.5 m/s² up to a motion.
+/// Accelerates the robot at 0.5 m/s² up to a speed and turn rate.
 pub(crate) fn gather_speed(world: &mut World, speed_m_per_s: f64, turn_rad_per_s: f64) {
     let lasts_s = 2.0 * speed_m_per_s;
     let n_steps = (lasts_s * 1000.0).round() as usize;
@@ -64,7 +64,7 @@ pub(crate) fn gather_speed(world: &mut World, speed_m_per_s: f64, turn_rad_per_s
     }
 }
 
-/// What a localizer that is right within a millimetre and a milliradian says of a truth.
+/// Estimate of a localizer that is right to within a millimetre and a milliradian, for a true state.
 pub(crate) fn estimate(truth: &Truth) -> Estimate {
     let pose = truth.pose;
     let pose = PoseBox::from([
@@ -75,7 +75,7 @@ pub(crate) fn estimate(truth: &Truth) -> Estimate {
     Estimate { time_s: truth.time_s, pose: PoseUnion::single(pose), status: Status::Sound, relies_on: Vec::new() }
 }
 
-/// Drives the scene's route by such estimates, and returns the truth at every 10 ms.
+/// Drives the scene's route by estimates that are right to within a millimetre and a milliradian; returns the true state every 10 ms.
 pub(crate) fn drive(scene: &Scene, drawn: &Drawn, lasts_s: f64) -> Vec<Truth> {
     let mut world = World::new(scene, drawn);
     let mut driver = Driver::new(scene);
@@ -87,23 +87,24 @@ pub(crate) fn drive(scene: &Scene, drawn: &Drawn, lasts_s: f64) -> Vec<Truth> {
     truths
 }
 
-/// The scene's gyroscope, calibrated as drawn.
+/// The scene's gyroscope, with its calibration errors as drawn.
 pub(crate) fn gyro_sensor(scene: &Scene, seed: u64, drawn: &Drawn) -> GyroSensor {
     GyroSensor::new(scene.robot.gyro.as_ref().unwrap(), &drawn.devices.gyro.unwrap(), scene, seed)
 }
 
-/// The scene's flow sensor, mounted as drawn.
+/// The scene's flow sensor, with its mounting errors as drawn.
 pub(crate) fn flow_sensor(scene: &Scene, seed: u64, drawn: &Drawn) -> FlowSensor {
     FlowSensor::new(scene.robot.flow.as_ref().unwrap(), &drawn.devices.flow.unwrap(), scene, seed)
 }
 
-/// The scene's range camera, mounted as drawn.
+/// The scene's range camera, with its mounting errors as drawn.
 pub(crate) fn range_sensor(scene: &Scene, seed: u64) -> RangeCameraSensor {
     let mount = Drawn::draw(scene, seed).devices.range_camera.unwrap();
     RangeCameraSensor::new(scene.robot.range_camera.as_ref().unwrap(), &mount, scene, seed)
 }
 
-/// Noise and bias, with their signs, of a reading of a gyroscope at rest: its rate is their sum, and their sizes are what its bounds are about.
+/// Noise and bias, with their signs, of one reading of a gyroscope at rest: the rate is their sum, and the observation holds their absolute
+/// values, which the gyroscope's bounds limit.
 pub(crate) fn noise_and_bias_rad_per_s(observed: &Observation) -> [f64; 2] {
     let Reading::Gyro { rate_rad_per_s, .. } = observed.reading else { panic!("{observed:?}") };
     let size = |bound| observed.true_value(bound).unwrap();

@@ -1,4 +1,4 @@
-//! The cases of a sweep, or the runs below a folder, with what became of each: what tables, reports and comparisons read.
+//! The cases of a sweep, or the runs below a folder, with their results. Tables, reports and comparisons are made of them.
 
 use std::{
     fs,
@@ -26,38 +26,38 @@ pub use csv_file::{from_csv, to_csv};
 pub use parquet_file::to_parquet;
 pub use table::{Cell, Table};
 
-/// All cases in a stable order.
+/// Results of all cases of a sweep or of a folder of runs, in a stable order.
 #[derive(Clone, Debug)]
 pub struct Results {
-    /// What they are results of: the scene of a sweep, or the folder of runs.
+    /// Title of the results: the scene of a sweep, or for a folder of runs its only scene or the number of its scenes.
     pub title: String,
-    /// The sweep; none for a folder of runs.
+    /// Plan of the sweep; none for a folder of runs.
     pub plan: Option<Plan>,
-    /// What became of each case.
+    /// Result of each case.
     pub cases: Vec<CaseResult>,
 }
 
-/// What became of one case.
+/// Result of one case: one run of a scene with some settings and a seed.
 #[derive(Clone, Debug)]
 pub struct CaseResult {
-    /// The case's name in its sweep; empty for a run.
+    /// Name of the case in its sweep; empty for a run that belongs to no sweep.
     pub id: String,
-    /// Name of the scene.
+    /// Name of the case's scene.
     pub scene: String,
-    /// The scene's file; empty when it is not known.
+    /// Path of the scene's file; empty when it is not known.
     pub scene_path: PathBuf,
-    /// What was set in the scene.
+    /// Keys of the scene that were set for the case.
     pub settings: Vec<Setting>,
-    /// The seed.
+    /// Seed of the run.
     pub seed: u64,
-    /// Where its files lie.
+    /// Folder with the files of the case.
     pub folder: PathBuf,
-    /// Whether it ran, and with what result.
+    /// Whether the case ran, and with what result.
     pub recorded: Recorded,
 }
 
 impl Results {
-    /// Reads the folder of a sweep, or every run below a folder of runs.
+    /// Reads the results of a sweep's folder, or of every run below a folder of runs.
     pub fn read(folder: &Path) -> Result<Results, SweepError> {
         match read_plan(folder)? {
             Some(plan) => Ok(Results::of_sweep(folder, plan, &|_| true)),
@@ -65,7 +65,7 @@ impl Results {
         }
     }
 
-    /// The cases of a sweep whose index in the plan `is_meant`.
+    /// Reads those cases of a sweep for whose index in the plan `is_meant` is true.
     pub fn of_sweep(folder: &Path, plan: Plan, is_meant: &dyn Fn(usize) -> bool) -> Results {
         let meant = plan.planned().into_iter().filter(|case| is_meant(case.index));
         let result = |case: crate::campaign::sweep::PlannedCase| CaseResult {
@@ -81,7 +81,7 @@ impl Results {
         Results { title: plan.scene.clone(), plan: Some(plan), cases }
     }
 
-    /// Every run below a folder, ordered by scene, settings and seed.
+    /// Reads every run below a folder; the runs are ordered by scene, settings and seed.
     pub fn of_runs(folder: &Path) -> Result<Results, RecordError> {
         let mut cases = Vec::new();
         collect(folder, &mut cases)?;
@@ -96,7 +96,7 @@ impl Results {
         Ok(Results { title, plan: None, cases })
     }
 
-    /// Keys that differ among the cases, in the order of the sweep.
+    /// Returns the keys that are set in any case, in the order of the sweep.
     pub fn keys(&self) -> Vec<String> {
         let mut keys: Vec<String> = Vec::new();
         for setting in self.cases.iter().flat_map(|case| &case.settings) {
@@ -107,12 +107,12 @@ impl Results {
         keys
     }
 
-    /// Cases of which nothing is there.
+    /// Returns the cases for which no record was found.
     pub fn missing(&self) -> impl Iterator<Item = &CaseResult> {
         self.cases.iter().filter(|case| case.recorded == Recorded::Missing)
     }
 
-    /// Cases that could not run, with the reason.
+    /// Returns the cases that could not run, with the reason for each.
     pub fn failed(&self) -> impl Iterator<Item = (&CaseResult, &str)> {
         self.cases.iter().filter_map(|case| match &case.recorded {
             Recorded::Failed(reason) => Some((case, reason.as_str())),
@@ -120,14 +120,14 @@ impl Results {
         })
     }
 
-    /// Cases that ran and missed an expectation.
+    /// Returns the cases that ran and missed an expectation of their scene.
     pub fn missed(&self) -> impl Iterator<Item = &CaseResult> {
         self.cases.iter().filter(|case| case.passed() == Some(false))
     }
 }
 
 impl CaseResult {
-    /// `summary.json`, if the case ran.
+    /// Returns the contents of `summary.json`, if the case ran.
     pub fn summary(&self) -> Option<&Value> {
         match &self.recorded {
             Recorded::Done { summary, .. } => Some(summary),
@@ -135,7 +135,7 @@ impl CaseResult {
         }
     }
 
-    /// `timing.json`, if the case ran.
+    /// Returns the contents of `timing.json`, if the case ran.
     pub fn timing(&self) -> Option<&Value> {
         match &self.recorded {
             Recorded::Done { timing, .. } => Some(timing),
@@ -148,34 +148,34 @@ impl CaseResult {
         Some(self.summary()?["verdict"]["passed"].as_bool().unwrap_or_default())
     }
 
-    /// The expectations that were not met, one text each.
+    /// Returns the expectations of the scene that were not met, one text each.
     pub fn missed_expectations(&self) -> Vec<&str> {
         let failed = self.summary().and_then(|summary| summary["verdict"]["failed"].as_array());
         failed.into_iter().flatten().filter_map(Value::as_str).collect()
     }
 
-    /// The first step at which the truth was outside; null when there was none.
+    /// Returns the record of the first step at which the truth was outside the estimate; null when there was no such step.
     pub fn first_failure(&self) -> &Value {
         self.summary().map_or(&Value::Null, |summary| &summary["containment"]["first_failure"])
     }
 
-    /// All figures; none when the case did not run.
+    /// Returns all figures of the case; none when the case did not run.
     pub fn figures(&self) -> Figures {
         self.summary().map(figures).unwrap_or_default()
     }
 
-    /// What tells the case from others of its seed: `key=value key=value`, empty when nothing was set.
+    /// Returns the settings of the case, which distinguish it from other cases of the same seed: `key=value key=value`, empty when nothing was set.
     pub fn label(&self) -> String {
         self.settings.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
     }
 
-    /// What `key` is set to, as text.
+    /// Returns the value to which `key` is set in the case, as text; empty when the key is not set.
     pub fn value(&self, key: &str) -> String {
         let setting = self.settings.iter().find(|setting| setting.key == key);
         setting.map(|setting| shown(&setting.value)).unwrap_or_default()
     }
 
-    /// One line for people: settings and seed, with the scene where `with_scene`.
+    /// Describes the case in one line for people: settings and seed, with the scene's name before them if `with_scene`.
     pub fn describe(&self, with_scene: bool) -> String {
         let scene = if with_scene { self.scene.clone() } else { String::new() };
         let parts = [scene, self.label(), format!("seed {}", self.seed)];
@@ -183,7 +183,7 @@ impl CaseResult {
     }
 }
 
-/// Runs below `folder`; sweeps below it are results of their own and left out.
+/// Collects the runs below `folder`. Sweeps below it are left out, as they are results of their own.
 fn collect(folder: &Path, cases: &mut Vec<CaseResult>) -> Result<(), RecordError> {
     if let Some((summary, timing)) = run_files::read(folder)? {
         let settings = timing["set"].as_array().into_iter().flatten().filter_map(|set| set.as_str()?.parse().ok());

@@ -1,14 +1,14 @@
-//! Two sets of results against each other, paired case by case.
+//! Comparison of two sets of results, paired case by case.
 //!
-//! Both ran the same scenes with the same seeds, so that each case has a difference of its own. Cases of one seed share
-//! everything drawn with it, however many values of a key they run over; they are no independent witnesses. The unit is
-//! therefore the seed: the mean difference over its cases. On those a paired t interval: if the two do not differ, exchanging
-//! them changes nothing, hence a difference is symmetric about 0, and for symmetric differences the tails of t are no
-//! heavier than Student's (Efron, J. Am. Stat. Assoc. 64, 1969). All intervals hold together with the stated confidence,
-//! by Bonferroni's division, so that a long list of figures does not make chance look like a finding.
+//! Both sides ran the same scenes with the same seeds, so that each case has a difference of its own. Cases of one seed share everything
+//! drawn with that seed, however many values of a key they run over; they are not independent samples. The unit of the statistics is
+//! therefore the seed, with the mean difference over its cases, and the interval is a paired t interval over the seeds. If the two sides
+//! do not differ, exchanging them changes nothing; hence a difference is symmetric about 0, and for symmetric differences the tails of t
+//! are no heavier than Student's (Efron, J. Am. Stat. Assoc. 64, 1969). All intervals hold together with the stated confidence, by
+//! Bonferroni's division, so that chance does not look like a finding in a long list of figures.
 //!
-//! What is promised is refuted by one case, and no statistics are asked: a case that loses the truth where the first side kept it, that is
-//! unsound or misperceives more often, that misses an expectation which was met, or that is not there any more.
+//! A single case refutes the guarantee, without any statistics: a case that loses the truth where the first side kept it, that is unsound
+//! or misperceives more often, that misses an expectation which the first side met, or that is missing in the second side.
 
 mod load;
 mod student;
@@ -20,28 +20,28 @@ pub use load::{Side, SideError};
 pub use student::quantile;
 pub use text::as_text;
 
-/// How sure all intervals together are unless stated otherwise.
+/// Default confidence with which all intervals of a comparison hold together.
 pub const CONFIDENCE: f64 = 0.99;
 
-/// Differences relative to the values below this are rounding.
+/// Greatest difference, relative to the values, that is taken for rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A figure that is compared.
+/// A figure in which two sets of results are compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared {
-    /// Its name in `results.csv`.
+    /// Name of the figure in `results.csv`.
     pub figure: &'static str,
-    /// What people call it.
+    /// Name of the figure for people.
     pub name: &'static str,
-    /// The unit shown.
+    /// Unit in which the figure is shown.
     pub unit: &'static str,
-    /// From the file's unit to that one.
+    /// Factor that converts the figure from its unit in `results.csv` to the shown unit.
     pub scale: f64,
-    /// Whether less is better.
+    /// Whether a lower value of the figure is better.
     pub less_is_better: bool,
 }
 
-/// What is compared: few figures that do not repeat each other, as each one more widens the intervals of all.
+/// The figures that are compared. They are few and do not repeat each other, as each further figure widens the intervals of all.
 pub const COMPARED: [Compared; 7] = [
     figure("containment.contained_share", "contained", "%", 1e2, false),
     figure("error.position_m.mean", "position error", "mm", 1e3, true),
@@ -64,58 +64,58 @@ const fn figure(
     Compared { figure, name, unit, scale, less_is_better }
 }
 
-/// What a comparison says of the second side.
+/// Result of a comparison in one figure: how the second side is compared with the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
-    /// Better than the first.
+    /// The second side is better than the first.
     Better,
-    /// Worse than the first.
+    /// The second side is worse than the first.
     Worse,
     /// The difference may be chance, or there is none.
     NotDistinguishable,
 }
 
-/// One figure of both sides.
+/// Comparison of both sides in one figure.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// What is compared.
+    /// Figure that is compared.
     pub compared: Compared,
     /// Means of both sides over the seeds, in the figure's own unit.
     pub means: [f64; 2],
-    /// Interval of the mean difference, second less first; unbounded when there are too few seeds.
+    /// Confidence interval of the mean difference, second side minus first; unbounded when there are too few seeds.
     pub difference: [f64; 2],
-    /// What follows.
+    /// Whether the second side is better or worse in this figure.
     pub finding: Finding,
 }
 
-/// Everything that two sides say about each other.
+/// Complete comparison of two sets of results.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// Pairs of cases that both sides ran.
+    /// Number of pairs of cases that both sides ran.
     pub n_pairs: usize,
-    /// Seeds among them.
+    /// Number of different seeds among the pairs.
     pub n_seeds: usize,
-    /// Cases that only one side ran, first and second.
+    /// Cases that only one side ran: those of the first side, and those of the second.
     pub unpaired: [Vec<String>; 2],
-    /// Cases contained at every step by the first side and not by the second, and the other way round.
+    /// Cases in which the first side contained the truth at every step and the second did not.
     pub lost: Vec<String>,
-    /// See `lost`.
+    /// Cases in which the second side contained the truth at every step and the first did not.
     pub won: Vec<String>,
-    /// Cases with more unsound steps, or more that perception is to blame for, than the first side had.
+    /// Cases in which the second side has more unsound steps than the first, or more steps for which perception is to blame.
     pub graver: Vec<String>,
-    /// Cases that met the scene's expectations in the first side and do not in the second.
+    /// Cases that met the scene's expectations in the first side and do not meet them in the second.
     pub missed: Vec<String>,
-    /// Cases that the first side ran and the second was to run and could not.
+    /// Cases that the first side ran, and that failed or are missing in the second although its sweep includes them.
     pub failed: Vec<String>,
-    /// Figures that one side has of a pair and the other has not.
+    /// Figures that, in some pair of cases, only one of the two sides has.
     pub half_known: Vec<&'static str>,
-    /// One line for each figure.
+    /// Comparison of each single figure.
     pub lines: Vec<Line>,
-    /// How sure all intervals together are.
+    /// Confidence with which all intervals hold together.
     pub confidence: f64,
 }
 
-/// Compares two sides; `confidence` between 0 and 1 is that of all intervals together.
+/// Compares two sides. `confidence`, between 0 and 1, is the confidence with which all intervals hold together.
 pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
     let pairs: Vec<(&String, &load::Case, &load::Case)> =
         first.cases.iter().filter_map(|(name, case)| Some((name, case, second.cases.get(name)?))).collect();
@@ -159,7 +159,7 @@ pub fn compare(first: &Side, second: &Side, confidence: f64) -> Comparison {
 }
 
 impl Comparison {
-    /// Whether anything is worse, or is not there any more.
+    /// Whether the second side is worse in anything, or lacks cases or figures that the first side has.
     pub fn is_worse(&self) -> bool {
         let refuting = [&self.lost, &self.graver, &self.missed, &self.failed, &self.unpaired[0]];
         refuting.iter().any(|cases| !cases.is_empty())
@@ -167,7 +167,8 @@ impl Comparison {
             || self.lines.iter().any(|line| line.finding == Finding::Worse)
     }
 
-    /// One case that lost the truth is worse, whatever the mean; cases that keep it now are better if none is lost.
+    /// Overrides the finding for the contained share: a single case that lost the truth makes the second side worse, whatever the mean;
+    /// without such a case, cases that regained the truth make it better.
     fn hold_to_the_guarantee(&mut self) {
         let finding = match (self.lost.is_empty(), self.won.is_empty()) {
             (false, _) => Finding::Worse,
@@ -179,7 +180,7 @@ impl Comparison {
     }
 }
 
-/// One figure; none when no pair has it.
+/// Compares both sides in one figure; none when no pair has the figure.
 fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], confidence: f64) -> Option<Line> {
     let mut by_seed: BTreeMap<u64, Vec<[f64; 2]>> = BTreeMap::new();
     for (_, one, other) in pairs {
@@ -224,7 +225,7 @@ fn line(compared: Compared, pairs: &[(&String, &load::Case, &load::Case)], confi
     Some(Line { compared, means, difference, finding })
 }
 
-/// Student's interval of the mean of `differences` that misses it with probability `miss`:  d̄ ± t(1 − miss/2, n − 1) s/√n.
+/// Student's confidence interval of the mean of `differences`, which misses the true mean with probability `miss`: d̄ ± t(1 − miss/2, n − 1) s/√n.
 fn interval(differences: &[f64], miss: f64) -> [f64; 2] {
     let n = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / n;

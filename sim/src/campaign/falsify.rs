@@ -1,12 +1,12 @@
-//! A search for scenes that break the promise: random scenes, each run in a process of its own, held against wishes.
+//! A search for failures of the program or the localizer: random scenes, each run in a process of its own and checked for every kind of failure.
 //!
 //! ```text
 //! seed, case number ─> grammar ─> scene ─> child process (probe) ─> hits ─> shrink ─> found/*.toml
 //!                                                                    └────> journal ─> summary
 //! ```
 //!
-//! The number of a case alone determines its scene and the seed of its run, so that any hit is drawn again by its number. A case that
-//! is done stands in the journal: a search that was killed goes on where it stopped.
+//! The search's seed and the number of a case determine the scene of the case and the seed of its run, so that every scene can be drawn again
+//! from these two numbers. Cases that are done are recorded in a journal: a search that was killed continues where it stopped.
 
 mod child;
 mod dice;
@@ -33,12 +33,13 @@ pub use wish::{Hit, Wish, hits};
 
 use toml::Table;
 
-/// The scene of case `number` of a search and the seed of its run, at its `attempt`, as text; the scene may be refused.
+/// Returns the scene of case `number` of a search, as drawn at its `attempt`, and the seed of its run. The scene may be invalid, and is
+/// refused in this case.
 pub fn drawn(seed: u64, profile: Profile, number: u64, attempt: u64) -> (Table, u64) {
     grammar::scene(&dice::Draws::of(seed, number, attempt), profile)
 }
 
-/// Every key that scenes have, as dotted paths without indices.
+/// Returns every key that scenes have, as dotted paths without indices.
 pub fn keys() -> Vec<String> {
     grammar::paths()
 }

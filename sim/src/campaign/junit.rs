@@ -10,7 +10,8 @@ use crate::campaign::{
     sweep::Recorded,
 };
 
-/// One suite a scene, one test a case. A missed expectation is a failure; a case that is missing or could not run an error.
+/// Writes results as JUnit XML: one suite for each scene, one test for each case. A missed expectation is a failure; a case that is
+/// missing or could not run is an error.
 pub fn to_junit(results: &Results) -> Result<String, SerializeError> {
     let mut report = Report::new("wherein");
     let mut scenes: Vec<&str> = results.cases.iter().map(|case| case.scene.as_str()).collect();
@@ -41,12 +42,12 @@ fn status(case: &CaseResult) -> TestCaseStatus {
     }
 }
 
-/// The first failing time, axis, margin and blame if the truth was ever outside; else the expectations that were missed.
+/// Returns time, axis, margin and blame of the first step at which the truth was outside; if it never was, the expectations that the case missed.
 pub fn failure_message(case: &CaseResult) -> String {
     first_outside(case).unwrap_or_else(|| case.missed_expectations().join("; "))
 }
 
-/// Message, whatever it leaves out of the missed expectations, and the command that replays the case.
+/// Returns `message`, the missed expectations that the message does not mention, and the command that runs the case again.
 pub fn failure_account(case: &CaseResult, message: &str) -> String {
     let missed = case.missed_expectations().into_iter().filter(|line| !message.contains(line)).map(str::to_owned);
     let replay = format!("replay: {}", Replay::of(case, "renders"));

@@ -1,6 +1,6 @@
-//! What the cases of a sweep come to: verdict first, then where, then the worst cases and how to see them again.
+//! The report on the cases of a sweep: the verdict first, then where cases failed, then the worst cases and the commands that run them again.
 //!
-//! One [`Overview`] serves a terminal, a Markdown summary and a page of HTML, so that they cannot differ.
+//! One [`Overview`] serves the terminal, the Markdown summary and the HTML page, so that they cannot differ.
 
 mod corridor;
 mod diagram;

@@ -1,11 +1,11 @@
-//! Many runs of one scene: every combination of the values of some keys, each with several seeds.
+//! A sweep: many runs of one scene, with every combination of the values of some keys and several seeds for each.
 //!
 //! ```text
-//! Sweep (what is asked) ─> Plan (every case and its name) ─> workers ─> Store (cases/<id>/) ─> results
+//! Sweep (what the user states) ─> Plan (every case and its name) ─> workers ─> Store (cases/<id>/) ─> results
 //! ```
 //!
-//! A case is named by a digest of everything that determines its bytes, and is recorded whole or not at all. A sweep that
-//! was killed therefore goes on where it stopped, and the parts that several machines ran can be merged.
+//! The name of a case is a digest of everything that determines the bytes of its results, and a case is recorded completely or not at all.
+//! A sweep that was killed can therefore continue where it stopped, and the parts that several machines ran can be merged.
 
 mod error;
 mod file;
@@ -28,12 +28,12 @@ pub use store::{Recorded, Store, case_folder, read_case, read_plan, write_whole}
 pub use variable::Variable;
 pub use workers::{Finished, Work, run_cases};
 
-/// What a sweep is asked.
+/// A sweep as the user states it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// The scene's file.
+    /// Path of the scene's file.
     pub scene: PathBuf,
-    /// Keys that vary, the one that changes slowest first.
+    /// Keys that vary; the one that changes slowest comes first.
     pub vary: Vec<Variable>,
     /// Seeds that each combination runs with.
     pub seeds: Range<u64>,

@@ -1,4 +1,4 @@
-//! How tight a run's bounds are: the localizer is told ever narrower ones until it loses the truth.
+//! Measures how tight the bounds of a run are: the localizer is given ever narrower bounds until it loses the truth.
 
 use localizer::Status;
 use serde::Serialize;
@@ -11,38 +11,39 @@ use crate::{
     subject::SubjectOf,
 };
 
-/// Tenths of the declared bounds that the localizer is told, one after the other.
+/// Tenths of the declared bounds that the localizer is given, one after the other.
 const TENTHS: [u8; 9] = [9, 8, 7, 6, 5, 4, 3, 2, 1];
 
-/// At which share of its bounds a run loses the truth.
+/// The share of its declared bounds at which a run loses the truth, and how it is lost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Weakened {
-    /// Greatest share of the declared bounds at which the truth is lost: 1 where the run loses it anyway, nothing where not even a tenth does.
+    /// Greatest share of the declared bounds at which the truth is lost: 1 where the run loses the truth with the declared bounds
+    /// already, none where the run keeps it even with a tenth of them.
     pub factor: Option<f64>,
-    /// 1 / factor: 1 for bounds that are all used, above 3 for a run in which nobody would notice boxes a third as wide.
+    /// Reciprocal of `factor`: 1 for bounds that are used in full, above 3 for a run that keeps the truth with bounds only 0.4 times as wide.
     pub tightness: Option<f64>,
-    /// From when on in a drive a loss counts.
+    /// Time since the beginning of a drive from which on a loss of the truth counts.
     pub counted_after_s: f64,
-    /// When it is lost.
+    /// Time of the run at which the truth is lost.
     pub lost_at_s: Option<f64>,
-    /// How.
+    /// How the truth is lost.
     pub lost: Option<Lost>,
 }
 
-/// How the truth is lost.
+/// The ways in which the localizer can lose the true pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lost {
-    /// It is outside of every box.
+    /// The truth is outside every box.
     Outside,
     /// No box is left.
     Empty,
-    /// An assumption is doubted.
+    /// The localizer doubts an assumption.
     Recovering,
 }
 
 impl Lost {
-    /// Its name in every output.
+    /// Returns the name of this way of losing the truth, as it stands in every output.
     pub fn name(self) -> &'static str {
         match self {
             Lost::Outside => "outside",
@@ -52,13 +53,14 @@ impl Lost {
     }
 }
 
-/// Simulates a recorded run again by its commands and with its draws, the localizer told 0.9, 0.8, … 0.1 of every bound that the scene
-/// declares, until it loses the truth. Where the robot starts is told as it is. `progress` is told which share, and the simulated time.
+/// Simulates a recorded run again by its commands and with its drawn values, while the localizer is given 0.9, 0.8, … 0.1 of every bound
+/// that the scene declares, until it loses the truth. The box of start poses is given unchanged. `progress` is called with the share and
+/// the simulated time.
 ///
-/// Losses count from 5 s of a drive on, and from half of it where it is shorter than 10 s: before, wheels and gyroscope are alone with errors at
-/// their corners, and what they lose says nothing of what methods tell.
+/// A loss counts if it lies at least 5 s after the beginning of a drive or, in a drive shorter than 10 s, in the drive's second half.
+/// Before that, wheels and gyroscope work alone with errors at their corners, and losses say nothing about the methods.
 ///
-/// `subject_of` makes the subject of what it is told. Errors when a camera cannot be rendered.
+/// `subject_of` makes the subject from the values that it is given. Errors when a camera cannot be rendered.
 pub fn weaken(
     scene: &Scene,
     record: &RunRecord,
@@ -85,7 +87,8 @@ pub fn weaken(
 }
 
 impl Weakened {
-    /// At which share the truth was lost, when and how, unless at none.
+    /// Creates the result from the share of the bounds at which the truth was lost, with the time and the way of the loss; `None` when it
+    /// was lost at no share.
     fn of(lost: Option<(f64, (f64, Lost))>, counted_after_s: f64) -> Weakened {
         let factor = lost.map(|(factor, _)| factor);
         let (lost_at_s, lost) = lost.map(|(_, lost)| lost).unzip();
@@ -93,14 +96,14 @@ impl Weakened {
     }
 }
 
-/// The first step, so far into its drive or later, at which the truth is lost.
+/// Returns the time and the way of the first loss of the truth that lies at least `after_s` after the beginning of its drive.
 fn first_lost(record: &RunRecord, after_s: f64) -> Option<(f64, Lost)> {
     let mut drive_began_s = 0.0;
     record.truths.iter().zip(&record.estimates).enumerate().find_map(|(step, (truth, estimate))| {
         if record.restarts.contains(&step) {
             drive_began_s = truth.time_s;
         }
-        // A hair for times that are sums of decimals.
+        // The comparison has a small margin, as times are sums of decimal numbers that are not exact in binary.
         if truth.time_s - drive_began_s < after_s - 1e-6 {
             return None;
         }

@@ -1,4 +1,4 @@
-//! `wherein compare`: are these results better or worse than those?
+//! `wherein compare`: whether a second set of results is better or worse than a first one.
 
 use std::process::ExitCode;
 
@@ -6,7 +6,7 @@ use crate::campaign::comparison::{Side, as_text, compare};
 
 use super::{CommandError, CompareArguments, print};
 
-/// Prints the comparison. The exit code is 1 when anything is worse.
+/// Prints the comparison of two sets of results. The exit code is 1 when anything is worse in the second.
 pub(super) fn compare_sides(arguments: &CompareArguments) -> Result<ExitCode, CommandError> {
     let (first, second) = (Side::load(&arguments.first)?, Side::load(&arguments.second)?);
     let comparison = compare(&first, &second, arguments.confidence);

@@ -1,4 +1,4 @@
-//! What every command that has results does with them: files, a text for people, an exit code.
+//! Output that all commands with results have in common: files, a text for people, an exit code.
 
 use std::{
     io,
@@ -18,8 +18,8 @@ use crate::{
 
 use super::{CommandError, Outputs, github::tell_github, print};
 
-/// Writes the results' files into `folder`, prints them in short, and says by the exit code how they are: 0 all cases
-/// passed, 1 some did not, 2 some are missing or could not run.
+/// Writes the files of the results into `folder`, prints a short report, and returns the exit code: 0 when all cases passed, 1 when some
+/// did not, 2 when some are missing or could not run.
 pub(super) fn conclude(results: &Results, folder: &Path, outputs: &Outputs) -> Result<ExitCode, CommandError> {
     if results.cases.is_empty() {
         return Err(CommandError::NoResults(folder.to_owned()));
@@ -38,7 +38,7 @@ pub(super) fn conclude(results: &Results, folder: &Path, outputs: &Outputs) -> R
     Ok(exit_code(&overview))
 }
 
-/// Writes JUnit XML where it is asked for.
+/// Writes the results as JUnit XML if the user has named a file for it.
 pub(super) fn write_junit(results: &Results, path: Option<&PathBuf>) -> Result<(), CommandError> {
     let Some(path) = path else { return Ok(()) };
     let text = naming("write", path, to_junit(results).map_err(io::Error::other))?;

@@ -1,4 +1,4 @@
-//! Why a command could not be carried out, and how it is told.
+//! Reasons why a command could not be carried out, and the messages that the user reads.
 
 use std::{
     io::{self, IsTerminal, Write},
@@ -16,7 +16,7 @@ use crate::{
 
 use super::table;
 
-/// Why a command could not be carried out. Its text follows "failed to".
+/// Why a command could not be carried out. The text of the error follows "failed to".
 #[derive(Debug, thiserror::Error)]
 pub(super) enum CommandError {
     #[error(transparent)]
@@ -66,9 +66,9 @@ pub(super) enum CommandError {
 }
 
 impl CommandError {
-    /// Prints it, and below a mistake in a scene the place.
+    /// Prints the error message and, for a mistake in a scene file, the place of the mistake below it.
     pub(super) fn complain(&self) {
-        // A reader that has seen enough is no error here either.
+        // A closed standard error is no failure: its reader may stop early.
         let _ = writeln!(io::stderr(), "wherein: failed to {self}");
         let (CommandError::Scene(scene @ SceneError::Invalid { .. })
         | CommandError::Replay(ReplayError::Scene(scene @ SceneError::Invalid { .. }))
@@ -80,7 +80,7 @@ impl CommandError {
             if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let handler = GraphicalReportHandler::new_themed(theme).without_cause_chain().with_wrap_lines(false);
         let mut snippet = String::new();
-        // The first line repeats the message above; what follows shows the place.
+        // The first line of the report repeats the message printed above; the lines after it show the place in the file.
         if handler.render_report(&mut snippet, scene).is_ok()
             && let Some((_, place)) = snippet.split_once('\n')
         {

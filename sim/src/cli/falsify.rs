@@ -1,4 +1,4 @@
-//! `wherein falsify`: random scenes against the promise.
+//! `wherein falsify`: a search among random scenes for one in which the program or the localizer fails.
 
 use std::{
     io::Write,
@@ -23,44 +23,45 @@ use crate::{
 
 use super::{CommandError, print};
 
-/// What `wherein falsify` is asked.
+/// Arguments of `wherein falsify`.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct FalsifyArguments {
-    /// Seed of all scenes; a case's number and this determine its scene.
+    /// Seed of all scenes. This seed and a case's number determine the scene of the case.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     seed: u64,
-    /// Numbers of the cases, A included and B not. With --minutes there is no end unless stated, else 100.
+    /// Numbers of the cases, A included and B not. By default 100 cases, or without end when --minutes is given.
     #[arg(long, value_name = "A..B")]
     cases: Option<Seeds>,
-    /// Begin no more cases after so many minutes.
+    /// Begin no more cases after this many minutes.
     #[arg(long, value_name = "N", value_parser = minutes, allow_negative_numbers = true)]
     minutes: Option<f64>,
-    /// Scenes without pictures, some ten times faster: wheels, gyroscope, flow sensor, range camera and satellite navigation.
+    /// Draw only scenes without rendered images, which run some ten times faster: wheels, gyroscope, flow sensor, range camera and
+    /// satellite navigation.
     #[arg(long)]
     without_cameras: bool,
-    /// Scenes with at least one camera that renders images. Without either flag every tenth scene has one.
+    /// Draw only scenes with at least one camera that renders images. Without this flag and --without-cameras every tenth scene has such a camera.
     #[arg(long, conflicts_with = "without_cameras")]
     with_cameras: bool,
-    /// What counts as a failure and is shrunk; may be given several times. All but perception unless stated.
+    /// Kind of failure to search for and to shrink; may be given several times. By default all kinds but perception.
     #[arg(long, value_name = "WISH")]
     wish: Vec<Wish>,
-    /// Smaller scenes to try for each that was found; 0 leaves them as they were drawn.
+    /// Number of smaller scenes to try for each failing scene; 0 leaves failing scenes as they were drawn.
     #[arg(long, value_name = "N", default_value_t = 300)]
     tries: usize,
-    /// Run every N-th case twice and compare the bytes; 0 for none.
+    /// Run every N-th case twice and compare the bytes of both runs; 0 for no case.
     #[arg(long, value_name = "N", default_value_t = 20)]
     twice_every: u64,
-    /// Runs at the same time; as many as there are cores unless stated.
+    /// Number of runs at the same time. By default the number of processor cores.
     #[arg(long, value_name = "N")]
     jobs: Option<std::num::NonZeroUsize>,
-    /// Where the journal and the scenes found go.
+    /// Folder for the journal of the search and the failing scenes.
     #[arg(long, value_name = "DIR", default_value = "renders/falsify")]
     out: PathBuf,
-    /// Print the summary as JSON.
+    /// Print the summary of the search as JSON.
     #[arg(long)]
     json: bool,
-    /// Run the scene on standard input with this seed and tell of it: what each case's own process does.
+    /// Run the scene on standard input with this seed and report the run on standard output; the search starts each case's process this way.
     #[arg(long, value_name = "SEED", hide = true)]
     probe: Option<u64>,
 }
@@ -82,7 +83,7 @@ A search that was interrupted goes on where it stopped when the same command is 
 
 Exit code: 0 nothing was found, 1 something was, 2 could not run.";
 
-/// Cases of a search that states neither their number nor its time.
+/// Number of cases in a search for which the user states neither a number of cases nor a time.
 const USUAL_CASES: u64 = 100;
 
 fn minutes(text: &str) -> Result<f64, String> {
@@ -100,7 +101,7 @@ impl clap::ValueEnum for Wish {
     }
 }
 
-/// Searches, and prints what came of it.
+/// Runs the search and prints its summary.
 pub(super) fn falsify(arguments: &FalsifyArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     if let Some(seed) = arguments.probe {
         probe(seed, adapter)?;
@@ -160,7 +161,7 @@ fn is_failure(case: &Done, wishes: &[Wish]) -> bool {
     case.hits.iter().any(|hit| wishes.contains(&hit.wish))
 }
 
-/// Says at once what a case showed, and how to see it again.
+/// Prints at once what failed in a case, and the command that runs its scene again.
 fn tell(case: &Done, asked: &Search) {
     for hit in case.hits.iter().filter(|hit| asked.wishes.contains(&hit.wish)) {
         say(&format!("case {}: {}: {} [{}]", case.case, hit.wish.name(), hit.seen, hit.signature));
@@ -170,7 +171,7 @@ fn tell(case: &Done, asked: &Search) {
     }
 }
 
-/// A bar over the cases. It stays hidden when standard error is no terminal.
+/// Creates a progress bar over the cases of a search. The bar stays hidden when standard error is no terminal.
 fn progress_bar(cases: &Range<u64>) -> ProgressBar {
     let length = cases.end - cases.start;
     let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
@@ -180,14 +181,14 @@ fn progress_bar(cases: &Range<u64>) -> ProgressBar {
     } else {
         "{bar:32} {pos}/{len} cases, {per_sec}, {eta} left, {msg}"
     };
-    // The template is fixed; were it wrong, the default style serves.
+    // The template of the progress bar is fixed text; should the library refuse it, the default style serves.
     let bar = bar.with_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.set_message("nothing found so far");
     bar.enable_steady_tick(Duration::from_millis(250));
     bar
 }
 
-/// Tells people, apart from the results. Standard error may be closed; the results still come.
+/// Writes a message for people to standard error, apart from the results. A closed standard error is no failure: the results are still printed.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }

@@ -1,4 +1,4 @@
-//! What GitHub Actions shows of a job: annotations at the failed scenes, and a summary.
+//! Output for GitHub Actions: annotations at the failed scenes, and a summary of the job.
 
 use std::{
     env,
@@ -18,10 +18,10 @@ use crate::{
 
 use super::CommandError;
 
-/// GitHub shows no more errors than this of one step.
+/// Greatest number of error annotations that are written: GitHub shows no more of one step.
 const MOST: usize = 10;
 
-/// Annotates the worst failures and appends to the job's summary, where the process runs in GitHub Actions.
+/// Annotates the worst failures and appends to the job's summary, if the process runs in GitHub Actions; otherwise does nothing.
 pub(super) fn tell_github(overview: &Overview, results: &Results) -> Result<(), CommandError> {
     if env::var("GITHUB_ACTIONS").as_deref() != Ok("true") {
         return Ok(());
@@ -31,8 +31,8 @@ pub(super) fn tell_github(overview: &Overview, results: &Results) -> Result<(), 
     let missed = overview.worst.iter().map(|index| &results.cases[*index]);
     let missed = missed.filter(|case| case.passed() == Some(false)).map(|case| (case, failure_message(case)));
     for (case, message) in failed.chain(missed).chain(absent).take(MOST) {
-        // Commands are read from both streams, and standard output may be asked for in JSON. If the stream is closed, the
-        // exit code still tells.
+        // GitHub reads annotations from both streams, and standard output may have to be pure JSON. If standard error is closed, the exit
+        // code still shows the failure.
         let _ = writeln!(std::io::stderr(), "{}", annotation(case, &message));
     }
     let Some(path) = env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) else { return Ok(()) };
@@ -48,7 +48,8 @@ fn annotation(case: &CaseResult, message: &str) -> String {
     format!("::error file={file},title={title}::{message}")
 }
 
-/// The path without `folder/..`, as annotations are put to files by their names: a sweep's file names its scene from its own folder.
+/// Returns the path without parts such as `folder/..`. GitHub assigns annotations to files by name, and a sweep file gives the path of
+/// its scene relative to its own folder.
 fn straight(path: &Path) -> PathBuf {
     let mut straight = PathBuf::new();
     for component in path.components() {
@@ -63,12 +64,12 @@ fn straight(path: &Path) -> PathBuf {
     straight
 }
 
-/// Text after the `::` of a workflow command.
+/// Escapes text for the part after the `::` of a GitHub workflow command.
 fn data(text: &str) -> String {
     text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
 }
 
-/// Text of a property of a workflow command.
+/// Escapes text for a property of a GitHub workflow command.
 fn property(text: &str) -> String {
     data(text).replace(':', "%3A").replace(',', "%2C")
 }

@@ -1,4 +1,4 @@
-//! What shells and `man` want to know of the command.
+//! Completions for shells and manual pages for `man`.
 
 use std::{fs, path::Path};
 
@@ -7,14 +7,14 @@ use clap_complete::Shell;
 
 use super::{Cli, CommandError, print};
 
-/// Prints the completions of a shell.
+/// Prints the completions for a shell.
 pub(super) fn completions(shell: Shell) -> Result<(), CommandError> {
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "wherein", &mut text);
     print(&String::from_utf8_lossy(&text))
 }
 
-/// Prints the page of the command, or writes all pages into a folder.
+/// Prints the manual page of the command, or writes the pages of all subcommands into a folder.
 pub(super) fn manual(out: Option<&Path>) -> Result<(), CommandError> {
     let Some(folder) = out else {
         let mut text = Vec::new();

@@ -1,4 +1,4 @@
-//! `wherein map`: the grid on which errands are planned, for other programs.
+//! `wherein map`: the occupancy grid on which errands are planned, written for other programs.
 
 use std::{path::PathBuf, slice};
 
@@ -12,18 +12,18 @@ use crate::{
 
 use super::{CommandError, print};
 
-/// What `wherein map` is asked.
+/// Arguments of `wherein map`.
 #[derive(Debug, Args)]
 pub(super) struct MapArguments {
     /// Scene file.
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
-    /// Where map.yaml and map.pgm go, below the scene's name.
+    /// Folder for the results. The files map.yaml and map.pgm are written into a subfolder with the scene's name.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
 }
 
-/// Writes the map and prints where.
+/// Writes the map of each scene and prints the path of its file.
 pub(super) fn write_map(arguments: &MapArguments) -> Result<(), CommandError> {
     for file in SceneFile::load_all(slice::from_ref(&arguments.scene))? {
         let folder = arguments.out.join(&file.name);

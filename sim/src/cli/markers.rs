@@ -1,4 +1,4 @@
-//! `wherein markers`: what to print and where to paste it.
+//! `wherein markers`: a sheet of ceiling markers to print, and a map of where to paste them.
 
 use std::{
     fs, io,
@@ -14,14 +14,14 @@ use crate::{
     marker_sheet::marker_sheet,
 };
 
-/// What `wherein markers` is asked.
+/// Arguments of `wherein markers`.
 #[derive(Debug, Args)]
 #[command(after_help = MARKERS_AFTER_HELP)]
 pub(super) struct MarkersArguments {
     /// Scene file.
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
-    /// Where sheet and map go.
+    /// Folder for the results. The sheet and the map are written into a subfolder with the scene's name.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
 }
@@ -30,7 +30,7 @@ const MARKERS_AFTER_HELP: &str = "\
 Writes DIR/<scene>/markers.pdf, one marker a page of A4 at true scale, and DIR/<scene>/markers.toml, the keys of a scene
 that place them one by one. Files that are there already are left alone: exit code 2.";
 
-/// Prints the markers of a scene and what they cover, and writes their sheet and their map.
+/// Prints the markers of a scene and whether they cover the room, and writes the sheet and the map of the markers.
 pub(super) fn markers(arguments: &MarkersArguments) -> Result<(), CommandError> {
     let file = SceneFile::load(&arguments.scene)?;
     let no_markers = || CommandError::NoCeilingMarkers(arguments.scene.clone());

@@ -1,4 +1,4 @@
-//! `wherein render`: pictures of a robot that stands still.
+//! `wherein render`: pictures that the cameras of a standing robot take.
 
 use std::{
     fs,
@@ -21,29 +21,29 @@ use crate::{
     sensors::still::{Still, take},
 };
 
-/// What `wherein render` is asked.
+/// Arguments of `wherein render`.
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_AFTER_HELP)]
 pub(super) struct RenderArguments {
     /// Scene file.
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
-    /// Where the robot stands: x and y in metres, heading in degrees. The scene's start unless given.
+    /// Pose of the robot: x and y in metres, heading in degrees. By default the scene's start pose.
     #[arg(long, value_name = "X,Y,HEADING", allow_hyphen_values = true)]
     at: Option<At>,
-    /// One camera only: floor, forward or ceiling.
+    /// Take a picture with this camera only: floor, forward or ceiling.
     #[arg(long, value_name = "NAME", value_parser = camera_name)]
     camera: Option<Camera>,
-    /// Mean illuminance at the floor in lux, all lamps dimmed alike. What the scene states unless given.
+    /// Mean illuminance at the floor in lux; all lamps are dimmed alike. By default what the scene states.
     #[arg(long, value_name = "LUX", value_parser = illuminance, allow_hyphen_values = true, conflicts_with = "contact_sheet")]
     lux: Option<f64>,
-    /// One sheet with all cameras in several lights, such as lux=0.1,1,10,100,1000.
+    /// Draw one sheet with the pictures of all cameras in several lights, such as lux=0.1,1,10,100,1000.
     #[arg(long, value_name = "lux=A,B,…")]
     contact_sheet: Option<Lights>,
-    /// Seed of mounts, tiles and noise.
+    /// Seed of the camera mounts, the floor tiles and the image noise.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Where pictures go.
+    /// Folder for the results. The pictures are written into a subfolder with the scene's name.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
 }
@@ -57,7 +57,7 @@ fn camera_name(text: &str) -> Result<Camera, String> {
     found.ok_or_else(|| format!("expected one of {}", Camera::ALL.map(Camera::as_str).join(", ")))
 }
 
-/// A place and a heading on the command line: `1.5,2,90`.
+/// A place and a heading on the command line: `1.5,2,90` for x = 1.5 m, y = 2 m and 90°.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct At {
     x_m: f64,
@@ -65,7 +65,7 @@ pub struct At {
     heading_deg: f64,
 }
 
-/// The lights of a contact sheet on the command line: `lux=0.1,1,10`.
+/// The illuminances of a contact sheet on the command line, in lux: `lux=0.1,1,10`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lights {
     lux: Vec<f64>,
@@ -99,7 +99,7 @@ impl FromStr for Lights {
     }
 }
 
-/// An illuminance at the floor on the command line.
+/// Parses an illuminance at the floor in lux from the command line.
 pub(super) fn illuminance(text: &str) -> Result<f64, String> {
     let number: Option<f64> = text.trim().parse().ok();
     number
@@ -107,7 +107,7 @@ pub(super) fn illuminance(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "expected an illuminance at the floor from 0 to 100000 lx".to_owned())
 }
 
-/// Renders what was asked for and names the files.
+/// Renders the pictures that the arguments ask for and prints the names of their files.
 pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Result<(), CommandError> {
     let mut files = SceneFile::load_all(std::slice::from_ref(&arguments.scene))?;
     if files.len() != 1 {
@@ -152,7 +152,7 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
     Ok(())
 }
 
-/// What the scene's lamps give at the floor.
+/// Returns the illuminance at the floor that the scene's lamps give, in lux.
 fn stated_lux(scene: &Scene, world: &RenderedWorld) -> f64 {
     world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
 }
@@ -167,12 +167,13 @@ fn cameras(wanted: Option<Camera>, file: &SceneFile) -> Result<Vec<Camera>, Comm
     }
 }
 
-/// The pose asked for, where the robot's body must have its place as at any other of the scene's, or the scene's start.
+/// Returns the pose that the user states, or else the scene's start pose. A stated pose must leave room for the robot's body, like any
+/// other pose in a scene.
 fn pose(at: Option<At>, file: &SceneFile) -> Result<Pose, CommandError> {
     let Some(at) = at else { return Ok(file.scene.nominal_start()) };
     let (scene, at_m, reach_m) = (&file.scene, [at.x_m, at.y_m], file.scene.robot.body_radius_m);
     let room_m = [scene.room.width_m, scene.room.depth_m];
-    // Differences like 2 − 0.25 are not always exact.
+    // Floating-point differences such as 2 − 0.25 are not always exact.
     const ROUNDING_M: f64 = 1e-9;
     let least_m = reach_m - ROUNDING_M;
     if (0..2).any(|axis| !(least_m..=room_m[axis] - least_m).contains(&at_m[axis])) {

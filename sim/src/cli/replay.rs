@@ -1,4 +1,4 @@
-//! `wherein replay`: a recording through the localizer again.
+//! `wherein replay`: runs the localizer on a recording again.
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -10,17 +10,17 @@ use crate::{
     scene::Scene,
 };
 
-/// What `wherein replay` is asked.
+/// Arguments of `wherein replay`.
 #[derive(Debug, Args)]
 #[command(after_help = REPLAY_AFTER_HELP)]
 pub(super) struct ReplayArguments {
-    /// A recording that `wherein run --record` or `--ros2` left.
+    /// A recording that `wherein run --record` or `--ros2` wrote.
     #[arg(value_name = "FILE")]
     recording: PathBuf,
-    /// Set up the localizer as this scene does instead of the recorded one.
+    /// Set up the localizer by this scene instead of by the recorded scene.
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
-    /// Write estimate.tum and boxes.csv of the replay there.
+    /// Folder for estimate.tum and boxes.csv of the replay.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -28,7 +28,7 @@ pub(super) struct ReplayArguments {
 const REPLAY_AFTER_HELP: &str = "\
 Exit code: 0 every estimate is the recorded one bit for bit, 1 some are not, 2 could not replay. With --scene estimates may differ.";
 
-/// Replays a recording and says whether the localizer answered as it did then.
+/// Replays a recording and prints whether the localizer's estimates are equal to the recorded ones.
 pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, CommandError> {
     let other = arguments.scene.as_deref().map(Scene::load).transpose()?;
     let found = replay(&arguments.recording, other.as_ref())?;
@@ -49,7 +49,7 @@ pub(super) fn replay_recording(arguments: &ReplayArguments) -> Result<ExitCode, 
         found.digest(),
         found.recorded_digest
     ))?;
-    // Another localizer is expected to answer differently.
+    // When the user replays with another scene than the recorded one, different estimates are expected and are no failure.
     let has_failed = found.n_different > 0 && other.is_none();
     Ok(ExitCode::from(u8::from(has_failed)))
 }

@@ -1,4 +1,4 @@
-//! What the commands are asked that make many results or read them: sweep, merge, report and compare.
+//! Arguments of the commands that make or read many results: sweep, merge, report and compare.
 
 use std::{num::NonZeroUsize, path::PathBuf};
 
@@ -12,77 +12,77 @@ use crate::{
     run::FramesPolicy,
 };
 
-/// What `wherein sweep` is asked.
+/// Arguments of `wherein sweep`.
 #[derive(Debug, Args)]
 #[command(after_help = SWEEP_AFTER_HELP)]
 pub(super) struct SweepArguments {
-    /// A scene file, or a sweep file with `scene`, `seeds` and a table `[vary]`.
+    /// A scene file, or a sweep file with the keys `scene` and `seeds` and a table `[vary]`.
     #[arg(value_name = "SCENE")]
     pub(super) scene: PathBuf,
-    /// A key and its values: KEY=A,B,C or KEY=LOW..HIGH/N for N values evenly spaced; may be given several times.
+    /// A key of the scene and its values: KEY=A,B,C or KEY=LOW..HIGH/N for N values evenly spaced; may be given several times.
     #[arg(long, value_name = "KEY=VALUES")]
     pub(super) vary: Vec<Variable>,
     /// Seeds that each combination runs with, A included and B not.
     #[arg(long, value_name = "A..B")]
     pub(super) seeds: Option<Seeds>,
-    /// Runs at the same time; as many as there are cores unless stated.
+    /// Number of runs at the same time. By default the number of processor cores.
     #[arg(long, value_name = "N")]
     pub(super) jobs: Option<NonZeroUsize>,
-    /// Where results go; sweeps/<scene> unless stated.
+    /// Folder for the results. By default sweeps/<scene>.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Images of which to leave debug frames: none, failures, every=N or all.
+    /// Images for which the run writes debug frames: none, failures, every=N or all.
     #[arg(long, value_name = "WHICH", default_value = "none")]
     pub(super) frames: FramesPolicy,
-    /// Run only the I-th of N parts, for N machines; `wherein merge` brings the parts together.
+    /// Run only the I-th of N parts, for N machines; `wherein merge` joins the parts afterwards.
     #[arg(long, value_name = "I/N")]
     pub(super) shard: Option<Shard>,
     #[command(flatten)]
     pub(super) outputs: Outputs,
 }
 
-/// What `wherein merge` is asked.
+/// Arguments of `wherein merge`.
 #[derive(Debug, Args)]
 pub(super) struct MergeArguments {
     /// Folders that `wherein sweep --shard` wrote.
     #[arg(required = true, value_name = "DIR")]
     pub(super) folders: Vec<PathBuf>,
-    /// Where the whole goes.
+    /// Folder for the merged sweep.
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
     #[command(flatten)]
     pub(super) outputs: Outputs,
 }
 
-/// What `wherein report` is asked.
+/// Arguments of `wherein report`.
 #[derive(Debug, Args)]
 pub(super) struct ReportArguments {
-    /// A folder that `wherein sweep`, `wherein merge` or `wherein run` wrote; the report goes there.
+    /// A folder that `wherein sweep`, `wherein merge` or `wherein run` wrote; the report is written into the same folder.
     #[arg(value_name = "DIR")]
     pub(super) folder: PathBuf,
     #[command(flatten)]
     pub(super) outputs: Outputs,
 }
 
-/// What `wherein compare` is asked.
+/// Arguments of `wherein compare`.
 #[derive(Debug, Args)]
 #[command(after_help = COMPARE_AFTER_HELP)]
 pub(super) struct CompareArguments {
-    /// What to compare with: a folder of results, or a results.csv kept as a baseline.
+    /// Results to compare with: a folder of results, or a results.csv kept as a baseline.
     #[arg(value_name = "FIRST")]
     pub(super) first: PathBuf,
-    /// What to judge: a folder of results, or a results.csv.
+    /// Results to judge: a folder of results, or a results.csv.
     #[arg(value_name = "SECOND")]
     pub(super) second: PathBuf,
-    /// How sure all intervals together are to hold the true differences.
+    /// Probability with which all confidence intervals together hold the true differences.
     #[arg(long, value_name = "P", default_value_t = CONFIDENCE, value_parser = confidence)]
     pub(super) confidence: f64,
 }
 
-/// What commands with results leave besides.
+/// Arguments for further output of the commands that have results.
 #[derive(Debug, Args)]
 pub(super) struct Outputs {
-    /// Write the results as JUnit XML, too.
+    /// Write the results as JUnit XML into this file, too.
     #[arg(long, value_name = "FILE")]
     pub(super) junit: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! `wherein run`: scenes and seeds, one after another, each recorded as soon as it is done.
+//! `wherein run`: runs scenes and seeds one after another, and records each run as soon as it is done.
 
 use std::{io::Write, net::SocketAddr, path::PathBuf, process::ExitCode};
 
@@ -27,44 +27,44 @@ use crate::{
 
 use super::{CommandError, conclude::write_junit, github::tell_github, print};
 
-/// What `wherein run` is asked.
+/// Arguments of `wherein run`.
 #[derive(Debug, Args)]
 #[command(after_help = RUN_AFTER_HELP)]
 pub(super) struct RunArguments {
     /// Scene files, or folders that stand for all scenes below them.
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
-    /// Seed of everything drawn in the run.
+    /// Seed of everything that is drawn at random in the run.
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds")]
     seed: u64,
-    /// Several seeds, A included and B not.
+    /// Range of seeds, A included and B not; each scene runs with each of these seeds.
     #[arg(long, value_name = "A..B")]
     seeds: Option<Seeds>,
     /// Set a key of the scenes, such as floor.friction=0.3; may be given several times.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<Setting>,
-    /// Where results go.
+    /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
-    /// Images of which to leave debug frames: none, failures, every=N or all.
+    /// Images for which the run writes debug frames: none, failures, every=N or all.
     #[arg(long, value_name = "WHICH", default_value = "none")]
     frames: FramesPolicy,
     /// Print the summaries as a JSON list instead of a table.
     #[arg(long)]
     json: bool,
-    /// Leave recording.mcap too: images, readings, poses, boxes and log messages, for Foxglove, Rerun and `wherein replay`.
+    /// Write recording.mcap too: images, readings, poses, boxes and log messages, for Foxglove, Rerun and `wherein replay`.
     #[arg(long)]
     record: bool,
-    /// Leave the recording as rosbag2/, a bag that ROS 2 and `evo` open; its boxes are markers of ROS 2.
+    /// Write the recording as rosbag2/, a bag that ROS 2 and `evo` open; boxes are stored as ROS 2 markers.
     #[arg(long, conflicts_with = "record")]
     ros2: bool,
-    /// Let viewers such as Foxglove look on, in real time; the first run begins when one is there.
+    /// Serve the run in real time to viewers such as Foxglove; the first run begins when a viewer has connected.
     #[arg(long, value_name = "ADDRESS", num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
     live: Option<SocketAddr>,
-    /// Write the results as JUnit XML, too.
+    /// Write the results as JUnit XML into this file, too.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-    /// Skip runs that this build of the program has already recorded for the same scene; continues what was interrupted.
+    /// Skip runs that this build of the program has already recorded for the same scene, to continue an interrupted command.
     #[arg(long)]
     resume: bool,
 }
@@ -78,7 +78,7 @@ In the table, a check is one step of 10 ms. `contained`: the truth is in a box. 
 what is not there, and without it they do; `unsound`: neither.
 Errors are root mean squares of the worst third of a run, widths are full widths of the box.";
 
-/// One run as it was recorded.
+/// One run, read back from the files of its record.
 struct Recorded {
     folder: PathBuf,
     file: SceneFile,
@@ -87,12 +87,12 @@ struct Recorded {
     outcome: Outcome,
 }
 
-/// Runs everything asked for and prints the results. The exit code says whether all expectations were met.
+/// Runs every scene with every seed that the arguments name, and prints the results. The exit code says whether all expectations were met.
 pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let files = load(arguments)?;
     run_files::prepare(&arguments.out)?;
     arguments.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
-    // Opening an adapter takes a moment, and a scene without a camera needs none.
+    // Opening a graphics adapter takes a moment, and a scene without a camera needs none.
     let mut renderer = None;
     if files.iter().any(|file| file.scene.has_camera()) {
         renderer = Some(Renderer::on_adapter(adapter)?);
@@ -124,7 +124,7 @@ pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Res
     Ok(ExitCode::from(u8::from(!all_passed)))
 }
 
-/// A server with a viewer.
+/// Starts a server for live viewers and waits until a viewer has connected.
 fn awaited(address: SocketAddr) -> Result<LiveServer, CommandError> {
     let server = LiveServer::start(address)?;
     eprintln!("Waiting for a viewer: open a Foxglove WebSocket connection to ws://{}", server.address());
@@ -132,7 +132,7 @@ fn awaited(address: SocketAddr) -> Result<LiveServer, CommandError> {
     Ok(server)
 }
 
-/// The scenes with what is set in them.
+/// Loads the scenes, with the keys that the user sets on the command line.
 fn load(arguments: &RunArguments) -> Result<Vec<SceneFile>, CommandError> {
     let files = SceneFile::load_all(&arguments.paths)?;
     if arguments.set.is_empty() {
@@ -169,7 +169,7 @@ fn run_one(
     bar.set_position(start + milliseconds(file.scene.simulated_s()));
     let mut n_replays = 0;
     let verdict = judge(&file.scene, &run_record, &mut |asked| {
-        // Each takes as long as the run up to its last failure.
+        // Each replay takes as long as the run up to the last failure that the replay has to explain.
         n_replays += 1;
         bar.set_message(format!("{} seed {seed}: whose fault? replay {n_replays}", file.name));
         let (start, lasts_s) = (bar.position(), asked.until_s.unwrap_or(file.scene.simulated_s()));
@@ -184,7 +184,7 @@ fn run_one(
     read_back(file, folder.clone())?.ok_or(CommandError::NoResults(folder))
 }
 
-/// The recording asked for.
+/// Returns the form of recording that the user asks for, if any.
 fn form(arguments: &RunArguments) -> Option<Form> {
     match (arguments.ros2, arguments.record) {
         (true, _) => Some(Form::Ros2),
@@ -193,13 +193,13 @@ fn form(arguments: &RunArguments) -> Option<Form> {
     }
 }
 
-/// The run as an earlier process recorded it, if it may stand for this one.
+/// Returns the run as an earlier process recorded it, if that record is of the same scene and program and has all files that the user asks for.
 fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Option<Recorded>, CommandError> {
     let folder = run_files::folder(&arguments.out, &file.name, seed);
     if !arguments.resume {
         return Ok(None);
     }
-    // An unreadable record is no reason to stop: the run is done again and replaces it.
+    // An unreadable record is no reason to stop: the run is done again and replaces the record.
     let Ok(Some((summary, timing))) = run_files::read(&folder) else { return Ok(None) };
     if form(arguments).is_some_and(|form| !folder.join(form.path()).exists()) {
         return Ok(None);
@@ -209,14 +209,14 @@ fn resumed(arguments: &RunArguments, file: &SceneFile, seed: u64) -> Result<Opti
     if is_same { read_back(file, folder) } else { Ok(None) }
 }
 
-/// A table shows what stands in the files, so that it cannot differ from one made of them later.
+/// Reads the record of a run back from its files. The results table is made of these files, so that it cannot differ from a table made of them later.
 fn read_back(file: &SceneFile, folder: PathBuf) -> Result<Option<Recorded>, CommandError> {
     let Some((summary, timing)) = run_files::read(&folder)? else { return Ok(None) };
     let outcome = Outcome::of(&summary, &timing);
     Ok(Some(Recorded { folder, file: file.clone(), summary, timing, outcome }))
 }
 
-/// The runs as cases, for what tells CI systems of them.
+/// Converts the runs into cases, for the output that CI systems read.
 fn results(recorded: &[Recorded]) -> Results {
     let case = |one: &Recorded| CaseResult {
         id: String::new(),
@@ -241,13 +241,13 @@ fn announce(arguments: &RunArguments, recorded: &[Recorded]) -> Result<(), Comma
     }
     let mut stderr = std::io::stderr().lock();
     for one in recorded.iter().filter(|one| !one.outcome.passed) {
-        // Standard error may be closed; the exit code still tells.
+        // A closed standard error is no failure of its own: the exit code still shows the result.
         let _ = write!(stderr, "{}", failure(arguments, one));
     }
     Ok(())
 }
 
-/// What failed in a run, where its first failure is, and how to see it again.
+/// Describes a failed run: the expectations that it missed, its first failure, and the command that runs it again.
 fn failure(arguments: &RunArguments, one: &Recorded) -> String {
     let mut text = format!("\nFAILED {} seed {}\n", one.outcome.scene, one.outcome.seed);
     for line in one.summary["verdict"]["failed"].as_array().into_iter().flatten().filter_map(Value::as_str) {
@@ -280,15 +280,15 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
     text
 }
 
-/// A bar over the simulated time of all runs, in milliseconds. It stays hidden when standard error is no terminal.
+/// Creates a progress bar over the simulated time of all runs, in milliseconds. The bar stays hidden when standard error is no terminal.
 fn progress_bar(total_s: f64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(milliseconds(total_s)), ProgressDrawTarget::stderr());
     let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}  {elapsed_precise}, {eta} left");
-    // The template is fixed; were it wrong, the default style serves.
+    // The template of the progress bar is fixed text; should the library refuse it, the default style serves.
     bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 fn milliseconds(seconds: f64) -> u64 {
-    // Scenes last at most hours, so that the cast is exact enough; negative times do not occur.
+    // A scene lasts some hours at most, so that the conversion to whole milliseconds is exact enough; negative times do not occur.
     (seconds * 1e3).round() as u64
 }

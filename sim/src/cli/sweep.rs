@@ -1,4 +1,4 @@
-//! `wherein sweep` and `wherein merge`: many runs of one scene, and what comes of them.
+//! `wherein sweep` and `wherein merge`: many runs of one scene, and the results of all of them.
 
 use std::{
     io::Write,
@@ -21,7 +21,7 @@ use crate::{
 
 use super::{CommandError, MergeArguments, SweepArguments, conclude::conclude};
 
-/// Runs every case that is not recorded yet, and writes the results of all.
+/// Runs every case of a sweep that is not recorded yet, and writes the results of all cases.
 pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let sweep = asked(arguments)?;
     let template = SceneTemplate::load(&sweep.scene).map_err(SweepError::from)?;
@@ -35,7 +35,7 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
     store.write_plan(&plan)?;
     let shard = arguments.shard.unwrap_or(Shard::WHOLE);
     let meant: Vec<&Case> = cases.iter().filter(|case| shard.holds(case.planned.index)).collect();
-    // Without the program's digest nothing tells a case of this build from one of another.
+    // Without a digest of the program, a case that this build recorded cannot be told from a case of another build, so that every case runs again.
     let is_recorded = |case: &Case| plan.program.is_some() && store.has(&case.planned, arguments.frames);
     let todo: Vec<&Case> = meant.iter().copied().filter(|case| !is_recorded(case)).collect();
     let jobs = arguments.jobs.map_or_else(cores, usize::from);
@@ -46,7 +46,7 @@ pub(super) fn sweep(arguments: &SweepArguments, adapter: Option<&str>) -> Result
     conclude(&results, &out, &arguments.outputs)
 }
 
-/// Brings the parts of a sweep together and writes the results of all.
+/// Merges the parts of a sweep and writes the results of the whole.
 pub(super) fn merge_folders(arguments: &MergeArguments) -> Result<ExitCode, CommandError> {
     let store = Store::open(&arguments.out)?;
     let plan = merge(&arguments.folders, &store)?;
@@ -54,7 +54,7 @@ pub(super) fn merge_folders(arguments: &MergeArguments) -> Result<ExitCode, Comm
     conclude(&results, &arguments.out, &arguments.outputs)
 }
 
-/// The sweep that a file and the command line state together.
+/// Returns the sweep that a sweep file and the command line state together.
 fn asked(arguments: &SweepArguments) -> Result<Sweep, SweepError> {
     let from_file = Sweep::load(&arguments.scene)?;
     let mut sweep =
@@ -90,18 +90,18 @@ fn tally(missed: usize, failed: usize) -> String {
     }
 }
 
-/// A bar over the cases. It stays hidden when standard error is no terminal.
+/// Creates a progress bar over the cases of a sweep. The bar stays hidden when standard error is no terminal.
 fn progress_bar(cases: usize) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(cases as u64), ProgressDrawTarget::stderr());
     let template = "{bar:32} {pos}/{len} cases, {per_sec}, {eta} left, {msg}";
-    // The template is fixed; were it wrong, the default style serves.
+    // The template of the progress bar is fixed text; should the library refuse it, the default style serves.
     let bar = bar.with_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.set_message(tally(0, 0));
     bar.enable_steady_tick(Duration::from_millis(250));
     bar
 }
 
-/// How much ran, in words.
+/// Statement of how many cases of a sweep ran and how long they took, for printing.
 struct Ran<'a> {
     todo: &'a [&'a Case],
     n_meant: usize,
@@ -128,7 +128,7 @@ fn plural(n: usize, noun: &str) -> String {
     format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
 }
 
-/// Tells people, apart from the results. Standard error may be closed; the results still come.
+/// Writes a message for people to standard error, apart from the results. A closed standard error is no failure: the results are still printed.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }

@@ -1,4 +1,4 @@
-//! `wherein table`: recorded runs as a Markdown table.
+//! `wherein table`: a Markdown table of recorded runs.
 
 use std::{
     fs,
@@ -14,29 +14,30 @@ use crate::artefacts::{
 
 use super::{CommandError, print};
 
-/// What `wherein table` is asked.
+/// Arguments of `wherein table`.
 #[derive(Debug, Args)]
 pub(super) struct TableArguments {
     /// Folders that `wherein run` wrote.
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// Replace what stands between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document; in `<!-- results:begin
-    /// floor papers/floor --no-baselines -->` only scenes whose names begin so, without what others made of the same readings.
+    /// Replace the text between the lines `<!-- results:begin -->` and `<!-- results:end -->` of this document by the table. A first line
+    /// such as `<!-- results:begin floor papers/floor --no-baselines -->` selects scenes whose names begin with `floor` or
+    /// `papers/floor`, and leaves out the rows of the baselines.
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
 }
 
-/// The line of a document after which a table stands begins so; before its `-->` it may name the beginnings of scenes' names,
-/// and say [`NO_BASELINES`].
+/// Beginning of the line of a document after which a results table stands. Between this text and `-->` the line may name the beginnings
+/// of scenes' names, and the option [`NO_BASELINES`].
 pub(super) const BEGIN: &str = "<!-- results:begin";
 
-/// Leaves the lines of baselines out.
+/// Option that leaves the rows of the baselines out of a results table.
 const NO_BASELINES: &str = "--no-baselines";
 
-/// The line of a document before which the table stands.
+/// Line of a document at which a results table ends.
 pub(super) const END: &str = "<!-- results:end -->";
 
-/// Prints the table, or puts it into a document.
+/// Prints the results table, or puts it into a document.
 pub(super) fn tabulate(arguments: &TableArguments) -> Result<(), CommandError> {
     let mut outcomes = Vec::new();
     for folder in &arguments.folders {
@@ -68,7 +69,7 @@ fn collect(folder: &Path, outcomes: &mut Vec<Outcome>) -> Result<(), CommandErro
     Ok(())
 }
 
-/// The document with a table between each pair of markers; `None` when there is no pair, or one is not whole.
+/// Returns the document with a results table between each pair of marker lines; `None` when there is no such pair, or when one of a pair is missing.
 fn with_tables(text: &str, outcomes: &[Outcome]) -> Option<String> {
     let mut pieces = text.split(BEGIN);
     let mut updated = pieces.next()?.to_owned();
@@ -82,7 +83,7 @@ fn with_tables(text: &str, outcomes: &[Outcome]) -> Option<String> {
             beginnings.is_empty() || beginnings.iter().any(|beginning| outcome.scene.starts_with(beginning))
         };
         let wanted: Vec<Outcome> = outcomes.iter().filter(is_wanted).cloned().collect();
-        // A table of runs that are not here stays as it is.
+        // A table for which none of the given runs is wanted keeps its old text.
         let mut shown = lines(&wanted, false);
         shown.retain(|line| options.is_empty() || line.kind != Kind::Baseline);
         let table = if wanted.is_empty() { old } else { &format!("\n\n{}\n", as_markdown(&shown)) };

@@ -1,4 +1,4 @@
-//! `wherein weaken`: how tight the bounds of scenes are.
+//! `wherein weaken`: measures how tight the declared bounds of scenes are.
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -21,17 +21,17 @@ use crate::{
 
 use super::{CommandError, print};
 
-/// What `wherein weaken` is asked.
+/// Arguments of `wherein weaken`.
 #[derive(Debug, Args)]
 #[command(after_help = WEAKEN_AFTER_HELP)]
 pub(super) struct WeakenArguments {
     /// Scene files, or folders that stand for all scenes below them.
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
-    /// Seed of everything drawn in the run.
+    /// Seed of everything that is drawn at random in the run.
     #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds")]
     seed: u64,
-    /// Several seeds, A included and B not.
+    /// Range of seeds, A included and B not; each scene runs with each of these seeds.
     #[arg(long, value_name = "A..B")]
     seeds: Option<Seeds>,
     /// Set a key of the scenes, such as robot.errors=corner; may be given several times.
@@ -50,7 +50,8 @@ What is lost in the first 5 s of a drive, or in its first half where it is short
 before, wheels and gyroscope are alone with errors at their corners, and no method has told anything.
 With robot.errors=corner errors are as large as declared. Exit code: 0 it ran, 2 it could not.";
 
-/// Weakens every run asked for and prints what it takes; a figure, no verdict: exit code 0.
+/// Narrows the bounds of every run that the arguments name until the truth is lost, and prints at which share of the bounds that happens.
+/// The result is a figure and no verdict, so that the exit code is 0.
 pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
     let mut files = SceneFile::load_all(&arguments.paths)?;
     if !arguments.set.is_empty() {
@@ -86,11 +87,11 @@ pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) 
     Ok(ExitCode::SUCCESS)
 }
 
-/// A run and what came of it.
+/// One run of a scene with one seed, and the share of its bounds at which the truth was lost.
 struct Row {
     scene: String,
     seed: u64,
-    /// Whether it is a drive, and not still poses.
+    /// Whether the run is a drive, as opposed to a robot that stands still at stations.
     is_drive: bool,
     weakened: Weakened,
 }
@@ -124,7 +125,8 @@ fn as_table(rows: &[Row]) -> String {
 }
 
 impl Row {
-    /// Says so where a drive was too short to find anything: nothing was lost, and less time was left in which it counts than a loss may take.
+    /// Returns a message if the drive was too short for a result: nothing was lost, and the time in which losses count, the second half
+    /// of the drive, is shorter than the 5 s that a loss may take to show.
     fn too_short(&self) -> Option<String> {
         let after_s = self.weakened.counted_after_s;
         let is_short = self.is_drive && self.weakened.factor.is_none() && after_s < SETTLED_S;

@@ -1,21 +1,22 @@
-//! The map by which errands are planned.
+//! The occupancy grid on which errands are planned.
 
 use crate::scene::{Cell, OccupancyGrid, Scene};
 
-/// Edge of a cell (paper 5, section IV-C).
+/// Edge length of a grid cell (paper 5, section IV-C).
 const RESOLUTION_M: f64 = 0.05;
 
 impl OccupancyGrid {
-    /// The map by which a scene's errands are planned: the file that it names, or else what stands in it.
+    /// Returns the grid on which a scene's errands are planned: the map file that the scene names, or else a grid of what the scene's room contains.
     pub fn of(scene: &Scene) -> OccupancyGrid {
         let surveyed = scene.navigation.as_ref().and_then(|navigation| navigation.surveyed.clone());
         surveyed.unwrap_or_else(|| OccupancyGrid::from_scene(scene))
     }
 
-    /// The room of a scene with a border of wall, and its mapped furniture. A cell is occupied when something reaches into
-    /// the circle about it, so that nothing is mapped smaller than it is.
+    /// Creates a grid of a scene's room, with a border of wall, and of its mapped furniture. A cell is occupied when a part of it lies
+    /// outside the room, or when a piece of furniture reaches into the circle through the cell's corners, so that nothing is mapped
+    /// smaller than it is.
     ///
-    /// Rooms of `[building]` are left out: the robot's own room has no way into them.
+    /// Rooms of `[building]` are left out: no path leads from the robot's own room into them.
     pub fn from_scene(scene: &Scene) -> OccupancyGrid {
         let room_m = [scene.room.width_m, scene.room.depth_m];
         let mut grid = OccupancyGrid {
@@ -29,7 +30,7 @@ impl OccupancyGrid {
             for column in 0..grid.size[0] {
                 let centre_m = grid.centre_m([column, row]);
                 let in_wall = (0..2).any(|axis| {
-                    // Sums of twentieths are not exact.
+                    // Multiples of the 5 cm cell edge are not exact in floating point, so that the comparison has a margin of 1e-9 m.
                     centre_m[axis] < 0.0 || centre_m[axis] + 0.5 * RESOLUTION_M > room_m[axis] + 1e-9
                 });
                 let in_furniture =

@@ -1,10 +1,10 @@
-//! Grids as the files of ROS's map_server: a YAML file beside a PGM picture, trinary.
+//! Occupancy grids as the files of ROS's map_server in its trinary mode: a YAML file beside a PGM picture.
 //!
-//! Read is any picture in grey or colours that the library decodes, a PGM or a PNG; written is a PGM.
+//! Any grey or colour picture that the image library decodes can be read, a PGM or a PNG; the picture that is written is a PGM.
 //!
-//! The picture's first row has the greatest y. A pixel `x` is occupied with `p = (255 − x)/255`, or `p = x/255` when negated;
-//! `p > occupied_thresh` is occupied, `p < free_thresh` free, all between unknown (wiki.ros.org/map_server, "Value
-//! interpretation").
+//! The picture's first row has the greatest y. A pixel of grey level `x` has the occupancy `p = (255 − x)/255`, or `p = x/255` when the
+//! file says `negate`. The cell is occupied for `p > occupied_thresh`, free for `p < free_thresh`, and unknown between
+//! (wiki.ros.org/map_server, "Value interpretation").
 
 use std::{
     collections::BTreeMap,
@@ -18,15 +18,15 @@ use serde::{Deserialize, de::IgnoredAny};
 
 use super::{Cell, OccupancyGrid};
 
-/// Grey levels that map_saver writes.
+/// Grey levels that map_saver of ROS writes for free, unknown and occupied cells.
 const FREE: u8 = 254;
 const UNKNOWN: u8 = 205;
 const OCCUPIED: u8 = 0;
 
-/// Sizes of cells that are planned on: finer ones are slower and not better, coarser ones have no room for a robot.
+/// Range of cell sizes that a map may have: finer cells make planning slower and not better, coarser ones leave no room for a robot.
 const RESOLUTIONS_M: RangeInclusive<f64> = 0.01..=1.0;
 
-/// What the YAML file says.
+/// Contents of a map's YAML file.
 #[derive(Clone, Debug, PartialEq)]
 struct Header {
     image: String,
@@ -37,36 +37,36 @@ struct Header {
     free_thresh: f64,
 }
 
-/// Why a map cannot be used. Its text follows "failed to".
+/// Why a map cannot be used. The text of the error follows "failed to".
 #[derive(Debug, thiserror::Error)]
 pub enum MapError {
-    /// A file cannot be read.
+    /// A file of the map cannot be read.
     #[error("read map {}: {source}", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error that the operating system reported.
         source: io::Error,
     },
-    /// A file cannot be written.
+    /// A file of the map cannot be written.
     #[error("write map {}: {source}", path.display())]
     Unwritable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error that the operating system reported.
         source: io::Error,
     },
-    /// A file does not hold what it should.
+    /// A file of the map does not have the expected contents.
     #[error("read map {}: {expected}", path.display())]
     Invalid {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What was found and expected.
+        /// Description of what was found and what was expected.
         expected: String,
     },
 }
 
-/// Writes `NAME.yaml` and `NAME.pgm` into a folder and returns the path of the first.
+/// Writes a grid as `NAME.yaml` and `NAME.pgm` into a folder and returns the path of the YAML file.
 pub fn write(grid: &OccupancyGrid, folder: &Path, name: &str) -> Result<PathBuf, MapError> {
     let yaml = folder.join(format!("{name}.yaml"));
     for (path, bytes) in [(&folder.join(format!("{name}.pgm")), pgm(grid)), (&yaml, header(grid, name).into_bytes())] {
@@ -75,7 +75,7 @@ pub fn write(grid: &OccupancyGrid, folder: &Path, name: &str) -> Result<PathBuf,
     Ok(yaml)
 }
 
-/// Reads a map by its YAML file.
+/// Reads an occupancy grid, given the path of its YAML file.
 pub fn read(yaml: &Path) -> Result<OccupancyGrid, MapError> {
     let invalid = |path: &Path| {
         let path = path.to_owned();
@@ -119,7 +119,8 @@ impl Header {
     }
 }
 
-/// The picture of a grid, a binary PGM of 8 bits a pixel: a line of three numbers, and the levels.
+/// Returns the picture of a grid as the bytes of a binary PGM with 8 bits a pixel: a header with width, height and greatest grey level,
+/// then the grey levels.
 pub(crate) fn pgm(grid: &OccupancyGrid) -> Vec<u8> {
     let [n_columns, n_rows] = grid.size;
     let mut bytes = format!("P5\n{n_columns} {n_rows}\n255\n").into_bytes();
@@ -133,7 +134,7 @@ pub(crate) fn pgm(grid: &OccupancyGrid) -> Vec<u8> {
     bytes
 }
 
-/// The text of the YAML file.
+/// Returns the text of a map's YAML file.
 pub(crate) fn header(grid: &OccupancyGrid, name: &str) -> String {
     let [x_m, y_m] = grid.origin_m;
     format!(
@@ -143,7 +144,7 @@ pub(crate) fn header(grid: &OccupancyGrid, name: &str) -> String {
     )
 }
 
-/// A value of map_server's YAML, before its kind is checked.
+/// A value in a map's YAML file, before its type is checked.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
 enum Value {
@@ -151,7 +152,7 @@ enum Value {
     Number(f64),
     Text(String),
     List(Vec<Value>),
-    /// Of no key that is read.
+    /// A value of a type that no key of a map's YAML file may have.
     Other(IgnoredAny),
 }
 
@@ -178,7 +179,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// Keys that other programs read, such as the thresholds of costs, may stand beside.
+/// Parses the YAML file of a map. Further keys, which other programs read, such as thresholds of costs, are ignored.
 fn parse_header(text: &str) -> Result<Header, String> {
     let keys: BTreeMap<String, Value> = serde_saphyr::from_str(text).map_err(|error| {
         let message = error.to_string();

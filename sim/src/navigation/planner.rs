@@ -1,4 +1,4 @@
-//! The shortest way of a round robot through a grid: A* over cells, then a line with few corners.
+//! The shortest path of a round robot through an occupancy grid: A* over cells, then a polyline with few corners.
 
 use pathfinding::prelude::{astar, bfs_reach};
 
@@ -6,26 +6,28 @@ use crate::scene::Scene;
 
 use super::OccupancyGrid;
 
-/// Cost of a step to the side and of one across, in ten-thousandths of a cell: whole numbers add up the same in any order.
+/// Cost of a step to a neighbouring cell along a row or a column, in ten-thousandths of a cell. Costs are whole numbers, as these add up
+/// to the same sum in any order.
 const STRAIGHT: u32 = 10_000;
-/// √2 of it, rounded up so that the estimate of the way left, rounded like it, is never too long.
+/// Cost of a diagonal step: √2 times [`STRAIGHT`], rounded up. The heuristic of A* uses the same rounded cost, so that it never
+/// overestimates the cost of the path that remains.
 const ACROSS: u32 = 14_143;
 
-/// What a corner counts for: nothing against a length, but enough to tell equal ones apart.
+/// Length that a corner adds to a path: nothing against a real length, but enough to prefer the path with fewer corners among equally long ones.
 const CORNER_M: f64 = 1e-6;
 
-/// From a place that is too near to something the robot may get away to a free cell this near.
+/// Greatest distance to a free cell at which a path may begin when the robot itself stands too near to an obstacle.
 const GET_AWAY_M: f64 = 0.3;
 
-/// Ways on a grid for a robot of some radius.
+/// Planner of paths on a grid, for a robot of a given radius.
 #[derive(Clone, Debug)]
 pub struct Planner {
     grid: OccupancyGrid,
-    /// For each cell whether the robot's middle may be there.
+    /// For each cell, whether the robot's centre may be there.
     open: Vec<bool>,
 }
 
-/// The cells that can be got to from a place.
+/// The set of cells that a robot can reach from a place.
 #[derive(Clone, Debug)]
 pub struct Reach {
     grid: OccupancyGrid,
@@ -33,27 +35,27 @@ pub struct Reach {
 }
 
 impl Planner {
-    /// Ways for the robot of a scene on its map, with its margin.
+    /// Creates the planner for the robot of a scene, on the scene's map and with the scene's safety margin.
     pub fn of(scene: &Scene) -> Planner {
         Planner::new(OccupancyGrid::of(scene), scene.robot.body_radius_m + scene.navigation().margin_m)
     }
 
-    /// Keeps the robot's middle `keep_away_m` from everything that is not free.
+    /// Creates a planner that keeps the robot's centre `keep_away_m` away from every cell that is not free.
     pub fn new(grid: OccupancyGrid, keep_away_m: f64) -> Planner {
         let cells = (0..grid.size[1]).flat_map(|row| (0..grid.size[0]).map(move |column| [column, row]));
         let open = cells.map(|cell| !grid.is_crowded(grid.centre_m(cell), keep_away_m)).collect();
         Planner { grid, open }
     }
 
-    /// The grid that it plans on.
+    /// Returns the grid that the planner works on.
     pub fn grid(&self) -> &OccupancyGrid {
         &self.grid
     }
 
-    /// Corners of the way from a place to another, both included, or `None` when there is none.
+    /// Returns the corners of the path from one place to another, both places included, or `None` when there is no path.
     ///
-    /// A* (Hart, Nilsson and Raphael 1968) with the octile distance, then the shortest line through its turns that passes open cells
-    /// only.
+    /// A* (Hart, Nilsson and Raphael 1968) with the octile distance finds the cells; the result is the shortest polyline through the
+    /// turns of their path that passes only cells where the robot's centre may be.
     pub fn plan(&self, from_m: [f64; 2], to_m: [f64; 2]) -> Option<Vec<[f64; 2]>> {
         let start = self.nearest_open(from_m)?;
         let goal = self.grid.cell_at(to_m).filter(|&cell| self.is_open(cell))?;
@@ -74,12 +76,12 @@ impl Planner {
         Some(self.straighten(&places_m))
     }
 
-    /// Where one can get to from a place, or `None` when that place itself is too near to something.
+    /// Returns the cells that can be reached from a place, or `None` when the place itself is too near to an obstacle.
     pub fn reach(&self, from_m: [f64; 2]) -> Option<Reach> {
         self.grid.cell_at(from_m).filter(|&cell| self.is_open(cell)).map(|start| self.reach_of(start))
     }
 
-    /// The same from the nearest place that is not too near to anything.
+    /// Returns the cells that can be reached from the free cell nearest to a place, or `None` when no free cell is near it.
     pub fn reach_near(&self, from_m: [f64; 2]) -> Option<Reach> {
         self.nearest_open(from_m).map(|start| self.reach_of(start))
     }
@@ -114,7 +116,8 @@ impl Planner {
             .min_by(|&one, &other| distance_m(one).total_cmp(&distance_m(other)))
     }
 
-    /// Steps to the eight cells around; across a corner only when both cells beside it are open.
+    /// Returns the steps to the eight neighbours of a cell, with their costs. A diagonal step is possible only when both cells beside it
+    /// are open too.
     fn neighbours(&self, [column, row]: [usize; 2]) -> Vec<([usize; 2], u32)> {
         let mut steps = Vec::with_capacity(8);
         for (right, up) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
@@ -128,10 +131,10 @@ impl Planner {
         steps
     }
 
-    /// The shortest line from turn to turn of a way over cells, of equally short ones that with the fewest corners.
+    /// Returns the shortest polyline through some of the turns of a path over cells; of equally short ones, the one with the fewest corners.
     fn straighten(&self, places_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let turns_m = turns(places_m);
-        // By turn, the length of the shortest line to it and the turn before it.
+        // For each turn of the path: the length of the shortest polyline to it, and the index of the turn before it on that polyline.
         let mut best = vec![(0.0_f64, 0_usize)];
         for to in 1..turns_m.len() {
             let through = (0..to).rev().filter(|&from| from + 1 == to || self.sees(turns_m[from], turns_m[to]));
@@ -149,7 +152,8 @@ impl Planner {
         corners_m
     }
 
-    /// Whether a straight line passes open cells only, with a twentieth of a cell to spare for what lies between two looks.
+    /// Whether a straight line passes only cells where the robot's centre may be. The line is sampled ten times a cell, and a twentieth
+    /// of a cell is kept clear around each sample for what lies between two samples.
     fn sees(&self, from_m: [f64; 2], to_m: [f64; 2]) -> bool {
         let resolution_m = self.grid.resolution_m;
         let n_looks = (length_m(&[from_m, to_m]) / (0.1 * resolution_m)).ceil().max(1.0) as usize;
@@ -165,7 +169,7 @@ impl Planner {
     }
 }
 
-/// The ends of a way over cells, and the places at which it turns.
+/// Returns the two ends of a path over cells and the places at which the path turns.
 fn turns(places_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let is_turn = |three: &[[f64; 2]]| {
         let cross = (three[1][0] - three[0][0]) * (three[2][1] - three[1][1])
@@ -178,17 +182,17 @@ fn turns(places_m: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 impl Reach {
-    /// Whether a world place lies in a cell that can be got to.
+    /// Whether a world place lies in a cell that can be reached.
     pub fn contains(&self, place_m: [f64; 2]) -> bool {
         self.grid.cell_at(place_m).is_some_and(|[column, row]| self.is_reached[row * self.grid.size[0] + column])
     }
 
-    /// How many cells can be got to.
+    /// Returns the number of cells that can be reached.
     pub fn n_cells(&self) -> usize {
         self.is_reached.iter().filter(|is_reached| **is_reached).count()
     }
 
-    /// Centres of the cells that can be got to, row by row.
+    /// Returns the centres of the cells that can be reached, row by row.
     pub fn centres_m(&self) -> Vec<[f64; 2]> {
         let cells = (0..self.grid.size[1]).flat_map(|row| (0..self.grid.size[0]).map(move |column| [column, row]));
         cells
@@ -199,7 +203,7 @@ impl Reach {
     }
 }
 
-/// Length of a line through places.
+/// Returns the length of a polyline through places.
 pub fn length_m(places_m: &[[f64; 2]]) -> f64 {
     places_m.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum()
 }

@@ -1,20 +1,21 @@
-//! How much room the true robot has.
+//! Distances of the true robot from what it may run into.
 
 use crate::{place::Bystander, scene::Scene, truth::Truth};
 
-/// Distance of the robot's round body from what it may run into; infinite where there is no such thing.
+/// Distances of the robot's round body from the walls, the furniture and the people that it may run into. A distance is infinite where
+/// there is nothing of the kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
-    /// From the room's walls.
+    /// Distance from the room's walls.
     pub walls_m: f64,
-    /// From furniture.
+    /// Distance from the nearest furniture.
     pub furniture_m: f64,
-    /// From people.
+    /// Distance from the nearest person.
     pub people_m: f64,
 }
 
 impl Clearance {
-    /// The room that a robot has among walls, furniture and people.
+    /// Computes the robot's distances from walls, furniture and people at one instant.
     pub fn of(scene: &Scene, truth: &Truth, people: &[Bystander]) -> Clearance {
         let (radius_m, place_m) = (scene.robot.body_radius_m, [truth.pose.x_m, truth.pose.y_m]);
         let furniture = scene.furniture.iter().map(|piece| piece.distance_m(place_m));
@@ -28,7 +29,7 @@ impl Clearance {
         }
     }
 
-    /// Distance of whatever is nearest.
+    /// Returns the least of the distances from walls, furniture and people.
     pub fn least_m(&self) -> f64 {
         self.walls_m.min(self.furniture_m).min(self.people_m)
     }

@@ -1,4 +1,5 @@
-//! A run simulated again by its recorded commands, with one thing otherwise: what the localizer is told, what was drawn, or what it sees.
+//! A recorded run simulated again by its commands, with something changed: the bounds that the localizer is given, values that were
+//! drawn, or the readings that reach the localizer.
 
 use std::borrow::Cow;
 
@@ -8,66 +9,68 @@ use crate::{drawn::Drawn, scene::Scene};
 
 use super::STEP_S;
 
-/// What is otherwise when a run is simulated again.
+/// The changes under which a recorded run is simulated again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counterfactual {
-    /// Each of them is made.
+    /// Changes to the recorded run, all of which apply together.
     pub changes: Vec<Change>,
-    /// The run ends after the first step at or after this time.
+    /// Time of the run that ends the simulation: it stops after the first step at or after this time.
     pub until_s: Option<f64>,
-    /// The run ends at the first step, so far into its drive or later, at which the truth is outside or an assumption doubted.
+    /// Time of a drive from which on a loss ends the simulation: the run ends at the first step, at or after this time of its drive, at
+    /// which the truth is outside the estimate or an assumption is doubted.
     pub until_lost_after_s: Option<f64>,
 }
 
-/// One thing that is otherwise.
+/// One change under which a run is simulated again.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// The localizer is told a bound as wide as its true value, where it was exceeded if that can be told it, and else all the run; the world
-    /// is as it was.
+    /// The localizer is given a bound as wide as its true value. A bound on slip is widened only in the spans of time in which it was
+    /// exceeded, every other bound in the whole run. The world stays as it was.
     Told {
-        /// Name of the bound.
+        /// Name of the widened bound.
         bound: String,
-        /// What the scene declares.
+        /// Value of the bound that the scene declares.
         declared: f64,
-        /// What was true.
+        /// True value behind the bound.
         true_value: f64,
-        /// Each span in which it was exceeded, and by how much.
+        /// Each span of time in which the bound was exceeded, and by how much.
         exceeded: Vec<([f64; 2], f64)>,
     },
-    /// What was drawn or placed beyond a bound is moved back to it; what the localizer is told stays.
+    /// Values that were drawn or placed beyond a bound are moved back to the bound, and so are directions of walls that the map states
+    /// beyond it. Everything else that the localizer is given stays.
     Clipped {
-        /// Name of the bound.
+        /// Name of the bound to which the values are moved back.
         bound: String,
     },
-    /// These readings never reach the localizer.
+    /// Some readings are withheld from the localizer.
     Withheld {
-        /// The camera that took it, none of what is no picture, and its stamp.
+        /// Each withheld reading, by the camera that took it and its stamp; no camera for a reading that is not a picture.
         readings: Vec<(Option<Camera>, f64)>,
     },
-    /// Every bound that the localizer is told is narrower by this factor.
+    /// Every bound that the localizer is given is narrower by one factor.
     Weakened {
-        /// Below 1.
+        /// Factor on every bound, below 1.
         factor: f64,
     },
 }
 
-/// The scene and its draws as a counterfactual has them.
+/// A scene and its drawn values, changed as a counterfactual demands.
 pub(super) struct Otherwise<'a> {
-    /// What is simulated.
+    /// Scene that is simulated.
     pub(super) world: Cow<'a, Scene>,
-    /// What the localizer is told.
+    /// Scene that states what the localizer is given.
     pub(super) told: Cow<'a, Scene>,
-    /// What is true.
+    /// Values drawn for the seed, as they are true in the simulation.
     pub(super) drawn: Drawn,
 }
 
 impl Counterfactual {
-    /// Applies the changes to a scene and to what its seed has drawn.
+    /// Applies the changes to a scene and to the values that its seed has drawn.
     pub(super) fn of<'a>(&self, scene: &'a Scene, drawn: &Drawn) -> Otherwise<'a> {
         let mut otherwise = Otherwise { world: Cow::Borrowed(scene), told: Cow::Borrowed(scene), drawn: drawn.clone() };
         for change in &self.changes {
             match change {
-                // Told by spans, in each drive's own time.
+                // Bounds on slip are not widened here but span by span, in each drive's own time.
                 Change::Told { bound, .. } if is_slip(bound) => {}
                 Change::Told { bound, declared, true_value, .. } => {
                     otherwise.told.to_mut().widen(bound, *declared, *true_value);
@@ -84,10 +87,10 @@ impl Counterfactual {
         otherwise
     }
 
-    /// Where the localizer is told that the wheels slip by more than declared, in the time of a drive that began at `offset_s`, whose stamps
-    /// may be off by `stamp_error_s`.
+    /// Returns the spans in which the localizer is given more slip of the wheels than declared, in the time of a drive that began at
+    /// `offset_s`. The stamps of readings may be off by `stamp_error_s`.
     pub(super) fn slips(&self, offset_s: f64, stamp_error_s: f64) -> Vec<SlipExcess> {
-        // The truth is looked at every step only, and a window may begin between two of them.
+        // The truth is recorded at every step only, and a window of a slip bound may begin between two steps.
         let margin_s = stamp_error_s + 2.0 * STEP_S;
         let told = self.changes.iter().filter_map(|change| match change {
             Change::Told { bound, exceeded, .. } if is_slip(bound) => Some((bound.as_str(), exceeded)),
@@ -95,7 +98,7 @@ impl Counterfactual {
         });
         told.flat_map(|(bound, exceeded)| exceeded.iter().map(move |excess| (bound, *excess)))
             .map(|(bound, ([from_s, to_s], excess_m))| {
-                // A share more than the comparison of a bound leaves to rounding.
+                // The factor exceeds the rounding that the comparison of a bound allows, so that the widened bound holds.
                 let excess_m = excess_m * (1.0 + 1e-6);
                 let [slip_m, side_slip_m] =
                     if bound == bounds::WHEELS_SLIP { [excess_m, 0.0] } else { [0.0, excess_m] };
@@ -105,7 +108,7 @@ impl Counterfactual {
             .collect()
     }
 
-    /// Whether a reading stamped at `measured_s` of the run's own time never reaches the localizer.
+    /// Whether a reading stamped at `measured_s`, in the time of the whole run, is withheld from the localizer.
     pub(super) fn withholds(&self, reading: &Reading, measured_s: f64) -> bool {
         self.changes.iter().any(|change| match change {
             Change::Withheld { readings } => {
@@ -121,7 +124,8 @@ impl Counterfactual {
     }
 }
 
-/// Whether a bound is one over windows of the wheels' motion, of which the localizer can be told in which spans it is exceeded.
+/// Whether a bound is on the slip of the wheels. Slip is bounded over windows of motion, so that the localizer can be given the spans in
+/// which the bound is exceeded.
 fn is_slip(bound: &str) -> bool {
     [bounds::WHEELS_SLIP, bounds::WHEELS_SIDE_SLIP].contains(&bound)
 }

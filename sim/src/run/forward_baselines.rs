@@ -1,4 +1,4 @@
-//! Beside `wall_directions`: paper 2's vanishing points, and the features of its Fig. 1, on the same pictures.
+//! Baselines for the method `wall_directions` on the same pictures: paper 2's vanishing points, and the image features of the paper's Fig. 1.
 
 use image::GrayImage;
 use localizer::{
@@ -10,24 +10,26 @@ use localizer::{
     },
 };
 
-/// Every so many pictures are looked at, and the one before each: the paper's chain takes several times as long as ours.
+/// Interval, in pictures, at which a picture is evaluated together with the one before it. The paper's chain takes several times as long
+/// as the project's own method, so that it does not read every picture.
 const EVERY: usize = 10;
 
-/// What paper 2's chain and features made of a run's pictures.
+/// Results of paper 2's vision chain and image features on the pictures of one run.
 #[derive(Clone, Debug, Default)]
 pub struct ForwardBaselines {
-    /// Pictures given to the paper's chain.
+    /// Number of pictures given to the paper's chain.
     pub n_asked: usize,
-    /// Error of each heading that it told, quarter turns forgiven.
+    /// Error of each heading that the paper's chain found, against the nearest wall direction and modulo a quarter turn.
     pub errors_rad: Vec<f64>,
-    /// Features matched between two successive pictures.
+    /// Number of features matched between two successive pictures, for each pair that was evaluated.
     pub matches: Vec<usize>,
     n_pictures: usize,
     before: Option<GrayImage>,
 }
 
 impl ForwardBaselines {
-    /// Takes note of a picture that was taken at this heading; answers with the direction of walls that the paper's chain saw in it.
+    /// Takes in a picture from the forward camera, taken at the given true heading. Returns the direction of the walls that the paper's
+    /// chain found, if the picture is one of those evaluated.
     pub(super) fn observe(
         &mut self,
         image: &GrayImage,
@@ -59,7 +61,7 @@ impl ForwardBaselines {
         let nearest_rad =
             map.wall_directions_rad.iter().map(|direction| off(direction.mid())).fold(f64::INFINITY, f64::min);
         self.errors_rad.push(nearest_rad);
-        // The robot's azimuth among the walls is theirs from the robot, with the other sign.
+        // The robot's heading among the walls is the walls' azimuth in the robot's frame with the opposite sign.
         Some(-told_rad)
     }
 }

@@ -1,24 +1,25 @@
-//! Which images of a run are kept for debug frames.
+//! Choice of the images of a run that are kept for debug frames.
 
 use std::{fmt, str::FromStr};
 
-/// Of which images a run leaves debug frames.
+/// For which images a run writes debug frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FramesPolicy {
-    /// Of none.
+    /// Debug frames for no image.
     #[default]
     None,
-    /// Of those after which the truth is outside the estimate, or that emptied it; of the one that left the widest box when
-    /// a run without any of those misses an expectation.
+    /// Debug frames for each image after which the truth is outside the estimate, or which left the estimate empty. If a run has no such
+    /// image and yet misses an expectation, the debug frame of the image that left the widest box.
     Failures,
-    /// Of every n-th, the first included.
+    /// Debug frames for every n-th image, the first included.
     Every(usize),
-    /// Of all.
+    /// Debug frames for all images.
     All,
 }
 
 impl FramesPolicy {
-    /// Whether to keep image `number`; `failed` when the truth is outside the estimate after it, or it emptied the estimate.
+    /// Whether to keep the image with this number. `failed` is true when the truth is outside the estimate after the image, or the image
+    /// left the estimate empty.
     pub fn keeps(self, number: usize, failed: bool) -> bool {
         match self {
             FramesPolicy::None => false,

@@ -1,4 +1,4 @@
-//! What a run leaves for the check and the record.
+//! The record of a run, for the judge and for the files of the run.
 
 use std::collections::BTreeMap;
 
@@ -14,115 +14,116 @@ use crate::{devices::BoundCheck, drawn::Drawn, driver::ErrandLog, truth::Truth, 
 
 use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
 
-/// What a run leaves for the check and the record: truth and estimate at every 10 ms step, apart from each other.
+/// Record of a run, for the judge and for the files of the run. Truth and estimate stand apart, one of each for every step of 10 ms.
 pub struct RunRecord {
-    /// The run's seed.
+    /// Seed of the run.
     pub seed: u64,
-    /// Graphics adapter that rendered the images, if any were rendered.
+    /// Graphics adapter that rendered the images, if any image was rendered.
     pub adapter: Option<String>,
-    /// True values drawn before the start.
+    /// True values that were drawn at random before the start of the run.
     pub drawn: Drawn,
-    /// Truth at each step.
+    /// The true state of the robot at each step.
     pub truths: Vec<Truth>,
-    /// The command over the 10 ms before each step but the first of a drive.
+    /// Wheel commands: for each step but the first of a drive, the command during the 10 ms before the step.
     pub commands: Vec<WheelCommand>,
-    /// Indices of the steps at which the robot was put at a station: nothing carries over from the step before.
+    /// Indices of the steps at which the robot was put at a station. Nothing carries over from the step before.
     pub restarts: Vec<usize>,
-    /// Estimate at each step, same times.
+    /// The estimate at each step, at the same times as `truths`.
     pub estimates: Vec<Estimate>,
-    /// Whether the subject has answered with boxes; else estimates are points, boxes without width, of which only the error says anything.
+    /// Whether the localizer under test answers with boxes. Otherwise its estimates are points, stored as boxes without width, of which
+    /// only the error is meaningful.
     pub has_boxes: bool,
-    /// What each image claimed, with the truth at its mid-exposure.
+    /// Record of each image that a method read, with its claims and the truth at the middle of its exposure.
     pub images: Vec<ImageRecord>,
-    /// Which of `images` left the widest box, with its reading: what shows a failed run that never lost the truth. Kept with
-    /// [`FramesPolicy::Failures`](crate::run::FramesPolicy).
+    /// Index in `images` of the image that left the widest box, with its reading. It shows a failed run that never lost the truth. Kept
+    /// with [`FramesPolicy::Failures`](crate::run::FramesPolicy) only.
     pub widest_image: Option<(usize, Reading)>,
-    /// Poses that odometry alone gives, same times.
+    /// Poses by wheel odometry alone, at the same times as `truths`.
     pub odometry: Vec<Pose>,
-    /// What became of the errands; none of a route.
+    /// Log of the errands; none for a scene with a route.
     pub errands: Option<ErrandLog>,
-    /// How much room the robot had at each step, same times; none of a route.
+    /// Distances of the robot from walls, furniture and people at each step, at the same times as `truths`; empty for a scene with a route.
     pub clearances: Vec<Clearance>,
-    /// What point methods and solvers made of the range readings.
+    /// Results of point methods and interval solvers on the readings of the range camera.
     pub range_baselines: RangeBaselines,
-    /// What paper 5's pipeline made of the pictures of the ceiling.
+    /// Results of paper 5's pipeline on the pictures of the ceiling.
     pub marker_baselines: MarkerBaselines,
-    /// Where dead reckoning by paper 2 has it.
+    /// Poses by paper 2's dead reckoning on the readings of the run.
     pub motion_baselines: MotionBaselines,
-    /// The declared bounds that readings had a part in, and where they were exceeded.
+    /// The declared bounds that readings were checked against, and where these bounds were exceeded.
     pub bounds: CheckedBounds,
-    /// What paper 2's chain and features made of the pictures ahead.
+    /// Results of paper 2's vision chain and image features on the pictures of the forward camera.
     pub forward_baselines: ForwardBaselines,
-    /// Wall-clock time spent, by stage.
+    /// Wall-clock time that each stage of the run took.
     pub timing: Timing,
-    /// SHA-256 over all readings, in order of arrival.
+    /// SHA-256 over all readings, in the order of their arrival.
     pub readings_digest: String,
 }
 
-/// One image's part in the run.
+/// Record of one image: its claims, and what they did to the estimate.
 pub struct ImageRecord {
-    /// Number of the image since the start.
+    /// Number of the image since the start of the run.
     pub number: usize,
-    /// The stamp the camera gave it.
+    /// Stamp that the camera gave the image.
     pub measured_s: f64,
-    /// When the localizer got it.
+    /// Time at which the localizer received the image.
     pub arrived_s: f64,
     /// Truth at the true middle of the exposure.
     pub truth: Truth,
-    /// Camera that took it; none of a range camera's reading.
+    /// Camera that took the image; none for a reading of a range camera.
     pub camera: Option<Camera>,
-    /// Method that read it.
+    /// Name of the method that read the image.
     pub method: &'static str,
-    /// Claims made; none when the cue was absent.
+    /// Claims that the method made; none when the image did not show what the method looks for.
     pub claims: Vec<Claim>,
-    /// How many of them may be false.
+    /// How many of the claims may be false.
     pub quota: Quota,
-    /// Segments looked at and rejected: `[u0, v0, u1, v1]` in pixels.
+    /// Line segments that the method looked at and rejected: `[u0, v0, u1, v1]` in pixels.
     pub rejected_px: Vec<[f64; 4]>,
-    /// Heading that it told without those before it.
+    /// Heading that this image gives on its own, without the images before it.
     pub alone_heading_rad: Option<Interval>,
-    /// Whether a constraint was made of it.
+    /// Whether the method made a constraint of the image.
     pub constrained: bool,
-    /// Whether the constraint emptied the union.
+    /// Whether the constraint left the union of boxes empty.
     pub emptied: bool,
-    /// Hull at the stamp without it.
+    /// Hull of the boxes at the image's stamp without the image.
     pub prior: PoseBox,
-    /// Union at the stamp just after the constraint.
+    /// Union of boxes at the image's stamp, just after the constraint.
     pub posterior: PoseUnion,
-    /// Landmarks as the method knew them then: code, and box of world x and y.
+    /// Landmarks as the method knew them after the image: code, and box of world x and y.
     pub landmarks: Vec<(LandmarkId, [Interval; 2])>,
-    /// Codes that the sensor gave, and whether each is its landmark's own.
+    /// Codes that the sensor reported, and whether each is its landmark's true code.
     pub codes: Vec<(LandmarkId, bool)>,
-    /// The reading itself, kept when frames are asked for.
+    /// The reading itself, kept when the user wants debug frames.
     pub reading: Option<Reading>,
 }
 
-/// Wall-clock seconds spent in each stage.
+/// Wall-clock seconds that each stage of a run took.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Timing {
-    /// Whole run.
+    /// Time of the whole run.
     pub wall_s: f64,
-    /// Physics.
+    /// Time of the physics.
     pub world_s: f64,
-    /// Rendering and sensor model of cameras.
+    /// Time of rendering and of the cameras' sensor model.
     pub render_s: f64,
-    /// Localizer without its methods' vision.
+    /// Time of the localizer on all readings but those of cameras.
     pub localizer_s: f64,
-    /// Vision of methods.
+    /// Time of the localizer on camera readings, which is mostly vision.
     pub vision_s: f64,
 }
 
-/// Bounds that readings had a part in.
+/// The declared bounds that readings were checked against.
 #[derive(Clone, Debug, Default)]
 pub struct CheckedBounds {
-    /// Each of them with the greatest true value behind it.
+    /// The greatest true value behind each bound.
     pub greatest: BTreeMap<Assumption, f64>,
-    /// Where one was exceeded, in the order in which its readings arrived.
+    /// Each occasion on which a bound was exceeded, in the order in which the readings arrived.
     pub exceeded: Vec<BoundCheck>,
 }
 
 impl CheckedBounds {
-    /// Notes what was behind a reading of a drive that began at `offset_s`.
+    /// Adds the checks of one reading, true values against declared bounds. The reading is of a drive that began at `offset_s`.
     pub(super) fn note(&mut self, checks: &[BoundCheck], offset_s: f64) {
         for check in checks {
             let greatest = self.greatest.entry(check.bound).or_insert(check.true_value);
@@ -136,7 +137,7 @@ impl CheckedBounds {
 }
 
 impl RunRecord {
-    /// The steps of each uninterrupted drive.
+    /// Returns the true states of each uninterrupted drive.
     pub fn drives(&self) -> impl Iterator<Item = &[Truth]> {
         let mut bounds = vec![0];
         bounds.extend(self.restarts.iter().copied().filter(|&index| index > 0));
@@ -144,7 +145,7 @@ impl RunRecord {
         (1..bounds.len()).map(move |index| &self.truths[bounds[index - 1]..bounds[index]])
     }
 
-    /// Whether the truth is outside at the last step so far, or an assumption doubted.
+    /// Whether, at the last recorded step, the truth is outside the estimate or an assumption is doubted.
     pub fn lost_at_last_step(&self) -> bool {
         let last = self.truths.last().zip(self.estimates.last());
         last.is_some_and(|(truth, estimate)| {
@@ -152,7 +153,7 @@ impl RunRecord {
         })
     }
 
-    /// Keeps the next image of `images` if it leaves a wider box than all before it.
+    /// Keeps the reading of the image that is added to `images` next, if the image leaves a wider box than every image before it.
     pub(super) fn keep_widest(&mut self, reading: &Reading, posterior: &PoseUnion) {
         let widest = self.widest_image.as_ref().and_then(|(index, _)| self.images.get(*index));
         let is_widest = widest.is_none_or(|widest| widest_m(posterior) > widest_m(&widest.posterior));
@@ -161,7 +162,7 @@ impl RunRecord {
         }
     }
 
-    /// The record of a run that has not begun.
+    /// Creates the record of a run that has not begun.
     pub fn new(seed: u64, adapter: Option<String>, drawn: Drawn) -> Self {
         RunRecord {
             seed,
@@ -188,7 +189,7 @@ impl RunRecord {
     }
 }
 
-/// The wider of a union's hull along x and y.
+/// Returns the width of a union's hull along x or y, whichever is greater.
 fn widest_m(union: &PoseUnion) -> f64 {
     let hull = union.hull();
     hull.width(0).max(hull.width(1))

@@ -1,5 +1,5 @@
-//! Point estimates from pictures of the ceiling to compare `ceiling_markers` with: the pipeline of Zhou et al. 2016 as printed, and a least-squares fit to the
-//! markers that it reads in which the direction of the vertical is known.
+//! Point estimates from pictures of the ceiling, to compare with the method `ceiling_markers`: the pipeline of Zhou et al. 2016 as
+//! printed, and a least-squares fit to all markers that it can read, given the direction of the vertical.
 
 use std::{f64::consts::TAU, time::Instant};
 
@@ -10,30 +10,32 @@ use localizer::{
     methods::ceiling_markers::paper::{self, PaperFix},
 };
 
-/// What the paper's pipeline made of a run's pictures.
+/// Results of the pipeline of paper 5 on the ceiling pictures of one run.
 #[derive(Clone, Debug, Default)]
 pub struct MarkerBaselines {
-    /// One for each picture, in their order.
+    /// Answers of the pipeline, one for each picture, in the order of the pictures.
     pub answers: Vec<PaperAnswer>,
-    /// Wall-clock time spent.
+    /// Wall-clock time that the paper's pipeline took.
     pub spent_s: f64,
-    /// Wall-clock time spent on the same with the vertical known.
+    /// Wall-clock time that the fit with a known vertical took.
     pub spent_upright_s: f64,
 }
 
-/// The paper's answer to one picture.
+/// Answer of paper 5's pipeline to one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct PaperAnswer {
-    /// Where the robot truly was.
+    /// True pose of the robot at the picture.
     pub truth: Pose,
-    /// What it read and where that puts the robot, heading in the turn of the truth; none without a marker of the map.
+    /// The marker that the pipeline read and the pose that follows from it, with the heading in the same turn as the true one; none when
+    /// no marker of the map was read.
     pub fix: Option<PaperFix>,
-    /// Where all markers put the robot if its camera's vertical is known, heading likewise.
+    /// Pose by a least-squares fit to the markers of the picture, given the direction of the vertical, with the heading in the same turn
+    /// as the true one; none when no marker of the map was read.
     pub upright: Option<Pose>,
 }
 
 impl MarkerBaselines {
-    /// Puts a picture to the paper's pipeline.
+    /// Gives a picture to the paper's pipeline and to the fit with a known vertical, and keeps their answers.
     pub(super) fn observe(&mut self, image: &GrayImage, map: &Map, robot: &RobotModel, truth: Pose) {
         let Some(markers) = &map.markers else { return };
         let near = |pose: Pose| {

@@ -1,5 +1,5 @@
-//! Paper 2's comparisons on the same readings: dead reckoning by wheels and gyroscope, by the flow sensor too, and its whole system;
-//! and dead reckoning that knows the gyroscope's bias from rest, which the paper's does not.
+//! Paper 2's methods to compare with, on the same readings: dead reckoning by wheels and gyroscope, the same with the flow sensor, and
+//! the paper's whole system. In addition, dead reckoning that learns the gyroscope's bias at rest, which the paper's does not.
 
 use localizer::{
     Pose, Reading, RobotModel,
@@ -8,22 +8,25 @@ use localizer::{
 
 use crate::scene::{MethodName, Scene};
 
-/// Over 0.1 s, at 0.25 m/s a difference of 4 %: the encoders' steps of 0.3 mm and 0.3 % of scale stay below it. The paper states neither number.
+/// Threshold and weight of paper 2's decision that the wheels slip. The threshold of 1 mm over 0.1 s is a difference of 4 % at 0.25 m/s:
+/// the encoders' steps of 0.3 mm and a scale error of 0.3 % stay below it. The paper states neither number.
 const SLIP_DECISION: SlipDecision = SlipDecision { level_m: 0.001, flow_weight: 0.9 };
 
-/// Poses at every step of the record; none for a robot without gyroscope or without anything to compare.
+/// Poses by dead reckoning at every step of the record. There are none for a robot without a gyroscope, nor for one that neither has a
+/// flow sensor nor is led along its route.
 #[derive(Clone, Debug, Default)]
 pub struct MotionBaselines {
-    /// Name and reckoning.
+    /// Name and state of each dead reckoning.
     running: Vec<(&'static str, DeadReckoning)>,
-    /// On top of the paper's own reckoning, which has this index, where the robot looks ahead.
+    /// The paper's system with corrections by wall directions, where the scene uses that method, and the index in `running` of the dead
+    /// reckoning that it corrects.
     corrected: Option<(usize, CorrectedReckoning)>,
-    /// Name and poses, in the same order, the corrected one last.
+    /// Name and poses of each dead reckoning, in the order of `running`, then those of the corrected one.
     pub poses: Vec<(&'static str, Vec<Pose>)>,
 }
 
 impl MotionBaselines {
-    /// Those that a scene's robot allows.
+    /// Creates the dead reckonings that the sensors of a scene's robot allow.
     pub(super) fn new(scene: &Scene, robot: &RobotModel) -> Self {
         let (mut running, mut papers) = (Vec::new(), 0);
         if let (Some(gyro), true) = (robot.gyro, robot.flow.is_some() || scene.is_led()) {
@@ -45,14 +48,14 @@ impl MotionBaselines {
         MotionBaselines { poses: names.map(|name| (name, Vec::new())).collect(), running, corrected }
     }
 
-    /// Takes in the direction of walls that the paper's chain saw from the robot.
+    /// Takes in the direction of walls that the paper's vision chain found.
     pub(super) fn see(&mut self, measured_s: f64, seen_rad: f64) {
         if let Some((_, corrected)) = &mut self.corrected {
             corrected.see(measured_s, seen_rad);
         }
     }
 
-    /// Takes in a reading.
+    /// Takes in a reading of wheels, gyroscope or flow sensor; other readings are ignored.
     pub(super) fn sense(&mut self, reading: &Reading) {
         for (_, reckoning) in &mut self.running {
             match reading {
@@ -64,7 +67,7 @@ impl MotionBaselines {
         }
     }
 
-    /// Notes the poses of a step.
+    /// Adds the poses of all dead reckonings at a step.
     pub(super) fn step(&mut self, time_s: f64) {
         for ((_, reckoning), (_, poses)) in self.running.iter().zip(&mut self.poses) {
             poses.push(reckoning.pose());

@@ -1,4 +1,4 @@
-//! Beside `range_landmarks`: the same readings given to point methods, and the same problems to every solver.
+//! Baselines for the method `range_landmarks`: point methods on the same readings, and the same pose problems given to every interval solver.
 
 use std::{collections::BTreeMap, time::Instant};
 
@@ -15,26 +15,28 @@ use localizer::{
     robot::{RangeCameraModel, WheelModel},
 };
 
-/// Problems are put to the solvers at every so many readings of a drive; set inversion would take most of its time otherwise.
+/// Interval, in readings of a drive, at which a pose problem is given to the solvers. With more problems, set inversion would take most
+/// of a drive's computing time.
 const EVERY: usize = 10;
 
-/// How much wider than the answer a solver's prior is, to each side: as after a kidnapping to the next room's corner.
+/// Half width that a solver's prior has beyond the localizer's box, along x and y. It is about as wide as after a kidnapping to a corner
+/// of the next room.
 const PRIOR_M: f64 = 0.5;
-/// See `PRIOR_M`.
+/// Half width that a solver's prior has beyond the localizer's box in heading. See `PRIOR_M`.
 const PRIOR_RAD: f64 = 0.5;
 
-/// What point methods and solvers made of a run.
+/// Results of point methods and interval solvers on the range readings of one run.
 #[derive(Clone, Debug, Default)]
 pub struct RangeBaselines {
-    /// Pose by least squares with correspondences, at each step; empty when nothing was measured.
+    /// Pose by least squares with known correspondences, at each step; empty when nothing was measured.
     pub svd: Vec<Pose>,
     /// Pose by iterative closest point without correspondences, at each step.
     pub icp: Vec<Pose>,
-    /// Pose by weighted least squares of the correspondences that agree, at each step.
+    /// Pose by weighted least squares over the correspondences that agree with each other, at each step.
     pub ransac: Vec<Pose>,
-    /// Pose by iterative closest point that is predicted and gated, at each step.
+    /// Pose by iterative closest point with a predicted pose and a gate on the matches, at each step.
     pub gated_icp: Vec<Pose>,
-    /// Each solver's answers, by its name; and the printed Table IV's.
+    /// Answers of each solver, by its name, and of the paper's Table IV as printed.
     pub solvers: BTreeMap<&'static str, Answers>,
     n_readings: usize,
     with_codes: PointMap,
@@ -44,38 +46,38 @@ pub struct RangeBaselines {
     boxes: BTreeMap<LandmarkId, [Interval; 2]>,
 }
 
-/// Answers of one solver.
+/// Answers of one interval solver to the problems of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Answers {
-    /// Problems put to it.
+    /// Number of problems given to the solver.
     pub problems: usize,
-    /// Answers with the truth in one of their boxes.
+    /// Number of answers that hold the true pose in one of their boxes.
     pub contained: usize,
-    /// Hulls of the answers, empty ones left out.
+    /// Hulls of the solver's answers; empty answers are left out.
     pub hulls: Vec<PoseBox>,
-    /// Wall-clock time spent.
+    /// Wall-clock time that the solver took.
     pub spent_s: f64,
 }
 
-/// A point map and the pose against it, carried on by odometry.
+/// A map of points and the robot's pose in that map, carried on by odometry between readings.
 #[derive(Clone, Debug, Default)]
 struct PointMap {
     places: BTreeMap<LandmarkId, [f64; 2]>,
-    /// Pose at the last reading, and what odometry said then.
+    /// Pose at the last reading, and the pose by odometry at the same time.
     fixed: Option<[Pose; 2]>,
 }
 
-/// A map with spreads and the pose against it, carried on by odometry.
+/// A map of points with covariances and the robot's pose in that map, carried on by odometry between readings.
 #[derive(Clone, Debug, Default)]
 struct Tracked<M> {
     map: M,
-    /// Pose at the last reading, and what odometry said then.
+    /// Pose at the last reading, and the pose by odometry at the same time.
     fixed: Option<(WeightedPose, Pose)>,
 }
 
-/// What point methods are told besides the reading: what the localizer is told.
+/// What point methods are given besides the reading: the same values as the localizer.
 pub(super) struct Told<'a> {
-    /// Where the drive began, as declared: the middle, and all of it.
+    /// Declared start of the drive: `start` is the middle of the start box, `start_box` the box itself.
     pub(super) start: Pose,
     pub(super) start_box: &'a PoseBox,
     pub(super) camera: &'a RangeCameraModel,
@@ -83,7 +85,8 @@ pub(super) struct Told<'a> {
 }
 
 impl RangeBaselines {
-    /// Takes note of a reading: `odometry` at its stamp, and where the robot truly was.
+    /// Gives a reading to all point methods, and now and then to the solvers. `odometry` is the pose by odometry at the reading's stamp,
+    /// `truth` the true pose.
     pub(super) fn observe(&mut self, account: &Account, told: &Told<'_>, odometry: Pose, truth: Pose, every_one: bool) {
         let start = told.start;
         let seen: Vec<(LandmarkId, [Interval; 2])> = account
@@ -119,7 +122,7 @@ impl RangeBaselines {
         self.boxes = account.landmarks.iter().copied().collect();
     }
 
-    /// The robot was put elsewhere: the maps stay, the poses do not.
+    /// Forgets the poses but keeps the maps, because the robot was put at another place.
     pub(super) fn restart(&mut self) {
         self.with_codes.fixed = None;
         self.without_codes.fixed = None;
@@ -127,7 +130,7 @@ impl RangeBaselines {
         self.gated.fixed = None;
     }
 
-    /// Takes note of a step.
+    /// Adds the pose of each point method at a step.
     pub(super) fn step(&mut self, odometry: Pose) {
         if self.n_readings > 0 {
             self.svd.push(self.with_codes.pose(odometry));
@@ -170,7 +173,7 @@ impl Answers {
 }
 
 impl PointMap {
-    /// Solves the pose against the map and puts landmarks that are new on it.
+    /// Solves for the pose in the map and adds landmarks to the map that it does not hold yet.
     fn fix(
         &mut self,
         seen: &[(LandmarkId, [Interval; 2])],
@@ -182,7 +185,7 @@ impl PointMap {
             seen.iter().map(|(code, b)| (*code, [b[0].mid(), b[1].mid()])).collect();
         let guess = if self.fixed.is_some() { self.pose(odometry) } else { start };
         let pose = match solved(&self.places, &points, guess) {
-            // The turn nearest to odometry: headings are on the real line.
+            // Headings are on the real line, so that the solution is shifted by whole turns to the one nearest to odometry.
             Some(pose) => Pose { heading_rad: unwrapped(pose.heading_rad, odometry.heading_rad), ..pose },
             None => guess,
         };
@@ -192,14 +195,14 @@ impl PointMap {
         self.fixed = Some([pose, odometry]);
     }
 
-    /// The pose when odometry says `odometry`.
+    /// Returns the robot's pose in the map: the pose at the last reading, carried on to the time when odometry gives `odometry`.
     fn pose(&self, odometry: Pose) -> Pose {
         self.fixed.map_or(odometry, |[pose, then]| carried(pose, then, odometry))
     }
 }
 
 impl<M> Tracked<M> {
-    /// Solves the pose against the map from where odometry predicts it.
+    /// Solves for the pose in the map, starting from the pose that odometry predicts.
     fn fix(&mut self, told: &Told<'_>, odometry: Pose, solved: impl FnOnce(&mut M, WeightedPose) -> WeightedPose) {
         let predicted = match &self.fixed {
             Some((pose, then)) => pose.carried_on(*then, odometry, told.wheels),
@@ -208,13 +211,13 @@ impl<M> Tracked<M> {
         self.fixed = Some((solved(&mut self.map, predicted), odometry));
     }
 
-    /// The pose when odometry says `odometry`.
+    /// Returns the robot's pose in the map: the pose at the last reading, carried on to the time when odometry gives `odometry`.
     fn pose(&self, odometry: Pose) -> Pose {
         self.fixed.as_ref().map_or(odometry, |(fixed, then)| carried(fixed.pose, *then, odometry))
     }
 }
 
-/// A pose carried on as odometry went.
+/// Carries a pose on by the motion that odometry measured between `then` and `now`.
 fn carried(pose: Pose, then: Pose, now: Pose) -> Pose {
     let (sin, cos) = then.heading_rad.sin_cos();
     let (x_m, y_m) = (now.x_m - then.x_m, now.y_m - then.y_m);

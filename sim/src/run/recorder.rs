@@ -1,4 +1,4 @@
-//! Writes a run's history down while it happens.
+//! Records the history of a run while it happens.
 
 use std::time::Instant;
 
@@ -17,7 +17,7 @@ use crate::{
 use super::range_baselines::Told;
 use super::{Clearance, FramesPolicy, ImageRecord, MotionBaselines, RunOptions, RunRecord, STEP_S, Timing, Witness};
 
-/// Writes the run's history down while it happens.
+/// Recorder of a run's history while the run happens.
 pub(super) struct Recorder<'a> {
     pub(super) history: RunRecord,
     odometry: PointOdometry,
@@ -25,11 +25,11 @@ pub(super) struct Recorder<'a> {
     robot: RobotModel,
     readings: Sha256,
     keep_images: FramesPolicy,
-    /// Whether others are asked what they make of the readings.
+    /// Whether baselines are computed on the readings, too.
     pub(super) asks_baselines: bool,
-    /// Time at which the present drive began.
+    /// Time of the run at which the present drive began.
     pub(super) offset_s: f64,
-    /// Where the localizer is told that it began: the middle, and all of it.
+    /// Start of the present drive as the localizer is given it: `start` is the middle of the start box, `start_box` the box itself.
     start: Pose,
     start_box: PoseBox,
     pub(super) witness: &'a mut dyn Witness,
@@ -44,7 +44,7 @@ impl<'a> Recorder<'a> {
         options: &RunOptions,
         witness: &'a mut dyn Witness,
     ) -> Self {
-        // Odometry alone knows no better start than the middle of the box that the localizer is given.
+        // Odometry alone knows no better start than the middle of the start box that the localizer is given.
         let odometry = PointOdometry::new(scene.nominal_start());
         Recorder {
             history: RunRecord {
@@ -64,7 +64,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Begins the drive of a station after those before it.
+    /// Begins the drive at the station of this index, after the drives at the stations before it.
     pub(super) fn restart(&mut self, index: usize, lasts_s: f64, here: &Scene) {
         self.offset_s = index as f64 * (lasts_s + STEP_S);
         self.start = here.nominal_start();
@@ -75,7 +75,7 @@ impl<'a> Recorder<'a> {
         self.witness.start(self.offset_s, Some(index));
     }
 
-    /// Runs `work` and adds its wall-clock time to a stage.
+    /// Runs `work` and adds the wall-clock time that it takes to a stage.
     pub(super) fn timed<T>(&mut self, stage: impl FnOnce(&mut Timing) -> &mut f64, work: impl FnOnce() -> T) -> T {
         let began = Instant::now();
         let answer = work();
@@ -83,7 +83,7 @@ impl<'a> Recorder<'a> {
         answer
     }
 
-    /// Notes a reading on its way into the localizer.
+    /// Records a reading on its way into the localizer.
     pub(super) fn sense(&mut self, observation: &Observation) {
         let reading = &observation.reading;
         self.witness.sense(reading);
@@ -121,7 +121,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Notes what the methods made of a reading.
+    /// Records what the methods of the localizer made of a reading.
     pub(super) fn images(&mut self, observation: Observation, accounts: Vec<localizer::localizer::Account>) {
         let Observation { reading, mut truth, codes, .. } = observation;
         self.witness.account(&reading, &accounts);
@@ -140,7 +140,7 @@ impl<'a> Recorder<'a> {
         }
         for account in accounts {
             if let (Reading::Range { .. }, Some(camera), true) = (&reading, &self.robot.range_camera, asks) {
-                // Odometry stands still until the stamp's own step has been recorded.
+                // While the step of the reading's stamp is not recorded yet, the odometry of the last recorded step stands in for it.
                 let step = (self.history.odometry.len() as f64 - 1.0).min((truth.time_s / STEP_S).round());
                 let odometry = self.history.odometry.get(step.max(0.0) as usize).copied().unwrap_or(self.start);
                 let told = Told { start: self.start, start_box: &self.start_box, camera, wheels: &self.robot.wheels };
@@ -177,7 +177,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Notes truth and estimate, apart from each other.
+    /// Records truth and estimate of a step, apart from each other.
     pub(super) fn step(&mut self, truth: &Truth, subject: &dyn Subject) {
         let answer = subject.estimate_at(truth.time_s);
         self.history.has_boxes &= matches!(answer, Answer::Boxes(_));
@@ -194,7 +194,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Notes how much room the true robot has on an errand.
+    /// Records the true robot's distances from walls, furniture and people, if the scene has errands.
     pub(super) fn room_left(&mut self, scene: &Scene, world: &World) {
         if scene.has_errands() {
             self.history.clearances.push(Clearance::of(scene, &world.truth(), &world.people()));

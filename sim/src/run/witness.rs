@@ -1,22 +1,23 @@
-//! Whoever looks on while a run happens, such as a recording.
+//! Observers that follow a run while it happens, such as a recording.
 
 use localizer::{Estimate, Pose, Reading, localizer::Account};
 
 use crate::truth::Truth;
 
-/// Told of a run's events in their order. Nothing that it does reaches the run.
+/// An observer that is told of a run's events in their order. Nothing that an observer does reaches the run.
 pub trait Witness {
-    /// The localizer starts, at the scene's start or at a station; its times have `offset_s` added from now on, readings' have not.
+    /// The localizer starts, at the scene's start or at a station. From this call on `offset_s` is added to the times of steps, but not
+    /// to the times of readings.
     fn start(&mut self, offset_s: f64, station: Option<usize>);
     /// A reading is about to reach the localizer.
     fn sense(&mut self, reading: &Reading);
-    /// What the methods made of it.
+    /// The methods of the localizer have read `reading`; `accounts` is what they made of it.
     fn account(&mut self, reading: &Reading, accounts: &[Account]);
-    /// A step of 10 ms has ended; its times have the offset added.
+    /// A step of 10 ms has ended. The offset of the present drive is added to the times of `truth` and `estimate`.
     fn step(&mut self, truth: &Truth, estimate: &Estimate, odometry: Pose);
 }
 
-/// Nobody looks on.
+/// The observer that ignores all events.
 impl Witness for () {
     fn start(&mut self, _offset_s: f64, _station: Option<usize>) {}
     fn sense(&mut self, _reading: &Reading) {}
@@ -24,7 +25,7 @@ impl Witness for () {
     fn step(&mut self, _truth: &Truth, _estimate: &Estimate, _odometry: Pose) {}
 }
 
-/// Perhaps somebody looks on.
+/// An optional observer, which ignores all events where it is `None`.
 impl<W: Witness> Witness for Option<W> {
     fn start(&mut self, offset_s: f64, station: Option<usize>) {
         self.iter_mut().for_each(|witness| witness.start(offset_s, station));
@@ -43,7 +44,7 @@ impl<W: Witness> Witness for Option<W> {
     }
 }
 
-/// Two look on.
+/// A pair of observers, each of which is told of every event.
 impl<A: Witness, B: Witness> Witness for (A, B) {
     fn start(&mut self, offset_s: f64, station: Option<usize>) {
         self.0.start(offset_s, station);

@@ -1,15 +1,15 @@
-//! The command that runs a case again.
+//! Shell commands that run a case again.
 
 use std::{env, fmt};
 
 use super::CaseResult;
 
-/// A shell command that runs one case again and leaves its frames.
+/// A shell command that runs one case again and writes its debug frames.
 #[derive(Clone, Debug)]
 pub struct Replay(String);
 
 impl Replay {
-    /// The command for `case`; `out` is where its results go.
+    /// Returns the command that runs `case` again and writes its results into `out`.
     pub fn of(case: &CaseResult, out: &str) -> Replay {
         let mut words = program();
         words.extend(["run".to_owned(), case.scene_path.display().to_string()]);
@@ -17,7 +17,7 @@ impl Replay {
             words.extend(["--set".to_owned(), setting.to_string()]);
         }
         words.extend(["--seed".to_owned(), case.seed.to_string()]);
-        // A case that passed and never lost the truth has no failure to show.
+        // A case that passed and never lost the truth has no failure for which debug frames could be drawn.
         let is_clean = case.passed() == Some(true) && case.first_failure().is_null();
         let frames = if is_clean { "every=20" } else { "failures" };
         words.extend(["--frames".to_owned(), frames.to_owned(), "--out".to_owned(), out.to_owned()]);
@@ -31,7 +31,7 @@ impl fmt::Display for Replay {
     }
 }
 
-/// This program as it was called, with the adapter that it was told to render with: other adapters give other bytes.
+/// Returns the words that call this program as it was called, with the graphics adapter that the user chose: other adapters give other bytes.
 pub fn program() -> Vec<String> {
     let mut arguments = env::args();
     let mut words = vec![arguments.next().unwrap_or_else(|| "wherein".to_owned())];
@@ -43,7 +43,7 @@ pub fn program() -> Vec<String> {
     words
 }
 
-/// `text` as a POSIX shell reads it as one word.
+/// Quotes `text` so that a POSIX shell reads it as one word.
 pub fn quoted(text: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@,".contains(c);
     if !text.is_empty() && text.chars().all(is_plain) {

@@ -1,15 +1,15 @@
-//! Tables as CSV (RFC 4180), with all digits of every number.
+//! Tables of results as CSV (RFC 4180), with all digits of every number.
 
 use csv::{ReaderBuilder, StringRecord, WriterBuilder};
 
 use super::{Cell, Table};
 
-/// The table as CSV, its first line the names of the columns.
+/// Writes a table of results as CSV. The first line has the names of the columns.
 pub fn to_csv(table: &Table) -> String {
     let rows = table.rows.iter().map(|row| row.iter().map(text).collect::<StringRecord>());
     let mut writer = WriterBuilder::new().from_writer(Vec::new());
     for record in std::iter::once(table.columns.iter().collect()).chain(rows) {
-        // Memory takes every row, and all rows have as many fields as there are columns.
+        // Writing cannot fail: the rows go into memory, and every row has as many fields as there are columns.
         let _ = writer.write_record(&record);
     }
     writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
@@ -25,9 +25,9 @@ fn text(cell: &Cell) -> String {
     }
 }
 
-/// Names of the columns and all rows of a CSV text, as texts; what is wrong with it otherwise.
+/// Returns the names of the columns and all rows of a CSV text, as texts, or a message that says what is wrong with the text.
 pub fn from_csv(text: &str) -> Result<(Vec<String>, Vec<Vec<String>>), String> {
-    // The reader takes a file that ends within quotes for whole.
+    // The CSV reader accepts a file that ends within quotes, although such a file has been cut off.
     if !text.matches('"').count().is_multiple_of(2) {
         return Err("a quote that is never closed".to_owned());
     }

@@ -1,4 +1,4 @@
-//! Tables as Parquet, for tools that read columns. Built with the feature `parquet`.
+//! Tables of results as Parquet files, for tools that read columns. Compiled with the feature `parquet` only.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use parquet::{
 
 use super::{Cell, Table};
 
-/// The bytes of a Parquet file: one row group, every column optional, numbers as doubles.
+/// Writes a table of results as the bytes of a Parquet file: one row group, every column optional, numbers as doubles.
 pub fn to_parquet(table: &Table) -> Result<Vec<u8>> {
     let kinds: Vec<Physical> = (0..table.columns.len()).map(|column| kind(table, column)).collect();
     let fields = table.columns.iter().zip(&kinds).map(|(name, kind)| {
@@ -37,7 +37,7 @@ pub fn to_parquet(table: &Table) -> Result<Vec<u8>> {
                 _ => None,
             })?,
             Physical::INT64 => fill::<Int64Type>(&mut open, cells, |cell| match cell {
-                // Parquet's own whole numbers end at 2⁶³; a seed beyond keeps its bits.
+                // Parquet's signed integers end at 2⁶³; a seed at or beyond that keeps its bits.
                 Cell::Whole(number) => Some(*number as i64),
                 _ => None,
             })?,
@@ -61,7 +61,7 @@ pub fn to_parquet(table: &Table) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The type of a column: that of its cells, or text when they are of several kinds.
+/// Returns the type of a column: the type of its cells, or text when its cells are of several types.
 fn kind(table: &Table, column: usize) -> Physical {
     let of = |cell: &Cell| match cell {
         Cell::Empty => None,
@@ -75,7 +75,7 @@ fn kind(table: &Table, column: usize) -> Physical {
     if kinds.all(|kind| kind == first) { first } else { Physical::BYTE_ARRAY }
 }
 
-/// Writes one column: its values, and for each row whether there is one.
+/// Writes one column: its values, and for each row whether it has a value.
 fn fill<'a, T: DataType>(
     column: &mut SerializedColumnWriter<'_>,
     cells: impl Iterator<Item = &'a Cell>,

@@ -1,4 +1,4 @@
-//! One row a case: the columns of `results.csv`, in a stable order.
+//! The table of `results.csv`: one row for each case, with the columns in a stable order.
 
 use std::collections::BTreeSet;
 
@@ -8,33 +8,33 @@ use crate::{campaign::sweep::Recorded, judge::figures::Figures};
 
 use super::{CaseResult, Results};
 
-/// What stands in a cell.
+/// Contents of one cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Nothing.
+    /// An empty cell.
     Empty,
-    /// A text.
+    /// A text in a cell.
     Text(String),
-    /// A number.
+    /// A floating-point number in a cell.
     Number(f64),
-    /// A whole number.
+    /// A whole number, not negative.
     Whole(u64),
-    /// Yes or no.
+    /// A truth value, true or false.
     Truth(bool),
 }
 
-/// Named columns over rows of cells.
+/// A table of results: named columns, and rows of cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Names of the columns.
+    /// Names of the table's columns.
     pub columns: Vec<String>,
-    /// A cell for each column, a row for each case.
+    /// Rows of the table, one for each case, with one cell for each column.
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// Columns before the keys that vary.
+/// First columns of the table of results, before those of the keys that vary.
 const IDENTITY: [&str; 2] = ["case", "scene"];
-/// Columns after them.
+/// Columns of the table of results after those of the keys that vary.
 const OUTCOME: [&str; 10] = [
     "seed",
     "status",
@@ -47,11 +47,11 @@ const OUTCOME: [&str; 10] = [
     "blame",
     "violated_bounds",
 ];
-/// Columns at the end.
+/// Last columns of the table of results.
 const ORIGIN: [&str; 4] = ["version", "adapter", "digest.scene", "digest.estimates"];
 
 impl Table {
-    /// The table of `results`. A case that did not run has a row without figures.
+    /// Creates the table of `results`. A case that did not run has a row without figures.
     pub fn of(results: &Results) -> Table {
         let keys = results.keys();
         let figures: Vec<Figures> = results.cases.iter().map(shown_figures).collect();
@@ -73,7 +73,7 @@ impl Table {
     }
 }
 
-/// All figures but those that have a column of their own.
+/// Returns all figures of a case but those that have columns of their own.
 fn shown_figures(case: &CaseResult) -> Figures {
     let mut figures = case.figures();
     figures.retain(|name, _| name != "seed" && !name.starts_with("containment.first_failure."));
@@ -119,7 +119,7 @@ fn outcome(case: &CaseResult) -> [Cell; 10] {
     ]
 }
 
-/// Names of the declared bounds that were exceeded, each once.
+/// Returns the names of the declared bounds that were exceeded in a case, each once, separated by blanks.
 fn violated_bounds(case: &CaseResult) -> String {
     let violations = case.summary().and_then(|summary| summary["violations"].as_array());
     let names: BTreeSet<&str> = violations.into_iter().flatten().filter_map(|one| one["bound"].as_str()).collect();

@@ -1,4 +1,4 @@
-//! One side of a comparison: a folder of results, or a `results.csv` kept as a baseline.
+//! One side of a comparison: the results of a folder, or a `results.csv` kept as a baseline.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -17,49 +17,49 @@ use crate::{
     judge::figures::Figures,
 };
 
-/// Cases by scene, settings and seed.
+/// One side of a comparison: its cases, named by scene, settings and seed.
 #[derive(Clone, Debug, Default)]
 pub struct Side {
-    /// Its cases.
+    /// Cases that ran, by name.
     pub cases: BTreeMap<String, Case>,
-    /// Cases that it was to run and that failed or are missing.
+    /// Names of the cases that should have run but failed or are missing.
     pub not_run: BTreeSet<String>,
 }
 
-/// One case that ran.
+/// One case that ran, with the results that a comparison needs.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its seed.
+    /// Seed of the case.
     pub seed: u64,
-    /// Whether it met its scene's expectations; not known of a table that does not say.
+    /// Whether the case met its scene's expectations; none when its table has no such column.
     pub passed: Option<bool>,
-    /// Its figures, those that are finite numbers.
+    /// Figures of the case that are finite numbers.
     pub figures: Figures,
 }
 
-/// Why a side cannot be read. Its text follows "failed to".
+/// Why one side of a comparison cannot be read. The text of the error follows "failed to".
 #[derive(Debug, Error)]
 pub enum SideError {
     /// A file cannot be read.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// A folder cannot be read.
+    /// A folder of results cannot be read.
     #[error(transparent)]
     Sweep(#[from] SweepError),
-    /// A table is not one of ours.
+    /// A file is not a table of results.
     #[error("read results {}: {expected}", path.display())]
     BadTable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of what is wrong with the table.
         expected: String,
     },
 }
 
 impl Side {
-    /// Reads a folder of results or a `results.csv`.
+    /// Reads one side of a comparison from a folder of results or from a `results.csv`.
     pub fn load(path: &Path) -> Result<Side, SideError> {
-        // A folder goes through the same text, so that it cannot say anything else than its own table.
+        // The results of a folder are converted into a CSV text and parsed again, so that a folder and its own `results.csv` cannot differ.
         let text = if path.is_dir() {
             to_csv(&Table::of(&Results::read(path)?))
         } else {
@@ -68,7 +68,7 @@ impl Side {
         Side::parse(&text).map_err(|expected| SideError::BadTable { path: path.to_owned(), expected })
     }
 
-    /// Reads the text of a `results.csv`.
+    /// Parses the text of a `results.csv` as one side of a comparison.
     pub fn parse(text: &str) -> Result<Side, String> {
         let (columns, rows) = from_csv(text)?;
         let column = |name: &str| columns.iter().position(|column| column == name).ok_or(format!("no column `{name}`"));

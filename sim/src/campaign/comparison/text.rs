@@ -1,11 +1,11 @@
-//! A comparison for people.
+//! A comparison of two sets of results as text for people.
 
 use super::{Comparison, Finding, Line};
 
-/// Cases named of each kind.
+/// Greatest number of cases that are listed by name under each heading.
 const MOST_NAMED: usize = 10;
 
-/// A line for each figure, then which cases lost or won containment.
+/// Writes a comparison as text: a line for each figure, then the cases that lost or regained containment.
 pub fn as_text(comparison: &Comparison) -> String {
     let headings = ["figure", "first", "second", "difference", "interval", "second is"].map(str::to_owned);
     let rows: Vec<[String; 6]> = [headings].into_iter().chain(comparison.lines.iter().map(row)).collect();

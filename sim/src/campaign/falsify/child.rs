@@ -1,4 +1,4 @@
-//! A process of its own for each run, so that one that panics, aborts or never ends does not end the search.
+//! Runs each scene in a process of its own, so that a run that panics, aborts or never ends does not end the search.
 
 use std::{
     env, fs,
@@ -11,61 +11,61 @@ use std::{
 
 use super::probe::{Outcome, Told};
 
-/// How a run ended.
+/// How the run of a scene ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
     /// The scene is not valid, because of this key.
     Refused(String),
-    /// It ran to its end.
+    /// The run reached its end.
     Ran(Outcome),
-    /// Its process ended before: where, and what it said.
+    /// The process ended before the run did.
     Crashed {
-        /// Simulated time that it had reached.
+        /// Simulated time that the run had reached.
         at_s: f64,
-        /// The place of a panic, or how the process ended.
+        /// Place of the panic in the source, the exit status of the process, or the limit of memory that it exceeded.
         place: String,
-        /// The last lines that it said.
+        /// Text that the process wrote to standard error, or the limit of memory for which it was killed.
         said: String,
     },
-    /// It took far longer than its like.
+    /// The run took far longer than runs of similar scenes.
     Hung {
-        /// Simulated time that it had reached.
+        /// Simulated time that the run had reached.
         at_s: f64,
-        /// Processor time that it had taken.
+        /// Processor time that the process had taken.
         took_s: f64,
     },
-    /// It could not render.
+    /// The process could not render.
     CouldNotRun(String),
 }
 
-/// A run in a process of its own.
+/// A run of a scene in a process of its own.
 pub(super) struct Run<'a> {
-    /// The scene.
+    /// Text of the scene.
     pub(super) text: &'a str,
     /// Seed of the run.
     pub(super) seed: u64,
     /// Graphics adapter to render with.
     pub(super) adapter: Option<&'a str>,
-    /// Threads of Mesa's software drivers; as many as they like unless stated.
+    /// Number of threads that Mesa's software drivers may use; none leaves the number to the driver.
     pub(super) driver_threads: Option<usize>,
 }
 
-/// Processor time to read a scene, start an adapter and finish: on two cores at 3 GHz that takes 0.01 to 1 s, most of it for an adapter, but
-/// up to 20 s where markers are laid out over a room of a few metres.
+/// Processor time that a process may take to read a scene, start a graphics adapter and finish. On two cores at 3 GHz these take 0.01 to
+/// 1 s, most of it for an adapter, but up to 20 s where markers are laid out over a room of a few metres.
 const START_S: f64 = 40.0;
-/// Processor time for a second of simulation without cameras: on average 0.008 s of sixty scenes drawn at random.
+/// Processor time that a process may take for a second of simulation without cameras. The average over sixty scenes drawn at random was 0.008 s.
 const SIMULATION_S: f64 = 1.0;
-/// Processor time for a million pixels: rendering and vision take 0.1 to 0.3 s on a software adapter.
+/// Processor time that a process may take for a million pixels. Rendering and vision take 0.1 to 0.3 s on a software adapter.
 const MEGAPIXEL_S: f64 = 3.0;
-/// Wall-clock time for the same, on a machine that many share.
+/// Ratio of the wall-clock time to the processor time that a process may take, as many processes may share the machine.
 const WALL_PER_PROCESSOR: f64 = 10.0;
-/// Memory beyond which a run is ended: one with three cameras takes 0.4 GB.
+/// Memory in kilobytes beyond which a process is killed: a run with three cameras takes 0.4 GB.
 const MOST_MEMORY_KB: u64 = 3_000_000;
-/// How often a run is looked after.
+/// Interval at which the time and the memory of a process are checked.
 const LOOK: Duration = Duration::from_millis(20);
 
 impl Run<'_> {
-    /// Runs and waits until it has ended, or until it is ended.
+    /// Starts the process and waits until the run has ended, or until the process has to be killed.
     pub(super) fn run(&self) -> io::Result<Ending> {
         let mut child = self.start()?;
         let began = Instant::now();
@@ -73,7 +73,7 @@ impl Run<'_> {
         let told = listen(&mut child);
         let said = overhear(&mut child);
         let ending = attend(&mut child, &told, began);
-        // Whoever has not ended by now never will; one that has is waited for all the same.
+        // A process that is still alive here will not end by itself and is killed; one that has ended must still be waited for.
         let _ = child.kill();
         let status = child.wait()?;
         drop(input);
@@ -93,18 +93,19 @@ impl Run<'_> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()
     }
 
-    /// Sends the scene. What comes back stays open: when it closes, the process knows that nobody waits for it any more.
+    /// Sends the scene to the process. The returned pipe has to stay open: when it closes, the process knows that the search does not
+    /// wait for it any more.
     fn send(&self, child: &mut Child) -> io::Result<Option<ChildStdin>> {
         let mut input = child.stdin.take();
         if let Some(input) = &mut input {
-            // A process that has ended already tells why in its own way.
+            // An error of writing is ignored: a process that has ended already shows the reason by its exit status.
             let _ = write!(input, "{}\n{}", self.text.len(), self.text).and_then(|()| input.flush());
         }
         Ok(input)
     }
 }
 
-/// What the process tells on standard output, line by line.
+/// Receives the reports that the process writes to standard output, one per line.
 fn listen(child: &mut Child) -> Receiver<Told> {
     let (sender, receiver) = mpsc::channel();
     if let Some(output) = child.stdout.take() {
@@ -120,7 +121,7 @@ fn listen(child: &mut Child) -> Receiver<Told> {
     receiver
 }
 
-/// What the process says on standard error, all of it when it has ended.
+/// Receives the text that the process writes to standard error, all of it when the process has ended.
 fn overhear(child: &mut Child) -> Receiver<String> {
     let (sender, receiver) = mpsc::channel();
     if let Some(mut errors) = child.stderr.take() {
@@ -133,7 +134,7 @@ fn overhear(child: &mut Child) -> Receiver<String> {
     receiver
 }
 
-/// Follows a run to its end; the simulated time that it had reached when its process ended before.
+/// Follows a run to its end. The error is the simulated time that the run had reached when its process ended too early.
 fn attend(child: &mut Child, told: &Receiver<Told>, began: Instant) -> Result<Ending, f64> {
     let (mut at_s, mut allowed_s) = (0.0, START_S);
     loop {
@@ -161,7 +162,7 @@ fn attend(child: &mut Child, told: &Receiver<Told>, began: Instant) -> Result<En
     }
 }
 
-/// Where a panic was, without the column, or else how the process ended.
+/// Returns the place of a panic in the source, without the column, or else the exit status of the process.
 fn place(said: &str, status: &str) -> String {
     let panicked = said.lines().find_map(|line| line.split_once("panicked at ")).map(|(_, place)| place);
     let Some(place) = panicked else { return status.to_owned() };
@@ -169,16 +170,17 @@ fn place(said: &str, status: &str) -> String {
     parts.iter().take(2).copied().collect::<Vec<_>>().join(":")
 }
 
-/// Processor time of a process and its threads, where the system tells (Linux: fields 14 and 15 of `stat`, in hundredths of a second).
+/// Returns the processor time of a process and its threads, where the system reports it (Linux: fields 14 and 15 of `stat`, in hundredths
+/// of a second).
 fn processor_s(process: u32) -> Option<f64> {
     let text = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name before may hold blanks and brackets.
+    // The name of the process, which stands in brackets before these fields, may itself hold blanks and brackets.
     let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |index: usize| fields.get(index)?.parse::<f64>().ok();
     Some((ticks(11)? + ticks(12)?) / 100.0)
 }
 
-/// Memory that a process holds, where the system tells.
+/// Returns the memory in kilobytes that a process holds, where the system reports it.
 fn memory_kb(process: u32) -> Option<u64> {
     let text = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = text.lines().find(|line| line.starts_with("VmRSS:"))?;

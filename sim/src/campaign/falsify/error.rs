@@ -1,4 +1,4 @@
-//! Why a search cannot go on.
+//! Reasons why a search for failing scenes cannot go on.
 
 use std::{io, path::PathBuf};
 
@@ -6,39 +6,39 @@ use thiserror::Error;
 
 use crate::artefacts::run_files::RecordError;
 
-/// Why a search cannot go on. Its text follows "failed to".
+/// Why a search cannot go on. The text of the error follows "failed to".
 #[derive(Debug, Error)]
 pub enum FalsifyError {
     /// A file of the search cannot be read or written.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// Another process searches into the same journal.
+    /// Another process searches with the same journal.
     #[error("search into {}: another process does, expected another --out", .0.display())]
     Locked(PathBuf),
-    /// A process for a case cannot be started or heard.
+    /// The process of a case cannot be started, or its output cannot be read.
     #[error("run case {case} in a process of its own: {source}")]
     Process {
-        /// The case.
+        /// Number of the case.
         case: u64,
-        /// What the system said.
+        /// Error that the operating system reported.
         source: io::Error,
     },
-    /// A case's process says that it cannot render.
+    /// The process of a case reports that it cannot render.
     #[error("run case {case}: {reason}")]
     CouldNotRun {
-        /// The case.
+        /// Number of the case.
         case: u64,
-        /// What it said.
+        /// Reason that the process reported.
         reason: String,
     },
-    /// The grammar draws nothing that is accepted.
+    /// The grammar draws only scenes that are refused.
     #[error("draw case {case}: {attempts} scenes in a row were refused, the last one for `{reason}`")]
     AllRefused {
-        /// The case.
+        /// Number of the case.
         case: u64,
-        /// Scenes that were drawn.
+        /// Number of scenes that were drawn for the case.
         attempts: u64,
-        /// Key of the last refusal.
+        /// Key for which the last scene was refused.
         reason: String,
     },
 }

@@ -1,4 +1,4 @@
-//! A hit as a scene of its own, for a person to look into.
+//! A failing scene in a file of its own, for a person to investigate.
 
 use std::path::{Path, PathBuf};
 
@@ -14,29 +14,29 @@ use crate::{
 
 use super::wish::{Hit, Wish};
 
-/// A scene that shows a hit, and what is known of it.
+/// A scene that shows a failure, with what is known of the failure.
 #[derive(Clone, Debug)]
 pub struct Finding<'a> {
     /// Seed of the search.
     pub seed: u64,
-    /// The case.
+    /// Number of the case in the search.
     pub case: u64,
     /// Seed of the run.
     pub run_seed: u64,
-    /// What it shows.
+    /// Failure that the scene shows.
     pub hit: &'a Hit,
     /// The scene, shrunk.
     pub scene: &'a Table,
 }
 
 impl Finding<'_> {
-    /// Where it is written in the folder of a search.
+    /// Returns the path of the scene's file in the folder of a search.
     pub fn path(&self, out: &Path) -> PathBuf {
         out.join("found").join(format!("{}_{}_{}.toml", self.hit.wish.name(), self.seed, self.case))
     }
 
-    /// Writes the scene with what it showed in comments before it. It states expectations, so that a person who has found the cause can
-    /// put it among the scenes as it is.
+    /// Writes the scene, with a description of the failure in comments before it. The scene states expectations, so that a person who has
+    /// found the cause can add the file to the project's scenes as it is.
     pub fn write(&self, out: &Path) -> Result<PathBuf, RecordError> {
         let path = self.path(out);
         run_files::prepare_for(&path)?;
@@ -44,7 +44,7 @@ impl Finding<'_> {
         Ok(path)
     }
 
-    /// The file's text.
+    /// Returns the text of the scene's file.
     pub fn text(&self, path: &Path) -> String {
         let Hit { wish, seen, signature, .. } = self.hit;
         let program = program().iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ");

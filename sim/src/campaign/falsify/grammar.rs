@@ -1,8 +1,9 @@
-//! Random scenes from a grammar over everything that the schema of scenes allows.
+//! Random scenes, drawn from everything that the schema of scenes allows.
 //!
-//! The schema says which keys there are and what they may be, so that a key that scenes come to have is searched without a line here.
-//! `weights` says how often and how far where the schema's range is wider than what can drive; `settled` says what a schema cannot:
-//! that things stand in the room, events lie within the time, and methods have what they read.
+//! The schema defines the keys and their possible values, so that a key that is added to scenes is searched without any change here.
+//! `weights` defines how often keys are stated, and narrower ranges where the schema's range is wider than what a robot can drive with.
+//! `settled` ensures what a schema cannot: that things stand in the room, events lie within the time of the run, and methods have the
+//! devices that they read.
 
 mod building;
 mod ceiling;
@@ -20,19 +21,19 @@ use crate::scene::schema::{alternatives, choices, numbers as listed, resolve, sc
 use super::dice::{Draws, rounded};
 use numbers::{Span, number};
 
-/// Which scenes a search draws.
+/// Kinds of scenes that a search draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
-    /// Every tenth with cameras, as a run with cameras takes some ten times longer.
+    /// Every tenth scene has cameras, as a run with cameras takes some ten times longer.
     Mixed,
-    /// Wheels, gyroscope, flow sensor and range camera alone.
+    /// No scene has a camera that renders images; the sensors are wheels, gyroscope, flow sensor, range camera and satellite navigation.
     WithoutCameras,
-    /// At least one camera in each.
+    /// Every scene has at least one camera that renders images.
     WithCameras,
 }
 
 impl Profile {
-    /// Its name in files and on the command line.
+    /// Returns the profile's name in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Profile::Mixed => "mixed",
@@ -41,7 +42,7 @@ impl Profile {
         }
     }
 
-    /// Whether a case has cameras.
+    /// Draws whether the scene of a case has cameras.
     fn has_cameras(self, draws: &Draws) -> bool {
         match self {
             Profile::Mixed => draws.dice("has cameras").chance(0.1),
@@ -51,24 +52,25 @@ impl Profile {
     }
 }
 
-/// A scene drawn at random, and the seed of its run. It may be refused.
+/// Draws a scene at random, and the seed of its run. The scene may be invalid and be refused.
 pub(super) fn scene(draws: &Draws, profile: Profile) -> (Table, u64) {
     let has_cameras = profile.has_cameras(draws);
     let mut dice = draws.dice("room");
-    // Rooms that a robot crosses within a run; now and then a hall.
+    // Most rooms are small enough that a robot crosses them within a run; one in ten may be as large as a hall.
     let most_m = if dice.chance(0.1) { 15.0 } else { 6.0 };
     let room_m = [0, 1].map(|_| rounded(dice.log_uniform(1.2, most_m), 3));
     let walk = Walk { draws, room_m, boldness: *draws.dice("boldness").choose(&BOLDNESS) };
     let mut scene = walk.table(resolve(schema()), "");
     settled::settle(&mut scene, draws, room_m, has_cameras);
-    // Whole numbers of TOML have 63 bits; seeds that a person can type are better still.
+    // Whole numbers of TOML have 63 bits, but seeds of two digits are easier for a person to type.
     (scene, draws.dice("seed of the run").whole(0, 99) as u64)
 }
 
-/// How often plain keys are stated: a scene near the defaults breaks one thing, a far one breaks combinations.
+/// Probabilities with which a plain key is stated; one of them is drawn for each scene. A scene near the defaults tests single keys, a
+/// scene far from them tests combinations.
 const BOLDNESS: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
 
-/// A walk along the schema.
+/// State of a recursive walk through the schema that draws a scene.
 struct Walk<'a> {
     draws: &'a Draws,
     room_m: [f64; 2],
@@ -76,7 +78,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// A table with some of its keys. `path` is dotted, items of lists by their index.
+    /// Draws a table with some of its keys. `path` is dotted, with items of lists by their index.
     fn table(&self, node: &'static Json, path: &str) -> Table {
         let mut table = Table::new();
         let Some(properties) = node.get("properties").and_then(Json::as_object) else { return table };
@@ -94,11 +96,11 @@ impl Walk<'_> {
         table
     }
 
-    /// How often a key is stated of which nothing else is known.
+    /// Returns the probability that a key is stated, where no weight is listed for the key.
     fn usual_chance(&self, property: &'static Json) -> f64 {
         let node = resolve(property);
         match type_name(node) {
-            // Lists of things lengthen a run and hide each other.
+            // Lists of things make a run longer, and one thing hides the effect of another, so that they are stated seldom.
             "array" if node.get("minItems") != node.get("maxItems") => 0.15,
             "object" => 0.5,
             "" if !alternatives(node).is_empty() => 0.5,
@@ -106,10 +108,11 @@ impl Walk<'_> {
         }
     }
 
-    /// A value that the schema allows; none where it does not say what there may be.
+    /// Draws a value that the schema allows; none where the schema does not say which values are possible.
     fn value(&self, property: &'static Json, path: &str) -> Option<Value> {
         let stated = resolve(property);
-        // A device is a table of its keys, or true or false: the table holds all that the others stand for.
+        // The keys of a device may be stated as a table, or as true or false. The table is drawn, as it can hold everything that true or
+        // false stand for.
         let options = alternatives(stated);
         let mut tables = options.into_iter().map(resolve).filter(|option| option.get("properties").is_some());
         let node = tables.next().unwrap_or(stated);
@@ -131,13 +134,14 @@ impl Walk<'_> {
             }
             "number" => Some(Value::Float(self.number(node, property, path)?)),
             _ if !choices(node).is_empty() => Some(Value::String((*dice.choose(&choices(node))).to_owned())),
-            // A name of its own, as names have to differ.
+            // A text is a name, and names have to differ, so that the path of its key serves as the name.
             "string" => Some(Value::String(path.to_owned())),
             _ => None,
         }
     }
 
-    /// A number: a place within the room where the key is a coordinate without a range, a direction where it is an angle without one.
+    /// Draws a number: a place within the room where the key is a coordinate without a range, a direction where it is an angle without a
+    /// range, and else a number within the key's range.
     fn number(&self, node: &'static Json, property: &'static Json, path: &str) -> Option<f64> {
         let mut dice = self.draws.dice(path);
         let last = path.rsplit('.').next().unwrap_or(path);
@@ -175,7 +179,7 @@ impl Walk<'_> {
         Some(Value::Array((0..length).filter_map(item).collect()))
     }
 
-    /// A table that its key `kind` selects.
+    /// Draws one of several possible tables, which the key `kind` distinguishes.
     fn variant(&self, variants: Vec<&'static Json>, path: &str) -> Value {
         let chosen = self.draws.dice(&format!("{path} kind")).choose(&variants);
         let kind = chosen["properties"]["kind"]["const"].as_str().unwrap_or_default();
@@ -185,7 +189,7 @@ impl Walk<'_> {
     }
 }
 
-/// The tables among which a key `kind` selects; none when nothing is to be selected.
+/// Returns the tables among which a key `kind` selects; none when there is no such selection.
 fn variants(node: &'static Json) -> Option<Vec<&'static Json>> {
     let listed = node.get("oneOf")?.as_array()?;
     let variants: Vec<&Json> = listed.iter().filter(|one| one.get("properties").is_some()).collect();
@@ -196,7 +200,7 @@ fn required(node: &Json) -> Vec<&str> {
     node.get("required").and_then(Json::as_array).into_iter().flatten().filter_map(Json::as_str).collect()
 }
 
-/// The path of a key whatever the places in lists.
+/// Returns the path of a key without the indices of list items.
 fn without_indices(path: &str) -> String {
     let mut plain = String::with_capacity(path.len());
     let mut is_index = false;
@@ -211,7 +215,7 @@ fn without_indices(path: &str) -> String {
     plain
 }
 
-/// Every key that the schema has, as a path without indices: for what asserts that all are drawn.
+/// Returns every key of the schema as a path without indices, for tests that every key is drawn.
 pub(super) fn paths() -> Vec<String> {
     fn collect(node: &'static Json, path: &str, found: &mut Vec<String>) {
         let stated = resolve(node);

@@ -1,4 +1,4 @@
-//! What a search has done, one line a case, so that it goes on where it stopped.
+//! Journal of a search: one line for each case that is done, so that a search can continue where it stopped.
 
 use std::{
     collections::BTreeMap,
@@ -14,30 +14,31 @@ use crate::artefacts::run_files::{self, RecordError, naming, program_digest};
 
 use super::{FalsifyError, Profile, wish::Hit};
 
-/// A case that is done.
+/// Record of a case that is done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Done {
-    /// Its number.
+    /// Number of the case in the search.
     pub case: u64,
-    /// Seed of its run.
+    /// Seed of the case's run.
     pub run_seed: u64,
-    /// Keys for which scenes were refused before one was accepted.
+    /// Keys for which scenes were refused before a scene was accepted.
     pub refused: Vec<String>,
-    /// Steps judged; 0 of a run that did not end.
+    /// Number of steps that were judged; 0 for a run that did not reach its end.
     pub steps: usize,
-    /// Simulated time.
+    /// Simulated time of the run in seconds.
     pub simulated_s: f64,
-    /// Whether images were rendered.
+    /// Whether images were rendered in the run.
     pub has_cameras: bool,
-    /// Bounds that were exceeded.
+    /// Names of the bounds that were exceeded.
     pub broken: Vec<String>,
-    /// Wishes that came true.
+    /// Failures that the run showed.
     pub hits: Vec<Hit>,
-    /// Where the shrunk scene is, if one was written.
+    /// Path of the file with the shrunk failing scene, if one was written.
     pub found: Option<PathBuf>,
 }
 
-/// The first line: what was asked. Another program draws or runs other cases, so that it has a journal of its own.
+/// First line of a journal: everything that determines the cases of the search. Another build of the program draws or runs other cases,
+/// so that it has a journal of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Heading {
     seed: u64,
@@ -47,7 +48,7 @@ struct Heading {
     adapter: Option<String>,
 }
 
-/// The journal of one search, locked against other processes for as long as this lives.
+/// The journal of one search, locked against other processes as long as this value lives.
 #[derive(Debug)]
 pub(super) struct Journal {
     path: PathBuf,
@@ -55,9 +56,9 @@ pub(super) struct Journal {
 }
 
 impl Journal {
-    /// Opens or begins the journal of a search in `out`; returns the cases that are done, too.
+    /// Opens or creates the journal of a search in the folder `out`, and returns it with the cases that are done.
     ///
-    /// A last line that was cut off when the process was killed is dropped: its case runs again.
+    /// A last line that was cut off when the process was killed is dropped, and its case runs again.
     pub(super) fn open(
         out: &Path,
         seed: u64,
@@ -76,7 +77,7 @@ impl Journal {
         let options = || OpenOptions::new().read(true).append(true).create(true).open(&path);
         let file = naming("open", &path, options())?;
         match file.try_lock() {
-            // Some network file systems know no locks; whoever shares a folder there has to take care.
+            // Some network file systems have no locks; users who share a folder on one have to take care themselves.
             Ok(()) => {}
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
             Err(TryLockError::WouldBlock) => return Err(FalsifyError::Locked(path)),
@@ -86,7 +87,8 @@ impl Journal {
         let whole = text.rfind('\n').map_or(0, |end| end + 1);
         naming("write", &path, file.set_len(whole as u64))?;
         let lines = text[..whole].lines().skip(1);
-        // Without the program's digest nothing tells a case of this build from one of another.
+        // Without a digest of the program, a case that this build recorded cannot be told from a case of another build, so that every
+        // case runs again.
         let done =
             lines.filter(|_| heading.program.is_some()).filter_map(|line| serde_json::from_str::<Done>(line).ok());
         let done = done.map(|done| (done.case, done)).collect();
@@ -97,14 +99,14 @@ impl Journal {
         Ok((journal, done))
     }
 
-    /// Adds a case that is done. It is on the disk when this returns.
+    /// Adds a case that is done. The case is on the disk when this function returns.
     pub(super) fn add(&mut self, done: &Done) -> Result<(), RecordError> {
         self.write(done)
     }
 
     fn write(&mut self, line: &impl Serialize) -> Result<(), RecordError> {
         let written = serde_json::to_string(line).map_err(io::Error::from).and_then(|text| {
-            // One write, so that what is killed leaves a line or a part of one at the end.
+            // The line is written by a single call, so that a process that is killed leaves a complete line, or a part of one at the end of the file.
             self.file.write_all(format!("{text}\n").as_bytes())?;
             self.file.sync_data()
         });
@@ -112,9 +114,9 @@ impl Journal {
     }
 }
 
-/// A name for all that determines what a search finds.
+/// Returns a name that depends on everything that determines the cases of a search.
 fn identity(heading: &Heading) -> String {
-    // A heading's keys are texts, so that nothing in it can fail to serialise.
+    // Serialising cannot fail, as all keys of a heading are texts.
     let digest = Sha256::digest(serde_json::to_vec(heading).unwrap_or_default());
     digest.iter().take(6).map(|byte| format!("{byte:02x}")).collect()
 }

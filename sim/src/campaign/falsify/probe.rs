@@ -1,4 +1,4 @@
-//! What the process of one case does: reads a scene, runs it, and tells what it saw, line by line.
+//! The process of one case: it reads a scene, runs it, and reports on standard output, line by line, what happens.
 
 use std::{
     io::{self, BufRead, Read, Write},
@@ -19,46 +19,46 @@ use crate::{
 
 use super::wish::{Hit, hits};
 
-/// One line of what a case's process tells, as JSON.
+/// One line that the process of a case reports, as JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Told {
-    /// The scene is not valid; the key that is to blame first, without indices.
+    /// The scene is not valid. The text is the first key that is refused, without indices.
     Refused(String),
-    /// The scene is valid and runs.
+    /// The scene is valid and its run begins, or a run has to be simulated again.
     Began {
-        /// Simulated time that there is to run.
+        /// Simulated time of all runs in seconds.
         simulated_s: f64,
-        /// Pixels that all cameras take in a second of it.
+        /// Number of pixels that all cameras take in a second of simulated time.
         pixels_per_s: f64,
     },
-    /// Simulated time that has run.
+    /// Simulated time that the run has reached.
     At(f64),
-    /// No adapter, or one that failed.
+    /// There is no graphics adapter, or it failed.
     CouldNotRun(String),
-    /// The run is over.
+    /// The run has ended.
     Ran(Outcome),
 }
 
-/// What a run showed.
+/// Results of a run that reached its end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Steps judged.
+    /// Number of steps that were judged.
     pub steps: usize,
-    /// Simulated time.
+    /// Simulated time of the run in seconds.
     pub simulated_s: f64,
-    /// Whether images were rendered.
+    /// Whether images were rendered in the run.
     pub has_cameras: bool,
-    /// Bounds that were exceeded.
+    /// Names of the bounds that were exceeded.
     pub broken: Vec<String>,
-    /// Wishes that came true.
+    /// Failures that the run showed.
     pub hits: Vec<Hit>,
-    /// Digest of truth, readings and estimates.
+    /// Digests of the truth, the readings and the estimates.
     pub digest: String,
 }
 
-/// Reads a scene from standard input, the number of its bytes in a line before it, runs it with `seed` and tells of it on standard
-/// output. Ends the process when standard input does: whoever waited for it is gone.
+/// Reads the number of a scene's bytes in one line from standard input, and then the scene; runs the scene with `seed`, and reports on
+/// standard output. The process ends when standard input is closed, because the search that waited for it has ended.
 pub fn probe(seed: u64, adapter: Option<&str>) -> io::Result<()> {
     let mut input = io::stdin().lock();
     let mut line = String::new();
@@ -68,7 +68,7 @@ pub fn probe(seed: u64, adapter: Option<&str>) -> io::Result<()> {
     input.read_exact(&mut text)?;
     drop(input);
     thread::spawn(|| {
-        // Nothing more is sent, so that this returns when the other end is closed.
+        // Nothing more is sent on standard input, so that reading returns when the other end is closed.
         let _ = io::stdin().lock().read(&mut [0]);
         process::exit(2);
     });
@@ -82,7 +82,7 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
         Err(error) => return Told::Refused(reason(&error)),
     };
     let pixels_per_s = pixels_per_s(&scene);
-    // Whoever does not listen any more has ended, and so does this process.
+    // An error of writing is ignored: a search that has stopped reading has ended, and this process ends with it.
     let _ = tell(&Told::Began { simulated_s: scene.simulated_s(), pixels_per_s });
     let mut renderer = match scene.has_camera().then(|| Renderer::on_adapter(adapter)).transpose() {
         Ok(renderer) => renderer,
@@ -97,7 +97,7 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
     };
     let mut all_s = scene.simulated_s();
     let verdict = judge(&scene, &record, &mut |asked| {
-        // To find whose fault it is takes as long as the run, several times.
+        // Finding out which fault is to blame takes as long as the run, several times over, so that more time has to be allowed.
         all_s += asked.until_s.unwrap_or(scene.simulated_s());
         let _ = tell(&Told::Began { simulated_s: all_s, pixels_per_s });
         run_otherwise(&scene, &record, asked, &IntervalLocalizer::boxed, renderer.as_mut(), &mut |_| {})
@@ -123,7 +123,7 @@ fn run_told(text: String, seed: u64, adapter: Option<&str>) -> Told {
     })
 }
 
-/// The first key that was refused, whatever its place in a list.
+/// Returns the first key for which a scene was refused, without indices of lists.
 fn reason(error: &SceneError) -> String {
     match error {
         SceneError::Invalid { problems, .. } => problems.0.first().map_or_else(String::new, |problem| {

@@ -1,4 +1,4 @@
-//! The search itself: cases by their numbers, several at a time, each done when it stands in the journal.
+//! The search for failing scenes: cases in the order of their numbers, several at a time, each recorded in the journal when it is done.
 
 use std::{
     collections::BTreeSet,
@@ -26,54 +26,54 @@ use super::{
     wish::{Hit, Wish},
 };
 
-/// What a search is asked.
+/// Parameters of a search for failing scenes.
 #[derive(Clone, Debug)]
 pub struct Search {
-    /// Seed of all scenes.
+    /// Seed of all scenes of the search.
     pub seed: u64,
-    /// Numbers of the cases.
+    /// Range of the case numbers.
     pub cases: Range<u64>,
-    /// Which scenes are drawn.
+    /// Kinds of scenes that are drawn.
     pub profile: Profile,
-    /// Runs at the same time.
+    /// Number of runs at the same time.
     pub jobs: usize,
-    /// When no more cases begin, and shrinking ends.
+    /// Time after which no more cases begin and shrinking ends.
     pub deadline: Option<Instant>,
-    /// Wishes whose scenes are shrunk and written.
+    /// Kinds of failure whose scenes are shrunk and written.
     pub wishes: Vec<Wish>,
-    /// How many smaller scenes are tried for each of them.
+    /// Number of smaller scenes that are tried for each failing scene.
     pub tries: usize,
-    /// Every so many cases one runs twice; 0 for none.
+    /// Interval, in cases, at which a case runs twice so that its bytes can be compared; 0 for never.
     pub twice_every: u64,
-    /// Where the journal and the scenes found go.
+    /// Folder for the journal and the failing scenes.
     pub out: PathBuf,
     /// Graphics adapter to render with.
     pub adapter: Option<String>,
 }
 
-/// What a search tells while it goes on.
+/// Report of a search while it goes on.
 #[derive(Clone, Debug)]
 pub enum Progress {
-    /// So many cases were done by an earlier process.
+    /// Number of cases that an earlier process has done.
     Resumed(usize),
     /// A case is done.
     Done(Done),
 }
 
-/// Scenes of one case that may be refused one after the other. Of a grammar worth its name less than half are, so that so many in a row
-/// have a chance of 10⁻¹².
+/// Greatest number of scenes that are drawn for one case, in case that each is refused. The grammar should draw valid scenes more often
+/// than not, so that this number of refusals in a row has a probability of at most 10⁻¹².
 const ATTEMPTS: u64 = 40;
 
-/// Smaller scenes tried of a run that does not end: each that hangs as well takes all the time that a run is allowed.
+/// Greatest number of smaller scenes that are tried when a run does not end: each try that hangs as well takes all the time that a run is allowed.
 const HANG_TRIES: usize = 60;
 
-/// Runs every case that is not done yet; returns all that are done, in order. `progress` is told of each.
+/// Runs every case that is not done yet, and returns all cases that are done, in the order of their numbers. `progress` is told of each case.
 pub fn search(search: &Search, progress: &mut dyn FnMut(Progress)) -> Result<Vec<Done>, FalsifyError> {
     let (journal, earlier) = Journal::open(&search.out, search.seed, search.profile, search.adapter.as_deref())?;
     let mut done: Vec<Done> = earlier.into_values().filter(|case| search.cases.contains(&case.case)).collect();
     progress(Progress::Resumed(done.len()));
     let known: BTreeSet<u64> = done.iter().map(|case| case.case).collect();
-    // Never a list: with a time for an end there are billions of them.
+    // The case numbers stay an iterator and never become a list: a search that is limited by time only has billions of them.
     let todo = Mutex::new(search.cases.clone().filter(|number| !known.contains(number)));
     let (stop, journal) = (AtomicBool::new(false), Mutex::new(journal));
     let (sender, receiver) = mpsc::channel();
@@ -91,7 +91,7 @@ pub fn search(search: &Search, progress: &mut dyn FnMut(Progress)) -> Result<Vec
                     if outcome.is_err() {
                         stop.store(true, Ordering::Relaxed);
                     }
-                    // The receiver lives until every worker has ended.
+                    // Sending cannot fail, as the receiver lives until every worker has ended.
                     let _ = sender.send(outcome);
                 }
             });
@@ -111,7 +111,7 @@ pub fn search(search: &Search, progress: &mut dyn FnMut(Progress)) -> Result<Vec
     first_error.map_or(Ok(done), Err)
 }
 
-/// What one run showed.
+/// Results of one scene's run.
 struct Seen {
     outcome: Option<Outcome>,
     hits: Vec<Hit>,
@@ -122,7 +122,7 @@ impl Search {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 
-    /// One case: a scene that is accepted, its run, and what is found made small.
+    /// Runs one case: draws scenes until one is accepted, runs it, and shrinks the scene if it fails.
     fn case(&self, number: u64) -> Result<Done, FalsifyError> {
         let mut refused = Vec::new();
         for attempt in 0..ATTEMPTS {
@@ -165,7 +165,7 @@ impl Search {
         })
     }
 
-    /// Makes the scene of a hit small and writes it.
+    /// Shrinks the scene that shows a failure and writes it to a file.
     fn found(&self, case: u64, run_seed: u64, scene: Table, hit: Hit) -> Result<PathBuf, FalsifyError> {
         let mut error = None;
         let mut last = hit.clone();
@@ -193,7 +193,7 @@ impl Search {
         Ok(finding.write(&self.out)?)
     }
 
-    /// Runs a scene in a process of its own; the key for which it was refused instead.
+    /// Runs a scene in a process of its own. The inner error is the key for which the scene was refused.
     fn seen(&self, case: u64, scene: &Table, seed: u64, is_twice: bool) -> Result<Result<Seen, String>, FalsifyError> {
         let text = scene.to_string();
         let run = |driver_threads| {
@@ -208,7 +208,7 @@ impl Search {
         };
         let mut hits = outcome.hits.clone();
         if is_twice {
-            // Other threads in the driver, where it has any, must not change a byte.
+            // The second run has a single thread in a software driver: the number of its threads must not change a byte.
             match run(Some(1))? {
                 Ending::Ran(second) if second.digest == outcome.digest => {}
                 other => hits.push(differs(&outcome, &other)),
@@ -218,11 +218,11 @@ impl Search {
     }
 }
 
-/// The hit that a process shows which ended before its run did.
+/// Returns the failure that a process shows by ending before its run did, or by hanging.
 fn ended_early(ending: &Ending) -> Option<Hit> {
     match ending {
         Ending::Crashed { at_s, place, said } => {
-            // The first line names the place.
+            // The line with `panicked at` has the place of the panic, and the line after it the message.
             let message = said.lines().skip_while(|line| !line.contains("panicked at")).nth(1).unwrap_or(place);
             let seen = format!("{place}: {message}, after {at_s:.1} s");
             Some(Hit { wish: Wish::Crash, at_s: *at_s, signature: place.clone(), seen })
@@ -248,7 +248,7 @@ fn differs(first: &Outcome, second: &Ending) -> Hit {
     Hit { wish: Wish::DigestDiffers, at_s: 0.0, signature: seen.clone(), seen }
 }
 
-/// Whether a smaller scene shows what the whole one did; of a crash, in the same place.
+/// Whether a smaller scene shows the same failure as the whole one. Two crashes are the same only if they occur in the same place.
 fn is_same(one: &Hit, other: &Hit) -> bool {
     one.wish == other.wish && (one.wish != Wish::Crash || one.signature == other.signature)
 }

@@ -1,31 +1,32 @@
-//! Makes a scene as small as it gets while it still shows the same.
+//! Shrinks a scene as far as possible while it still shows the same failure.
 
 use std::collections::BTreeSet;
 
 use toml::{Table, Value};
 
-/// A step along a document.
+/// One step of a path in a TOML document: a key of a table, or an index into a list.
 #[derive(Clone, Debug, PartialEq)]
 enum Step {
     Key(String),
     Item(usize),
 }
 
-/// One change that makes a scene smaller or plainer.
+/// One change that makes a scene smaller or simpler.
 #[derive(Clone, Debug)]
 enum Edit {
-    /// A key goes: what it says is as by default then.
+    /// Removes a key, so that its default value applies.
     Remove(Vec<Step>),
-    /// Items of a list go.
+    /// Removes the items of a list from one index up to another.
     RemoveItems(Vec<Step>, usize, usize),
-    /// A value becomes plainer.
+    /// Replaces a value by a simpler one.
     Set(Vec<Step>, Value),
 }
 
-/// Makes `scene` smaller for as long as `is_same` says of what is left that it still shows the same, at most `tries` times.
+/// Makes `scene` smaller as long as `is_same` confirms of the remaining scene that it shows the same failure, with at most `tries` attempts.
 ///
-/// Time is shortened first, as that makes all that follows cheaper; then tables and halves of lists go, then single keys; at last numbers
-/// are rounded. All of it begins again until nothing more goes. `at_s` is when it shows.
+/// The duration is shortened first, as this makes all further attempts cheaper. Then tables and halves of lists are removed, then single
+/// keys; at last numbers are rounded. These stages repeat until none of them changes the scene any more. `at_s` is the time of the
+/// failure.
 pub fn shrink(scene: Table, at_s: f64, tries: usize, is_same: &mut dyn FnMut(&Table) -> bool) -> Table {
     let stages: [fn(&Table, f64) -> Vec<Edit>; 5] = [
         shorter,
@@ -45,7 +46,7 @@ pub fn shrink(scene: Table, at_s: f64, tries: usize, is_same: &mut dyn FnMut(&Ta
                     return current;
                 }
                 let smaller = edited(&current, edit);
-                // What was tried before, and came out as it does now, need not run again.
+                // A scene that was tried before, by another sequence of changes, need not run again.
                 if tried.insert(smaller.to_string()) && is_same(&smaller) {
                     current = smaller;
                 } else {
@@ -59,10 +60,10 @@ pub fn shrink(scene: Table, at_s: f64, tries: usize, is_same: &mut dyn FnMut(&Ta
     }
 }
 
-/// Shorter runs, events that come too late for them left away.
+/// Returns edits that shorten the run; events that would come too late are removed with them.
 fn shorter(scene: &Table, at_s: f64) -> Vec<Edit> {
     let Some(duration_s) = scene.get("duration_s").and_then(as_number) else { return Vec::new() };
-    // Room for what makes it show: a second outside, one that is judged, a step.
+    // A run that is cut soon after the failure needs some steps more, and a failure that counts only after a second needs 1.5 s more.
     let wanted_s = [at_s + 0.1, at_s + 1.5, 0.5 * duration_s, 0.75 * duration_s];
     let shorter_s = wanted_s.into_iter().filter(|wanted_s| *wanted_s < 0.95 * duration_s && *wanted_s > 0.05);
     shorter_s
@@ -72,12 +73,12 @@ fn shorter(scene: &Table, at_s: f64) -> Vec<Edit> {
         .collect()
 }
 
-/// Lists without their first or second half, quarters, … and single items.
+/// Returns edits that remove the first or second half, the quarters, … and the single items of lists.
 fn fewer_items(scene: &Table) -> Vec<Edit> {
     let mut edits = Vec::new();
     for (path, value) in places(scene) {
         let Value::Array(items) = value else { continue };
-        // A pair of numbers is a place, not a list.
+        // A list of plain values, such as the two numbers of a place, keeps all its items.
         if items.iter().any(|item| !item.is_table() && !item.is_array()) {
             continue;
         }
@@ -91,7 +92,7 @@ fn fewer_items(scene: &Table) -> Vec<Edit> {
     edits
 }
 
-/// Documents without one of their tables or lists, the outermost first.
+/// Returns edits that remove one table or list each, the outermost first.
 fn without_tables(scene: &Table) -> Vec<Edit> {
     let mut found: Vec<Vec<Step>> = places(scene)
         .into_iter()
@@ -102,14 +103,14 @@ fn without_tables(scene: &Table) -> Vec<Edit> {
     found.into_iter().map(Edit::Remove).collect()
 }
 
-/// Documents without one of their plain keys.
+/// Returns edits that remove one key with a plain value each.
 fn without_keys(scene: &Table) -> Vec<Edit> {
     let plain =
         places(scene).into_iter().filter(|(path, value)| is_key(path) && !value.is_table() && !value.is_array());
     plain.map(|(path, _)| Edit::Remove(path)).collect()
 }
 
-/// Numbers of fewer digits.
+/// Returns edits that round a number to one, two or three digits.
 fn rounder(scene: &Table) -> Vec<Edit> {
     let mut edits = Vec::new();
     for (path, value) in places(scene) {
@@ -132,7 +133,7 @@ fn as_number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
-/// Every value of a document with the way to it, what holds others before what it holds.
+/// Returns every value of a document with its path; a table or list comes before its contents.
 fn places(scene: &Table) -> Vec<(Vec<Step>, Value)> {
     fn collect(value: &Value, path: &[Step], found: &mut Vec<(Vec<Step>, Value)>) {
         let steps: Vec<(Step, &Value)> = match value {
@@ -184,7 +185,7 @@ fn at<'a>(value: &'a mut Value, path: &[Step]) -> Option<&'a mut Value> {
     })
 }
 
-/// An event after the end would be refused.
+/// Removes events that end after the end of the run, as the scene would be refused with them.
 fn drop_late_events(scene: &mut Table) {
     let Some(duration_s) = scene.get("duration_s").and_then(as_number) else { return };
     let Some(Value::Array(events)) = scene.get_mut("event") else { return };
@@ -200,7 +201,7 @@ fn drop_late_events(scene: &mut Table) {
 mod tests {
     use super::*;
 
-    /// Shrinks what a text states for as long as `is_same`, and counts how often it asked.
+    /// Shrinks the scene of a text as long as `is_same` is true of the result, and counts the calls of `is_same`.
     fn shrunk(text: &str, tries: usize, is_same: impl Fn(&Table) -> bool) -> (Table, usize) {
         let mut asked = 0;
         let small = shrink(text.parse().unwrap(), 2.0, tries, &mut |scene| {
@@ -223,7 +224,7 @@ mod tests {
             has_third && scene.get("robot").and_then(|robot| robot.get("gyro")).is_some()
         };
         let (small, _) = shrunk(SCENE, 1000, matters);
-        // Every number is rounded as far as it goes: 3.4567 to one digit is 3.0, which is out, to two it is 3.5.
+        // Every number is rounded as far as possible: 3.4567 is 3.0 with one digit, which is outside the required range, and 3.5 with two.
         let expected: Table = "landmark = [{ x_m = 3.5 }]\n[robot.gyro]\n".parse().unwrap();
         assert_eq!(small, expected);
     }

@@ -1,4 +1,4 @@
-//! What a search comes to: how much ran, what it hit, and what that says of the rate at which runs fail.
+//! Summary of a search: how much ran, which failures it found, and what follows for the rate at which runs fail.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -9,50 +9,50 @@ use super::{
     wish::{Hit, Wish},
 };
 
-/// What all cases of a search come to.
+/// Summary of all cases of a search.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Seed of the search.
     pub seed: u64,
-    /// Runs that were made.
+    /// Number of runs.
     pub runs: usize,
-    /// Those among them with cameras.
+    /// Number of runs with cameras.
     pub with_cameras: usize,
-    /// Those among them in which no bound was exceeded.
+    /// Number of runs in which no bound was exceeded.
     pub bounds_held: usize,
-    /// Steps judged.
+    /// Number of steps that were judged.
     pub steps: usize,
-    /// Simulated time.
+    /// Simulated time of all runs in seconds.
     pub simulated_s: f64,
-    /// Scenes that were drawn and refused.
+    /// Number of scenes that were drawn and refused.
     pub refused: usize,
-    /// By key, how many scenes were refused for it.
+    /// For each key, the number of scenes that were refused for it.
     pub refusals: BTreeMap<String, usize>,
-    /// By bound, in how many runs it was exceeded.
+    /// For each bound, the number of runs in which it was exceeded.
     pub broken: BTreeMap<String, usize>,
-    /// By wish, what came true.
+    /// For each kind of failure, the runs that showed it.
     pub hits: BTreeMap<&'static str, Hits>,
-    /// Runs in which a wish came true that was asked for.
+    /// Number of runs that showed a failure of a kind that the user asks for.
     pub failed: usize,
-    /// Those among them in which no bound was exceeded.
+    /// Number of failed runs in which no bound was exceeded.
     pub failed_where_bounds_held: usize,
-    /// Upper 95 % bound on the share of runs that fail so.
+    /// Upper 95 % confidence bound on the share of runs that fail.
     pub failure_rate_upper_95: f64,
-    /// The same among runs in which no bound was exceeded.
+    /// Upper 95 % confidence bound on the share of failures among runs in which no bound was exceeded.
     pub failure_rate_upper_95_where_bounds_held: f64,
 }
 
-/// Where a wish came true.
+/// Runs that showed one kind of failure.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Hits {
-    /// Runs in which it did.
+    /// Number of runs that showed the failure.
     pub runs: usize,
-    /// By signature, the cases.
+    /// Numbers of the cases that showed the failure, grouped by the signature of the failure.
     pub cases: BTreeMap<String, Vec<u64>>,
 }
 
 impl Summary {
-    /// Sums up cases; those hits count as failures that `wishes` names.
+    /// Sums up the cases that are done. Failures of the kinds in `wishes` make a run count as failed.
     pub fn of(seed: u64, done: &[Done], wishes: &[Wish]) -> Summary {
         let mut summary = Summary { seed, runs: done.len(), ..Summary::default() };
         for case in done {
@@ -80,7 +80,7 @@ impl Summary {
 }
 
 /// Upper end of the one-sided 95 % interval by Clopper and Pearson (1934) for the probability of an event seen `k` times in `n` trials:
-/// the p at which so few are seen with a probability of 5 %, Σᵢ₌₀ᵏ C(n, i) pⁱ (1 − p)ⁿ⁻ⁱ = 0.05. For k = 0 it is 1 − 0.05^(1/n).
+/// the p at which `k` or fewer events have a probability of 5 %, Σᵢ₌₀ᵏ C(n, i) pⁱ (1 − p)ⁿ⁻ⁱ = 0.05. For k = 0 it is 1 − 0.05^(1/n).
 pub fn upper_bound(k: usize, n: usize) -> f64 {
     const MISSED: f64 = 0.05;
     if k >= n {
@@ -98,7 +98,7 @@ pub fn upper_bound(k: usize, n: usize) -> f64 {
         sum
     };
     let (mut least, mut most) = (k as f64 / n as f64, 1.0);
-    // Each halving adds a bit; doubles have 53.
+    // Each halving of the interval adds one bit of precision; doubles have 53 bits.
     for _ in 0..60 {
         let middle = 0.5 * (least + most);
         if at_most_k(middle) > MISSED { least = middle } else { most = middle }
@@ -139,9 +139,9 @@ mod tests {
 
     #[test]
     fn the_bound_on_a_rate_is_that_of_the_tables() {
-        // 0 of n: 1 − 0.05^(1/n), close to 3/n, the rule of three.
+        // For 0 of n the bound is 1 − 0.05^(1/n), which is close to 3/n, the rule of three.
         assert!((upper_bound(0, 300) - (1.0 - 0.05_f64.powf(1.0 / 300.0))).abs() < 1e-12);
-        // Two-sided 90 % tables of Clopper and Pearson: 1 of 10 gives 0.3942, 5 of 20 gives 0.4556.
+        // The expected values are of the two-sided 90 % tables of Clopper and Pearson: 1 of 10 gives 0.3942, 5 of 20 gives 0.4556.
         assert!((upper_bound(1, 10) - 0.3942).abs() < 5e-5, "{}", upper_bound(1, 10));
         assert!((upper_bound(5, 20) - 0.4556).abs() < 5e-5, "{}", upper_bound(5, 20));
         assert_eq!(upper_bound(4, 4), 1.0);

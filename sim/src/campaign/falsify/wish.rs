@@ -1,4 +1,4 @@
-//! What a search wishes for: each a way to break the promise.
+//! The kinds of failure that a search looks for.
 
 use localizer::Status;
 use serde::{Deserialize, Serialize};
@@ -9,30 +9,31 @@ use crate::{
     scene::Scene,
 };
 
-/// A way to break the promise, the gravest first.
+/// A kind of failure that a search looks for. The gravest comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Wish {
-    /// The process ended by itself: a panic, an abort, or more memory than any run needs.
+    /// The process ended early: by a panic, by an abort, or because it took more memory than any run needs.
     Crash,
-    /// The run takes far longer than its like.
+    /// The run takes far longer than runs of similar scenes.
     Hang,
-    /// The truth is outside though every bound held and the claims were true.
+    /// The truth is outside the estimate though every bound held and the claims were true.
     Unsound,
-    /// The truth is outside for more than a second, *sound* said all the while, and no bound was exceeded until then.
+    /// The truth is outside for more than a second while the status is *sound* at every step, and until then no bound that an estimate
+    /// relied on was exceeded and no reading had more false claims than declared.
     SoundButOutside,
-    /// The same run gives other bytes the second time.
+    /// A second run of the same scene and seed gives other bytes.
     DigestDiffers,
-    /// No pose is left.
+    /// The localizer has no pose left.
     EmptyBox,
-    /// A box, *sound*, that is wider than what the walls leave to the robot.
+    /// A box with the status *sound* is wider than the space that the walls leave to the robot.
     WiderThanRoom,
     /// The truth is outside because more claims were false than declared.
     Perception,
 }
 
 impl Wish {
-    /// All of them.
+    /// All kinds of failure, the gravest first.
     pub const ALL: [Wish; 8] = [
         Wish::Crash,
         Wish::Hang,
@@ -44,7 +45,7 @@ impl Wish {
         Wish::Perception,
     ];
 
-    /// Its name in files and on the command line.
+    /// Returns the name of this kind of failure in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Wish::Crash => "crash",
@@ -58,29 +59,29 @@ impl Wish {
         }
     }
 
-    /// Those that make a search fail unless others are asked for: what vision sees wrongly is counted apart.
+    /// Returns the kinds that make a search fail by default: all but false claims of the vision, which are counted apart.
     pub fn usual() -> Vec<Wish> {
         Wish::ALL.into_iter().filter(|wish| *wish != Wish::Perception).collect()
     }
 }
 
-/// A wish that came true.
+/// A failure that a run showed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hit {
-    /// Which.
+    /// Kind of the failure.
     pub wish: Wish,
-    /// When it first did, in simulated time.
+    /// Simulated time at which the failure first occurred.
     pub at_s: f64,
-    /// What tells hits of one cause from those of another: where a panic was, which methods a wrong box relied on.
+    /// Text that distinguishes failures of one cause from those of another: the place of a panic, or the methods and sensors of the scene.
     pub signature: String,
-    /// What was seen, in words.
+    /// Description of the failure in words.
     pub seen: String,
 }
 
-/// The truth may be outside so long before *sound* is called wrong: a second is what the localizer has to notice.
+/// Time for which the truth may be outside before the status *sound* counts as wrong: the localizer has one second to notice.
 const OUTSIDE_S: f64 = 1.0;
 
-/// Everything that a run's record shows of wishes, those apart that only its process shows.
+/// Finds every failure that the record of a run shows. A crash, a hang and different bytes show only in the process of a run.
 pub fn hits(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Vec<Hit> {
     [
         judged(scene, record, verdict, Judgement::Unsound),
@@ -115,17 +116,17 @@ fn judged(scene: &Scene, record: &RunRecord, verdict: &Verdict, judgement: Judge
     Some(Hit { wish, at_s: truth.time_s, signature: methods(scene), seen })
 }
 
-/// The first time that the truth is outside for long, *sound* said at every step, with nothing to excuse it: by then no bound was exceeded
-/// that any estimate relied on, and no reading had more false claims than its method declares.
+/// Finds the first time that the truth is outside for more than a second, with the status *sound* at every step, and without an excuse:
+/// by then no bound that any estimate relied on was exceeded, and no reading had more false claims than its method declares.
 ///
-/// It does not ask the judge whose fault it is, so that a judge who is too lenient does not hide it.
+/// The function does not use the judge's findings of blame, so that a judge who is too lenient does not hide a failure.
 fn sound_but_outside(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Option<Hit> {
     let excused_from_s = broken_from_s(record, verdict).min(misread_from_s(scene, record));
     let mut since: Option<usize> = None;
     for (index, (truth, estimate)) in record.truths.iter().zip(&record.estimates).enumerate() {
         let is_wrong = estimate.status == Status::Sound && !estimate.pose.contains(truth.pose);
         let is_excused = truth.time_s >= excused_from_s;
-        // A robot that is put at a station is not where it was.
+        // A robot that is put at a station is at another place than before, so that the time outside begins anew.
         if !is_wrong || is_excused || record.restarts.contains(&index) {
             since = None;
             continue;
@@ -141,7 +142,7 @@ fn sound_but_outside(scene: &Scene, record: &RunRecord, verdict: &Verdict) -> Op
     None
 }
 
-/// From when on a bound was exceeded that an estimate has relied on; infinite when none ever was.
+/// Returns the time from which on a bound was exceeded that an estimate has relied on; infinite if there is none.
 fn broken_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
     let relied_on_s = |bound: &str| {
         record.estimates.iter().find(|estimate| estimate.relies_on.contains(&bound)).map(|estimate| estimate.time_s)
@@ -150,7 +151,7 @@ fn broken_from_s(record: &RunRecord, verdict: &Verdict) -> f64 {
     excuses.fold(f64::INFINITY, f64::min)
 }
 
-/// From when on a reading had arrived that claims more falsely than declared; infinite when none ever did.
+/// Returns the time at which the first reading arrived that has more false claims than declared; infinite if there is none.
 fn misread_from_s(scene: &Scene, record: &RunRecord) -> f64 {
     let misperceived = misperceived(record, &false_claims(scene, record));
     let misread = record.images.iter().zip(misperceived).filter(|(_, is_misread)| *is_misread);
@@ -164,10 +165,11 @@ fn empty_box(scene: &Scene, record: &RunRecord) -> Option<Hit> {
     Some(Hit { wish: Wish::EmptyBox, at_s: empty.time_s, signature: format!("{status}, {}", methods(scene)), seen })
 }
 
-/// The localizer is told the walls and the body, so that no box that is sound reaches where the body would stand in a wall.
+/// Finds a *sound* box that is wider than the room. The localizer knows the walls and the robot's body, so that no such box may reach to
+/// where the body would stand in a wall.
 fn wider_than_room(scene: &Scene, record: &RunRecord) -> Option<Hit> {
     let most_m = scene.left_to_origin_m();
-    // Interval arithmetic rounds outwards; nobody means a wall that finely.
+    // Interval arithmetic rounds outwards, so that a box may be wider by this much without being wrong.
     const ROUNDING_M: f64 = 1e-9;
     let is_wider = |axis: usize, width: f64| width > most_m[axis] + ROUNDING_M;
     let wide = record.estimates.iter().filter(|estimate| estimate.status == Status::Sound).find_map(|estimate| {
@@ -181,7 +183,7 @@ fn wider_than_room(scene: &Scene, record: &RunRecord) -> Option<Hit> {
     Some(Hit { wish: Wish::WiderThanRoom, at_s, signature: methods(scene), seen })
 }
 
-/// The methods of a scene and the sensors of its motion, in words.
+/// Names the methods of a scene, its sensors of motion, and whether readings come late.
 fn methods(scene: &Scene) -> String {
     let methods = scene.localizer.methods.iter();
     let named = methods.filter_map(|method| Some(serde_json::to_value(method).ok()?.as_str()?.to_owned()));

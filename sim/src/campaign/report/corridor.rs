@@ -1,4 +1,5 @@
-//! Error over time inside the corridor of its box: the line leaves the band when the truth leaves the hull.
+//! Diagram of the error over time, drawn as a line inside the band of the box's width: the line leaves the band when the truth leaves the
+//! hull of the boxes.
 
 use std::fmt::Write;
 
@@ -11,10 +12,10 @@ const LEFT: f64 = 44.0;
 const PANEL: f64 = 66.0;
 const GAP: f64 = 10.0;
 const BOTTOM: f64 = 18.0;
-/// Points of a curve: one for every pixel and a half of a phone.
+/// Greatest number of points of a curve: one for every pixel and a half of a phone's screen.
 const POINTS: usize = 220;
 
-/// Three panels, x and y in mm and heading in degrees, one above the other; empty without a step.
+/// Draws three panels one above the other, x and y in mm and heading in degrees; empty if there is no step.
 pub(super) fn to_svg(steps: &[Step]) -> String {
     let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return String::new() };
     let span_s = [first.time_s, last.time_s.max(first.time_s + 1e-3)];
@@ -26,7 +27,7 @@ pub(super) fn to_svg(steps: &[Step]) -> String {
         svg += &panel(&thinned(steps, axis), axis, scale, name, top, span_s);
     }
     let below = height - 5.0;
-    // Writing to a `String` cannot fail, here and below.
+    // Writing to a `String` cannot fail, here and in the other places of this file.
     for (x, anchor, text) in
         [(LEFT, "start", format!("{:.0} s", span_s[0])), (WIDTH, "end", format!("{:.1} s", span_s[1]))]
     {
@@ -35,7 +36,7 @@ pub(super) fn to_svg(steps: &[Step]) -> String {
     svg + "</svg>"
 }
 
-/// Of each stretch of time the step that comes closest to leaving its box, so that no failure is thinned away.
+/// Thins the steps out for drawing. Of each stretch of time the step is kept that comes closest to leaving its box, so that no failure disappears.
 fn thinned(steps: &[Step], axis: usize) -> Vec<Step> {
     let stretch = steps.len().div_ceil(POINTS).max(1);
     let closest = |steps: &[Step]| {
@@ -77,11 +78,11 @@ fn panel(steps: &[Step], axis: usize, scale: f64, name: &str, top: f64, span_s: 
     svg
 }
 
-/// The next of 1, 2, 5, 10, 20, 50, … above a positive value.
+/// Rounds a positive value up to the next of 1, 2, 5, 10, 20, 50, …
 fn round_up(value: f64) -> f64 {
     let decade = 10_f64.powf(value.log10().floor());
     let nice = [1.0, 2.0, 5.0, 10.0].into_iter().map(|step| step * decade).find(|nice| *nice >= value * 0.999_999);
     let nice = nice.unwrap_or(value);
-    // 0.30000000000000004 is written 0.3.
+    // Rounding through decimal text turns 0.30000000000000004 into 0.3.
     format!("{nice:.3e}").parse().unwrap_or(nice)
 }

@@ -1,7 +1,7 @@
-//! Error against width: every step of every case at half the width of its box and at its error.
+//! Diagram of error against width: every step of every case, at half the width of its box and at its error.
 //!
-//! Below the diagonal the truth is inside. Bins are squares on a logarithmic scale, darker for more steps; what is outside
-//! is drawn last and at full strength, so that a single step shows among millions.
+//! Below the diagonal the truth is inside the box. Bins are squares on logarithmic scales, darker where they hold more steps. Steps with
+//! the truth outside are drawn last and at full strength, so that a single one is visible among millions.
 
 use std::{collections::BTreeMap, fmt::Write};
 
@@ -14,33 +14,33 @@ const HEIGHT: f64 = 290.0;
 const LEFT: f64 = 50.0;
 const BOTTOM: f64 = 34.0;
 const TOP: f64 = 8.0;
-/// Half the width of `1000`.
+/// Half the width of the axis label `1000`, in units of the drawing.
 const LABEL_HALF: f64 = 13.0;
-/// Bins in a decade.
+/// Number of bins in a decade of the logarithmic scales.
 const BINS: f64 = 20.0;
 
-/// Counts of steps by bin and judgement, for position or heading.
+/// Numbers of steps in each bin and of each judgement, for position or heading.
 #[derive(Clone, Debug)]
 pub(super) struct Diagram {
     unit: &'static str,
-    /// From metres or radians to `unit`.
+    /// Factor from metres or radians to `unit`.
     scale: f64,
     axes: &'static [usize],
     bins: BTreeMap<(Judgement, i32, i32), usize>,
 }
 
 impl Diagram {
-    /// Of x or y, whichever comes closer to leaving its box.
+    /// Creates an empty diagram of the position: of each step x or y is counted, whichever comes closer to leaving its box.
     pub(super) fn position() -> Diagram {
         Diagram { unit: "mm", scale: 1e3, axes: &[0, 1], bins: BTreeMap::new() }
     }
 
-    /// Of the heading.
+    /// Creates an empty diagram of the heading.
     pub(super) fn heading() -> Diagram {
         Diagram { unit: "°", scale: 180.0 / std::f64::consts::PI, axes: &[2], bins: BTreeMap::new() }
     }
 
-    /// Counts the steps of one run.
+    /// Adds the steps of one run to the diagram's counts.
     pub(super) fn add(&mut self, steps: &[Step]) {
         for step in steps {
             let Some(&axis) = self.axes.iter().max_by(|one, other| step.ratio(**one).total_cmp(&step.ratio(**other)))
@@ -48,14 +48,14 @@ impl Diagram {
                 continue;
             };
             let half_width = (0.5 * step.width[axis] * self.scale).max(1e-9);
-            // An error far below the width says no more than that it is far below.
+            // Errors below a hundredth of half the width are raised to that value: how far below they are means nothing.
             let error = (step.error[axis].abs() * self.scale).max(half_width * 1e-2);
             let bin = |value: f64| (value.log10() * BINS).floor() as i32;
             *self.bins.entry((step.judgement, bin(half_width), bin(error))).or_default() += 1;
         }
     }
 
-    /// The drawing; empty without a step.
+    /// Returns the diagram as SVG; empty if it has no step.
     pub(super) fn to_svg(&self) -> String {
         let Some(range) = self.range() else { return String::new() };
         let mut svg =
@@ -68,13 +68,13 @@ impl Diagram {
         let (low, high) = (range.across[0].max(range.up[0]), range.across[1].min(range.up[1]));
         if high > low {
             let ([x0, y0], [x1, y1]) = (corner(low), corner(high));
-            // Writing to a `String` cannot fail, here and below.
+            // Writing to a `String` cannot fail, here and in the other places of this file.
             let _ = write!(svg, r#"<path class="limit" d="M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}"/>"#);
         }
         svg + "</svg>"
     }
 
-    /// Whole decades around all bins, in bins.
+    /// Returns the ranges of the diagram's two scales around all bins, in bins, rounded outwards to multiples of four bins.
     fn range(&self) -> Option<Range> {
         let ends = |bins: &dyn Fn(&(Judgement, i32, i32)) -> i32| {
             let (least, most) = (self.bins.keys().map(bins).min()?, self.bins.keys().map(bins).max()?);
@@ -83,7 +83,7 @@ impl Diagram {
         Some(Range { across: ends(&|key| key.1)?, up: ends(&|key| key.2)? })
     }
 
-    /// Squares of one judgement, grouped by strength so that each group is one path.
+    /// Draws the squares of one judgement, grouped by strength of colour so that each group is one SVG path.
     fn squares(&self, judgement: Judgement, range: &Range) -> String {
         const LEVELS: f64 = 4.0;
         let own = || self.bins.iter().filter(|((kind, _, _), _)| *kind == judgement);
@@ -112,7 +112,7 @@ impl Diagram {
             let x = range.x(bin);
             let _ = write!(svg, r#"<path class="axis" d="M{x:.1} {TOP}V{floor:.1}"/>"#);
             let y = floor + 13.0;
-            // A label under the right edge would be cut in its middle.
+            // A label that would reach over the right edge of the drawing is moved to the left.
             let (x, anchor) = if x + LABEL_HALF > WIDTH { (WIDTH, "end") } else { (x, "middle") };
             let _ = write!(svg, r#"<text class="faint" x="{x:.1}" y="{y:.1}" text-anchor="{anchor}">{label}</text>"#);
         }
@@ -133,7 +133,7 @@ impl Diagram {
     }
 }
 
-/// What is drawn, in bins.
+/// Range of the two scales that is drawn, in bins.
 struct Range {
     across: [f64; 2],
     up: [f64; 2],
@@ -151,7 +151,7 @@ impl Range {
     }
 }
 
-/// Places, in bins, and labels of 1, 2 and 5 of each decade; of the decades alone where there are many.
+/// Returns places, in bins, and labels of the ticks of a scale: 1, 2 and 5 of each decade, or only the decades where there are many.
 fn ticks([least, most]: [f64; 2]) -> Vec<(f64, String)> {
     let steps: &[f64] = if most - least > 2.0 * BINS { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let decades = (least / BINS).floor() as i32..=(most / BINS).ceil() as i32;

@@ -1,4 +1,4 @@
-//! A figure over the values of two keys: a cell for each pair, its number in it, its colour by size.
+//! Heatmap of a figure over the values of two keys: one cell for each pair of values, coloured by the figure, with its number written in the cell.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ const WIDTH: f64 = 360.0;
 const LEFT: f64 = 74.0;
 const TOP: f64 = 38.0;
 const ROW: f64 = 25.0;
-/// More columns than this leave no room for numbers.
+/// Greatest number of columns in which a heatmap's cells have room for numbers.
 const MOST_NUMBERED: usize = 9;
 
-/// The keys along which heatmaps are drawn: the one with more values goes down, as a phone is higher than wide.
+/// The two keys along which heatmaps are drawn. The one with more values goes down, as the screen of a phone is higher than wide.
 struct Plane {
     across: Axis,
     down: Axis,
@@ -24,7 +24,7 @@ struct Axis {
     values: Vec<String>,
 }
 
-/// Heatmaps of containment, width, error and goals reached over the first two keys that vary; nothing when none varies.
+/// Draws heatmaps of containment, width, error and goals reached over the first two keys that vary; nothing when no key varies.
 pub(super) fn heatmaps(overview: &Overview) -> Option<Markup> {
     let plane = plane(overview)?;
     let shown = ["contained", "width", "error", "goals"];
@@ -76,7 +76,7 @@ fn heatmap(overview: &Overview, plane: &Plane, measure: &Measure) -> String {
         (0..rows * columns).map(|index| value(overview, plane, measure, index % columns, index / columns)).collect();
     let mut svg = format!(r#"<svg viewBox="0 0 {WIDTH} {height}" role="img" aria-label="{}">"#, measure.name);
     let middle = LEFT + (WIDTH - LEFT) / 2.0;
-    // Writing to a `String` cannot fail, here and below.
+    // Writing to a `String` cannot fail, here and in the other places of this file.
     let _ = write!(
         svg,
         r#"<text x="{middle}" y="11" text-anchor="middle" class="faint">{}</text>"#,
@@ -101,7 +101,7 @@ fn heatmap(overview: &Overview, plane: &Plane, measure: &Measure) -> String {
     svg + "</svg>"
 }
 
-/// A figure over every combination that has these two values.
+/// Returns the value of a measure for one cell of a heatmap, pooled over all combinations that have the two values of the cell's keys.
 fn value(overview: &Overview, plane: &Plane, measure: &Measure, column: usize, row: usize) -> Option<f64> {
     let belongs = |group: &&Group| {
         (plane.across.key.is_empty() || group.value(&plane.across.key) == plane.across.values[column])
@@ -116,7 +116,8 @@ fn value(overview: &Overview, plane: &Plane, measure: &Measure, column: usize, r
     }
 }
 
-/// Colour and its share, from 0 to 1. What is not contained stands out, and so do goals missed; other figures grow darker with their size.
+/// Returns the colour of a cell and the colour's share, from 0 to 1. Truth that is not contained and goals that were missed stand out;
+/// cells of other figures grow darker with the figure.
 fn tone(measure: &Measure, value: Option<f64>, all: &[Option<f64>]) -> Option<(&'static str, f64)> {
     let value = value?;
     let worst_lacks = match measure.name {
@@ -133,7 +134,7 @@ fn tone(measure: &Measure, value: Option<f64>, all: &[Option<f64>]) -> Option<(&
     }
     let known = || all.iter().flatten().copied().filter(|value| *value > 0.0);
     let (least, most) = (known().fold(f64::INFINITY, f64::min), known().fold(0.0, f64::max));
-    // On a scale of ratios, as widths and errors range over decades.
+    // The share of the colour is logarithmic, as widths and errors range over decades.
     let share = if most > least && value > 0.0 { (value / least).ln() / (most / least).ln() } else { 0.0 };
     Some(("--blue", 0.08 + 0.84 * share))
 }
@@ -169,12 +170,12 @@ fn cell(
     text
 }
 
-/// The last part of a key, as more does not fit above a column.
+/// Returns the last part of a dotted key, as more of it does not fit above a column.
 fn leaf(key: &str) -> String {
     escaped(key.rsplit('.').next().unwrap_or(key))
 }
 
-/// At most ten characters of a value.
+/// Shortens a value to at most ten characters.
 fn short(value: &str) -> String {
     if value.chars().count() <= 10 {
         return escaped(value);

@@ -4,12 +4,13 @@ use crate::campaign::cases::{CaseResult, Replay, Results};
 
 use super::{Group, Overview, text::first_outside};
 
-/// A job's summary may have a megabyte; nobody reads more rows than this.
+/// Greatest numbers of combinations, failed cases and missing cases in the Markdown report. The summary of a CI job may have a megabyte,
+/// but nobody reads more rows than these.
 const MOST_GROUPS: usize = 100;
 const MOST_WORST: usize = 10;
 const MOST_ABSENT: usize = 100;
 
-/// Verdict, combinations, and the failed cases with the command that replays each.
+/// Writes the verdict, a table of the combinations, and the failed cases with the command that runs each again.
 pub fn as_markdown(overview: &Overview, results: &Results) -> String {
     let verdict = if overview.has_passed() { "✅ passed" } else { "❌ failed" };
     let mut text = format!("## {verdict}: {}\n\n{}.\n\n", inline(&results.title), overview.headline());
@@ -74,7 +75,7 @@ fn failure(case: &CaseResult, with_scene: bool) -> String {
     text + &format!("\n  ```sh\n  {}\n  ```\n", Replay::of(case, "renders"))
 }
 
-/// A text that Markdown shows as it is.
+/// Escapes a text so that Markdown shows it unchanged.
 fn inline(text: &str) -> String {
     text.chars().fold(String::new(), |mut escaped, character| {
         if "\\`*_[]<>|#".contains(character) {

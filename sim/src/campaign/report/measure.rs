@@ -1,24 +1,24 @@
-//! The few figures that a report shows of every combination.
+//! The few figures that a report shows for every combination of settings.
 
 use crate::judge::figures::Figures;
 
-/// A figure as people read it.
+/// A figure in the form in which people read it.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
-    /// What it is called.
+    /// Name of the measure.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit of the measure.
     pub unit: &'static str,
-    /// One sentence on what it is.
+    /// One sentence that explains the measure.
     pub meaning: &'static str,
-    /// Its value in that unit, from figures of one run or of several.
+    /// Function from the figures of one run, or of several, to the measure's value in its unit.
     pub value: fn(&Figures) -> Option<f64>,
-    /// Digits behind the point.
+    /// Number of digits behind the decimal point.
     pub digits: usize,
 }
 
-/// What is contained, how wide the boxes are, how far off their midpoints, how often they are good enough, how much of them is used, and what
-/// came of errands.
+/// All measures of a report: containment, widths of the boxes, errors of their midpoints, availability, the ratio of error to half width,
+/// and goals reached on errands.
 pub const MEASURES: [Measure; 11] = [
     Measure {
         name: "contained",
@@ -106,7 +106,7 @@ pub const MEASURES: [Measure; 11] = [
 ];
 
 impl Measure {
-    /// The text of a value. A share says 100 only when nothing is missing.
+    /// Formats a value of the measure. A share is shown as 100 % only when it is complete.
     pub fn show(&self, value: Option<f64>) -> String {
         let Some(value) = value else { return String::new() };
         let digits = self.digits;
@@ -120,7 +120,7 @@ impl Measure {
         }
     }
 
-    /// The text of the value that `figures` give.
+    /// Formats the value of the measure that `figures` give.
     pub fn of(&self, figures: &Figures) -> String {
         self.show((self.value)(figures))
     }

@@ -1,4 +1,4 @@
-//! Counts, combinations and the order of badness.
+//! Summary of all cases: counts, combinations, and the order from the worst case to the best.
 
 use super::{MEASURES, Measure};
 use crate::{
@@ -8,46 +8,46 @@ use crate::{
     loading::Setting,
 };
 
-/// What a report says of all cases.
+/// Summary of all cases, of which every form of the report is made.
 #[derive(Clone, Debug)]
 pub struct Overview {
-    /// Cases that ran and met the scene's expectations.
+    /// Number of cases that ran and met their scene's expectations.
     pub n_passed: usize,
-    /// Cases that ran and did not.
+    /// Number of cases that ran and missed an expectation of their scene.
     pub n_missed: usize,
-    /// Cases that could not run.
+    /// Number of cases that could not run.
     pub n_failed: usize,
-    /// Cases of which nothing is there.
+    /// Number of cases without a record.
     pub n_missing: usize,
     /// Whether the cases are of several scenes.
     pub has_scenes: bool,
     /// Keys that have several values, in the order of the sweep.
     pub keys: Vec<String>,
-    /// Figures over all cases.
+    /// Figures pooled over all cases.
     pub figures: Figures,
-    /// One entry for each combination of scene and settings, in order.
+    /// One group for each combination of scene and settings, in the order of the sweep.
     pub groups: Vec<Group>,
     /// Indices of the cases that ran, the worst first.
     pub worst: Vec<usize>,
 }
 
-/// All seeds of one combination.
+/// The cases of all seeds of one combination of scene and settings.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// Name of the scene.
+    /// Name of the scene of the combination.
     pub scene: String,
-    /// What was set in it.
+    /// Keys that are set in the scene, with their values.
     pub settings: Vec<Setting>,
-    /// Its cases.
+    /// Number of cases of the combination.
     pub n_cases: usize,
-    /// Those that passed.
+    /// Number of cases of the combination that passed.
     pub n_passed: usize,
-    /// Figures over those that ran.
+    /// Figures pooled over the cases of the combination that ran.
     pub figures: Figures,
 }
 
 impl Overview {
-    /// Sums up `results`.
+    /// Sums up the cases of `results`.
     pub fn of(results: &Results) -> Overview {
         let groups = groups(results);
         let n_passed = groups.iter().map(|group| group.n_passed).sum();
@@ -58,7 +58,7 @@ impl Overview {
         let figures: Vec<Figures> = results.cases.iter().map(CaseResult::figures).collect();
         let ran: Vec<&Figures> = figures.iter().filter(|figures| !figures.is_empty()).collect();
         let mut worst: Vec<usize> = (0..figures.len()).filter(|index| !figures[*index].is_empty()).collect();
-        // Stable, so that equally bad cases stay in the order of the sweep.
+        // The sort is stable, so that equally bad cases stay in the order of the sweep.
         worst.sort_by(|one, other| {
             let badness = |index: usize| badness(&results.cases[index], &figures[index]);
             badness(*other).partial_cmp(&badness(*one)).unwrap_or(std::cmp::Ordering::Equal)
@@ -76,7 +76,7 @@ impl Overview {
         }
     }
 
-    /// All cases, whatever became of them.
+    /// Returns the number of all cases, whether or not they ran and passed.
     pub fn n_cases(&self) -> usize {
         self.n_passed + self.n_missed + self.n_failed + self.n_missing
     }
@@ -86,7 +86,7 @@ impl Overview {
         self.n_passed == self.n_cases()
     }
 
-    /// The verdict in one line.
+    /// Returns the verdict on all cases in one line.
     pub fn headline(&self) -> String {
         let n_cases = self.n_cases();
         let cases = if n_cases == 1 { "case" } else { "cases" };
@@ -105,12 +105,12 @@ impl Overview {
         format!("Of {n_cases} {cases}, {}", told.join(", "))
     }
 
-    /// The measures that any case has.
+    /// Returns the measures for which at least one case has a value.
     pub fn measures(&self) -> impl Iterator<Item = &'static Measure> + '_ {
         MEASURES.iter().filter(|measure| (measure.value)(&self.figures).is_some())
     }
 
-    /// Steps judged, and those that were not contained by their cause.
+    /// Returns the numbers of steps with the truth outside the box, by their cause.
     pub fn outside(&self) -> [(&'static str, u64); 3] {
         let count = |name: &str| self.figures.get(&format!("containment.{name}")).copied().unwrap_or_default() as u64;
         [("bound broken", count("bound_broken")), ("perception", count("perception")), ("unsound", count("unsound"))]
@@ -118,7 +118,7 @@ impl Overview {
 }
 
 impl Group {
-    /// What `key` is set to, as text.
+    /// Returns the value to which the combination sets `key`, as text.
     pub fn value(&self, key: &str) -> String {
         let setting = self.settings.iter().find(|setting| setting.key == key);
         setting.map(|setting| crate::loading::shown(&setting.value)).unwrap_or_default()
@@ -129,7 +129,7 @@ fn groups(results: &Results) -> Vec<Group> {
     let mut groups: Vec<(Group, Vec<Figures>)> = Vec::new();
     for case in &results.cases {
         let belongs = |group: &Group| group.scene == case.scene && group.settings == case.settings;
-        // Cases of one combination follow each other.
+        // Cases of one combination follow each other, so that only the last group can be the case's own.
         if !groups.last().is_some_and(|(group, _)| belongs(group)) {
             let (scene, settings) = (case.scene.clone(), case.settings.clone());
             groups.push((Group { scene, settings, n_cases: 0, n_passed: 0, figures: Figures::new() }, Vec::new()));
@@ -144,7 +144,8 @@ fn groups(results: &Results) -> Vec<Group> {
     groups.into_iter().map(pooled).collect()
 }
 
-/// Greater for worse: missed expectations, then the gravest judgement, then how many steps, then how far off.
+/// Returns a key for sorting cases, greater for worse ones: missed expectations count first, then the gravest judgement, then the number
+/// of steps outside, then the greatest error.
 fn badness(case: &CaseResult, figures: &Figures) -> (bool, u8, f64, f64) {
     let figure = |name: &str| figures.get(name).copied().unwrap_or_default();
     let counts = ["unsound", "perception", "bound_broken"].map(|name| figure(&format!("containment.{name}")));

@@ -1,4 +1,4 @@
-//! The report as one page of HTML: no script, nothing fetched, light and dark, wide and narrow.
+//! The report as one page of HTML without scripts or external files, for light and dark, wide and narrow screens.
 
 use std::collections::BTreeSet;
 
@@ -21,12 +21,12 @@ use super::{
 };
 
 const STYLE: &str = include_str!("style.css");
-/// Cases told one by one.
+/// Greatest number of the worst cases that the page shows in detail.
 const MOST_WORST: usize = 4;
-/// Rows of the table of all cases; a larger sweep has its CSV.
+/// Greatest number of rows in the table of all cases; of a larger sweep the CSV file has all.
 const MOST_ROWS: usize = 2000;
 
-/// The page. Steps and frames are read from the cases' folders.
+/// Writes the HTML page. Steps and debug frames are read from the folders of the cases.
 pub fn as_html(overview: &Overview, results: &Results) -> String {
     let (tone, word, mark) =
         if overview.has_passed() { ("passed", "Passed", "✓") } else { ("failed", "Failed", "✕") };
@@ -78,7 +78,7 @@ fn key_figures(overview: &Overview) -> Markup {
     }
 }
 
-/// Every case that did not run, by name.
+/// Lists every case that did not run, by name.
 fn absent(overview: &Overview, results: &Results) -> Markup {
     html! {
         @if overview.n_missing + overview.n_failed > 0 {
@@ -131,7 +131,7 @@ fn legend() -> Markup {
     }
 }
 
-/// The worst cases, and one that stands for all: that with the median error.
+/// Shows the worst cases, and the case with the median error as a typical one.
 fn worst_cases(overview: &Overview, results: &Results) -> Markup {
     let worst = diverse(overview.worst.iter().map(|index| &results.cases[*index]));
     let typical = typical(results).filter(|typical| worst.iter().all(|case| !std::ptr::eq(*case, *typical)));
@@ -152,8 +152,8 @@ fn worst_cases(overview: &Overview, results: &Results) -> Markup {
     }
 }
 
-/// The first cases of which no two share their seed or their settings, filled up with others where there are too few: what
-/// fails for one reason fails alike all along a key.
+/// Selects the first cases of which no two of one scene share their seed or their settings, and fills up with others where there are too
+/// few: a failure with one cause appears alike in all cases along a key.
 fn diverse<'a>(cases: impl Iterator<Item = &'a CaseResult>) -> Vec<&'a CaseResult> {
     let (mut told, mut others): (Vec<&CaseResult>, Vec<&CaseResult>) = (Vec::new(), Vec::new());
     for case in cases {
@@ -211,7 +211,7 @@ fn groups(overview: &Overview) -> Markup {
     }
 }
 
-/// What each method has to do with it, where several share the work.
+/// Shows how much each localization method contributed, where several methods work together.
 fn methods(overview: &Overview) -> Markup {
     let parts = result_table::methods(&overview.figures);
     let count = |part: &Figures, name: &str| part.get(name).copied().unwrap_or_default();

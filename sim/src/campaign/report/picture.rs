@@ -1,4 +1,4 @@
-//! A debug frame of a case, small enough to stand in a page.
+//! A debug frame of a case, scaled down so that it can be embedded in the report's page.
 
 use std::{fs, path::Path};
 
@@ -7,16 +7,16 @@ use image::{ImageReader, codecs::jpeg::JpegEncoder, imageops::FilterType};
 
 use crate::campaign::cases::CaseResult;
 
-/// Wide enough to read a figure's title on a phone.
+/// Width of the embedded picture: wide enough that the title of a figure can be read on a phone.
 const WIDTH_PX: u32 = 760;
 const QUALITY: u8 = 68;
 
-/// The frame nearest to the first failure, or the first one, as the address of an embedded image.
+/// Returns the debug frame nearest to the first failure, or the first frame if there was no failure, as the data address of an embedded image.
 pub(super) fn data_url(case: &CaseResult) -> Option<String> {
     let figures = figures(&case.folder);
     let wanted = failing_image(case).unwrap_or(0);
     let (_, name) = figures.into_iter().min_by_key(|(number, _)| number.abs_diff(wanted))?;
-    // A report shows what there is; a frame that cannot be read is left out.
+    // The report shows what can be read; a debug frame that cannot be read is left out.
     let figure = ImageReader::open(case.folder.join(name)).ok()?.decode().ok()?.into_rgb8();
     let height_px = (figure.height() * WIDTH_PX).div_ceil(figure.width().max(1));
     let small = image::imageops::resize(&figure, WIDTH_PX, height_px, FilterType::Triangle);
@@ -25,7 +25,7 @@ pub(super) fn data_url(case: &CaseResult) -> Option<String> {
     Some(format!("data:image/jpeg;base64,{}", STANDARD.encode(&bytes)))
 }
 
-/// Numbers and names of all `figure_*.png`.
+/// Returns numbers and names of all files `figure_*.png` in a folder.
 fn figures(folder: &Path) -> Vec<(u64, String)> {
     let names = fs::read_dir(folder).into_iter().flatten().flatten();
     let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
@@ -35,7 +35,7 @@ fn figures(folder: &Path) -> Vec<(u64, String)> {
     figures
 }
 
-/// The image that was taken about when the truth was first outside: images come at equal times.
+/// Estimates the number of the image that was taken when the truth was first outside, assuming that images come at equal intervals.
 fn failing_image(case: &CaseResult) -> Option<u64> {
     let summary = case.summary()?;
     let share = summary["containment"]["first_failure"]["time_s"].as_f64()? / summary["duration_s"].as_f64()?;

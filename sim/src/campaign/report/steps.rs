@@ -1,4 +1,4 @@
-//! The steps of a run as `steps.csv` tells them.
+//! The steps of a run, read from its `steps.csv`.
 
 use std::{fs, path::Path};
 
@@ -9,15 +9,15 @@ use crate::judge::Judgement;
 pub(super) struct Step {
     pub(super) time_s: f64,
     pub(super) judgement: Judgement,
-    /// Midpoint of the hull less the truth: x in m, y in m, heading in rad.
+    /// Midpoint of the estimate's hull minus the truth: x in m, y in m, heading in rad.
     pub(super) error: [f64; 3],
-    /// Full width of the hull, same axes.
+    /// Full width of the estimate's hull: along x in m, along y in m, in heading in rad.
     pub(super) width: [f64; 3],
 }
 
-/// All steps of the run in `folder` at which a pose was left; none when the run left no steps that can be read.
+/// Reads all steps of the run in `folder` that have an estimate; none when the run has no `steps.csv` that can be read.
 pub(super) fn read(folder: &Path) -> Vec<Step> {
-    // A report shows what there is; a run that is damaged has no curve, and its figures still stand in the table.
+    // The report shows what can be read: a run with a damaged `steps.csv` has no curve, but its figures are still in the table.
     let Ok(text) = fs::read_to_string(folder.join("steps.csv")) else { return Vec::new() };
     text.lines().skip(1).filter_map(step).collect()
 }
@@ -34,9 +34,9 @@ fn step(line: &str) -> Option<Step> {
 }
 
 impl Step {
-    /// Error over half the width: above 1 the truth is outside the hull along this axis.
+    /// Returns the error divided by half the width: above 1 the truth is outside the hull along this axis.
     pub(super) fn ratio(&self, axis: usize) -> f64 {
-        // A box without width that errs by nothing is exact.
+        // The lower limit on the width avoids a division by zero: a box without width whose error is 0 is exact, with a ratio of 0.
         self.error[axis].abs() / (0.5 * self.width[axis]).max(1e-12)
     }
 }

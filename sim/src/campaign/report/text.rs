@@ -1,16 +1,16 @@
-//! The report for a terminal.
+//! The report as text for a terminal.
 
 use crate::campaign::cases::{CaseResult, Replay, Results};
 
 use super::{Group, Overview};
 
-/// Combinations that a terminal shows; a sweep with more has its report and its CSV.
+/// Greatest number of combinations that are printed; a sweep with more has its HTML report and its CSV file.
 const MOST_GROUPS: usize = 60;
-/// Failed cases that are told in full.
+/// Greatest number of failed cases that are printed in full.
 const MOST_WORST: usize = 5;
 
-/// Verdict, a table of the combinations, then every case that is missing or failed, and the worst of those that missed
-/// an expectation with the command that replays each.
+/// Writes a table of the combinations, then every case that is missing or could not run, then the worst of those that missed an
+/// expectation, with the command that runs each again, and at last the verdict.
 pub fn as_text(overview: &Overview, results: &Results) -> String {
     let mut text = table(overview);
     for case in results.missing() {
@@ -36,7 +36,7 @@ pub fn as_text(overview: &Overview, results: &Results) -> String {
     text
 }
 
-/// What failed in a case, where its first failure is, and how to see it again.
+/// Describes a failed case: the expectations that it missed, its first failure, and the command that runs it again.
 fn failure(case: &CaseResult, with_scene: bool) -> String {
     let mut text = format!("FAILED {}\n", case.describe(with_scene));
     for line in case.missed_expectations() {
@@ -48,7 +48,7 @@ fn failure(case: &CaseResult, with_scene: bool) -> String {
     text + &format!("  replay: {}\n", Replay::of(case, "renders"))
 }
 
-/// When, along which axis, by how much and why the truth was first outside.
+/// Describes the first step at which the truth was outside: when, along which axis, by how much and why.
 pub fn first_outside(case: &CaseResult) -> Option<String> {
     let first = case.first_failure();
     let (time_s, margin) = (first["time_s"].as_f64()?, first["margin"].as_f64()?);
@@ -81,7 +81,7 @@ fn table(overview: &Overview) -> String {
     text
 }
 
-/// The first `n_texts` columns at the left, the others at the right.
+/// Aligns the first `n_texts` columns of a table at the left, the others at the right.
 fn aligned(rows: &[Vec<String>], n_texts: usize) -> String {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();

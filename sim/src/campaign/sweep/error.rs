@@ -1,4 +1,4 @@
-//! Why a sweep cannot be carried out.
+//! Reasons why a sweep cannot be carried out.
 
 use std::{io, path::PathBuf};
 
@@ -6,78 +6,78 @@ use thiserror::Error;
 
 use crate::{artefacts::run_files::RecordError, render::RenderError, scene::SceneError};
 
-/// Why a sweep cannot be carried out. Its text follows "failed to".
+/// Why a sweep cannot be carried out. The text of the error follows "failed to".
 #[derive(Debug, Error)]
 pub enum SweepError {
     /// The scene, or a variation of it, is refused.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// No picture can be drawn.
+    /// Pictures cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// A file cannot be read or written.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// A sweep file says what cannot be.
+    /// A sweep file has invalid contents.
     #[error("read sweep {}: {expected}", path.display())]
     BadFile {
-        /// The file.
+        /// Path of the sweep file.
         path: PathBuf,
-        /// What is wrong with it and what was expected.
+        /// Description of what is wrong with the sweep file and of what was expected.
         expected: String,
     },
-    /// A key is to vary twice.
+    /// A key is listed twice among the keys to vary.
     #[error("vary `{key}` twice: expected one list of its values")]
     TwiceVaried {
-        /// The key.
+        /// Key that is listed twice.
         key: String,
     },
-    /// Two combinations of values state the same scene.
+    /// Two combinations of values result in the same scene.
     #[error("tell {one} and {other} apart: both state the same scene, expected each value once")]
     SameCase {
-        /// One combination.
+        /// First of the two combinations.
         one: String,
-        /// The other.
+        /// Second of the two combinations.
         other: String,
     },
-    /// More cases than a sweep may have.
+    /// The sweep has more cases than a sweep may have.
     #[error("sweep over {cases} cases: expected at most {limit}")]
     TooManyCases {
-        /// Combinations times seeds.
+        /// Number of cases: combinations times seeds.
         cases: u128,
-        /// The limit.
+        /// Greatest number of cases that a sweep may have.
         limit: u128,
     },
-    /// Another process works in the folder.
+    /// Another process works in the folder of the sweep.
     #[error("use the folder {}: {holder} is sweeping into it; wait until it is done, or choose another --out", folder.display())]
     Locked {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// The process.
+        /// Process that holds the lock.
         holder: String,
     },
     /// The folder cannot be locked.
     #[error("lock the folder {}: {source}", folder.display())]
     NoLock {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// What the system said.
+        /// Error that the operating system reported.
         source: io::Error,
     },
-    /// A folder holds no sweep.
+    /// A folder does not hold a sweep.
     #[error("find a sweep in {}: expected the file sweep.json that `wherein sweep` wrote", folder.display())]
     NoSweep {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// Two folders hold parts of different sweeps.
+    /// Two folders to be merged hold parts of different sweeps.
     #[error("merge {} and {}: their sweeps differ in {what}", one.display(), other.display())]
     DifferentSweeps {
-        /// One folder.
+        /// First of the two folders.
         one: PathBuf,
-        /// The other.
+        /// Second of the two folders.
         other: PathBuf,
-        /// What differs, with both values.
+        /// Description of what differs, with both values.
         what: String,
     },
 }

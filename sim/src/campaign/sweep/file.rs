@@ -1,4 +1,4 @@
-//! A sweep as a file: `scene`, `seeds` and a table `[vary]`.
+//! A sweep as a file with the keys `scene` and `seeds` and a table `[vary]`.
 
 use std::{fs, path::Path};
 
@@ -12,11 +12,11 @@ use crate::artefacts::run_files::naming;
 use super::{Seeds, Sweep, SweepError, Variable, variable::values_of};
 
 impl Sweep {
-    /// Reads a sweep file; none when the file is no sweep but, by the look of it, a scene: it has no key `scene`.
+    /// Reads a sweep file; none when the file is not a sweep but, because it has no key `scene`, presumably a scene.
     ///
-    /// The scene's path is relative to the sweep file.
+    /// The path of the scene in the file is relative to the sweep file.
     pub fn load(path: &Path) -> Result<Option<Sweep>, SweepError> {
-        // A file that is not text is for the scene's own reader to refuse.
+        // A file that is not text is no sweep; loading it as a scene reports the error.
         let Ok(text) = String::from_utf8(naming("read", path, fs::read(path))?) else { return Ok(None) };
         let Ok(table) = text.parse::<Table>() else { return Ok(None) };
         if !table.contains_key("scene") {
@@ -40,7 +40,7 @@ impl Sweep {
     }
 }
 
-/// What `[vary]` states, in the order of the file.
+/// Returns the variables of the table `[vary]`, in the order of the file.
 fn variables(text: &str) -> Result<Vec<Variable>, String> {
     let document = DeTable::parse(text).map_err(|error| error.message().to_owned())?;
     let Some(vary) = document.get_ref().get("vary") else { return Ok(Vec::new()) };
@@ -51,7 +51,7 @@ fn variables(text: &str) -> Result<Vec<Variable>, String> {
     Ok(found.into_iter().map(|(_, variable)| variable).collect())
 }
 
-/// Dotted keys are tables in tables; each list, range or single value at their end is a variable.
+/// Collects the variables of a table. Dotted keys are nested tables; each list, range or single value at the end of a key is a variable.
 fn collect(table: &DeTable<'_>, path: &str, found: &mut Vec<(usize, Variable)>) -> Result<(), String> {
     for (name, value) in table.iter() {
         let key = if path.is_empty() { name.get_ref().to_string() } else { format!("{path}.{}", name.get_ref()) };

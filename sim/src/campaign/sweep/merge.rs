@@ -1,4 +1,4 @@
-//! Parts of a sweep, run on several machines, brought together.
+//! Merges the parts of a sweep that several machines ran.
 
 use std::path::{Path, PathBuf};
 
@@ -7,9 +7,9 @@ use super::{
     store::{Recorded, read_case, read_plan},
 };
 
-/// Copies every recorded case of `folders`, which must hold parts of one sweep, into `store`, and returns the plan.
+/// Copies every recorded case of `folders`, which must hold parts of one sweep, into `store`, and returns the plan of the sweep.
 ///
-/// A case that failed in one part and ran in another counts as run. Cases that none holds stay missing.
+/// A case that failed in one part and ran in another counts as run. Cases that no folder holds stay missing.
 pub fn merge(folders: &[PathBuf], store: &Store) -> Result<Plan, SweepError> {
     let mut whole: Option<(PathBuf, Plan)> = None;
     for folder in folders {
@@ -33,7 +33,7 @@ pub fn merge(folders: &[PathBuf], store: &Store) -> Result<Plan, SweepError> {
     Ok(plan)
 }
 
-/// Takes a case from the first folder in which it ran, or else from one in which it failed.
+/// Copies a case from the first folder in which it ran, or else from one in which it failed.
 fn adopt(id: &str, folders: &[PathBuf], store: &Store) -> Result<(), SweepError> {
     let ran = |folder: &Path| matches!(read_case(folder, id), Recorded::Done { .. });
     let (first, last): (Vec<&PathBuf>, Vec<&PathBuf>) = folders.iter().partition(|folder| ran(folder));
@@ -45,7 +45,7 @@ fn adopt(id: &str, folders: &[PathBuf], store: &Store) -> Result<(), SweepError>
     Ok(())
 }
 
-/// What two plans state differently.
+/// Describes what differs between two plans; none when they are equal.
 fn difference(one: &Plan, other: &Plan) -> Option<String> {
     let differ = |name: &str, one: String, other: String| (one != other).then(|| format!("{name}: {one} and {other}"));
     let keys = |plan: &Plan| format!("{:?}", plan.vary);

@@ -1,4 +1,4 @@
-//! Every case of a sweep, named before the first one runs.
+//! The plan of a sweep, which names every case before the first one runs.
 
 use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
@@ -12,56 +12,56 @@ use crate::{
 
 use super::{Sweep, SweepError, Variable};
 
-/// A plan names its cases one by one, so that they have to fit in memory.
+/// Greatest number of cases of a sweep. A plan holds the names of all cases, so that they have to fit in memory.
 const MOST_CASES: u128 = 1_000_000;
 
-/// What `sweep.json` holds: equal for all parts of one sweep.
+/// Contents of `sweep.json`, which are equal for all parts of one sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Name of the scene.
+    /// Name of the sweep's scene.
     pub scene: String,
-    /// The scene's file, as it was named.
+    /// Path of the scene's file, as the user gave it.
     pub path: PathBuf,
-    /// Digest of the scene as its file states it.
+    /// Digest of the scene as its file states it, without the values that vary.
     pub scene_digest: String,
-    /// Keys that vary, the one that changes slowest first.
+    /// Keys that vary; the one that changes slowest comes first.
     pub vary: Vec<Variable>,
-    /// The first seed, and the one after the last.
+    /// First seed of the sweep, and the seed after the last one.
     pub seeds: [u64; 2],
-    /// Version of Wherein.
+    /// Version of the program `wherein`.
     pub version: String,
-    /// Digest of the program; none when the system does not tell.
+    /// Digest of the program's file; none when the operating system does not give access to it.
     pub program: Option<String>,
-    /// Graphics adapter; none when the scene has no camera.
+    /// Graphics adapter of the sweep; none when the scene has no camera.
     pub adapter: Option<String>,
-    /// Names of all cases: combinations in the order of `vary`, within each the seeds.
+    /// Names of all cases, ordered by the combinations of `vary` and, within each combination, by the seeds.
     pub cases: Vec<String>,
 }
 
-/// One case as its plan tells it.
+/// One case of a sweep as the plan describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedCase {
-    /// Place in the plan, from 0.
+    /// Index of the case in the plan, from 0.
     pub index: usize,
-    /// Its name.
+    /// Name of the case.
     pub id: String,
-    /// What is set in the scene.
+    /// Keys that are set in the scene for this case.
     pub settings: Vec<Setting>,
-    /// Its seed.
+    /// Seed of the case.
     pub seed: u64,
 }
 
-/// A case with the scene that it runs.
+/// A case of a sweep, with the scene that it runs.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What the plan says of it.
+    /// The case as the plan describes it.
     pub planned: PlannedCase,
-    /// The scene with the case's settings.
+    /// The scene with the settings of the case.
     pub file: Arc<SceneFile>,
 }
 
 impl Sweep {
-    /// The scene with every combination of values, each held against the scene's schema.
+    /// Returns the scene with every combination of values; each of these scenes is checked for validity.
     pub fn variations(&self, template: &SceneTemplate) -> Result<Vec<SceneFile>, SweepError> {
         check_size(self)?;
         let mut seen: BTreeMap<String, String> = BTreeMap::new();
@@ -78,7 +78,7 @@ impl Sweep {
 }
 
 impl Plan {
-    /// Plans all cases of the `variations` of a sweep's scene.
+    /// Creates the plan and the cases of a sweep, given the `variations` of its scene.
     pub fn new(
         sweep: &Sweep,
         template: &SceneTemplate,
@@ -111,7 +111,7 @@ impl Plan {
         (plan, cases)
     }
 
-    /// All cases, in order.
+    /// Returns all cases in the order of the plan.
     pub fn planned(&self) -> Vec<PlannedCase> {
         let seeds = self.seeds[0]..self.seeds[1];
         let combinations = combinations(&self.vary);
@@ -128,10 +128,10 @@ impl Plan {
             .collect()
     }
 
-    /// The name of a case: a digest of all that determines its bytes.
+    /// Returns the name of a case: a digest of everything that determines the bytes of its results.
     fn id(&self, scene_digest: &str, settings: &[Setting], seed: u64) -> String {
         let mut hasher = Sha256::new();
-        // Each part ends with a byte that none contains.
+        // Each part of the hashed text ends with a zero byte, which no part contains, so that different parts cannot give the same sequence of bytes.
         for part in [
             scene_digest,
             &listed(settings),
@@ -143,7 +143,7 @@ impl Plan {
             hasher.update(part.as_bytes());
             hasher.update([0]);
         }
-        // 80 bits: that two among a million cases share a name has a chance of 4·10⁻¹³.
+        // The name has 80 bits: the probability that two among a million cases have the same name is 4·10⁻¹³.
         hasher.finalize().iter().take(10).map(|byte| format!("{byte:02x}")).collect()
     }
 }
@@ -160,7 +160,7 @@ fn check_size(sweep: &Sweep) -> Result<(), SweepError> {
     if cases > MOST_CASES { Err(SweepError::TooManyCases { cases, limit: MOST_CASES }) } else { Ok(()) }
 }
 
-/// Every combination of values, the last key changing fastest.
+/// Returns every combination of values, with the last key changing fastest.
 fn combinations(vary: &[Variable]) -> Vec<Vec<Setting>> {
     vary.iter().fold(vec![Vec::new()], |combined, variable| {
         let longer = |settings: &Vec<Setting>| {
@@ -174,7 +174,7 @@ fn combinations(vary: &[Variable]) -> Vec<Vec<Setting>> {
     })
 }
 
-/// `key=value key=value`, or what there is to say without any.
+/// Lists settings as `key=value key=value`, or a phrase that stands for the scene without settings.
 fn listed(settings: &[Setting]) -> String {
     let listed: Vec<String> = settings.iter().map(Setting::to_string).collect();
     if listed.is_empty() { "the scene as it is".to_owned() } else { listed.join(" ") }

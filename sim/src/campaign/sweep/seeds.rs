@@ -1,8 +1,8 @@
-//! A range of seeds as one types it.
+//! A range of seeds in the form in which a user types it.
 
 use std::{ops::Range, str::FromStr};
 
-/// The seeds `A..B`: A included, B not, at least one.
+/// The seeds `A..B`: A is included, B is not, and there is at least one seed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seeds(pub Range<u64>);
 

@@ -1,8 +1,8 @@
-//! The part of a sweep that one machine takes.
+//! The part of a sweep that one machine runs.
 
 use std::{fmt, str::FromStr};
 
-/// The `number`-th of `of` parts, counted from 1: every `of`-th case.
+/// Part number `number` of `of` parts of a sweep, counted from 1. It consists of every `of`-th case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     number: usize,
@@ -10,7 +10,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// The only part.
+    /// The whole sweep as its only part.
     pub const WHOLE: Shard = Shard { number: 1, of: 1 };
 
     /// Whether the case with this index, counted from 0, belongs to this part.

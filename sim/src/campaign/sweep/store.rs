@@ -1,4 +1,4 @@
-//! The folder of a sweep: `sweep.json`, and one folder in `cases/` for each case, written whole or not at all.
+//! The folder of a sweep: `sweep.json`, and in `cases/` one folder for each case, which is written completely or not at all.
 
 use std::{
     collections::BTreeMap,
@@ -20,41 +20,41 @@ use crate::{
 
 use super::{Case, Plan, PlannedCase, SweepError};
 
-/// The folder of a sweep, locked against other processes for as long as this lives.
+/// The folder of a sweep, locked against other processes as long as this value lives.
 #[derive(Debug)]
 pub struct Store {
     folder: PathBuf,
-    /// The system lets go of the lock when the process ends, however it ends.
+    /// Open file that holds the lock. The system releases the lock when the process ends, however it ends.
     _lock: File,
 }
 
-/// How a case stands in a folder.
+/// Record of a case in the folder of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Recorded {
-    /// It has run.
+    /// The case has run.
     Done {
-        /// Its `summary.json`.
+        /// Contents of the case's `summary.json`.
         summary: Value,
-        /// Its `timing.json`.
+        /// Contents of the case's `timing.json`.
         timing: Value,
     },
-    /// It could not run, for this reason.
+    /// The case could not run, for this reason.
     Failed(String),
-    /// There is nothing, or nothing that can be read.
+    /// The case has no record, or none that can be read.
     Missing,
 }
 
-/// What `case.json` holds besides what the plan knows.
+/// Contents of `case.json`: what identifies the case, and the digests by which its files can be checked.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Seal {
     id: String,
     set: Vec<String>,
     seed: u64,
-    /// Frames that were asked for.
+    /// Choice of debug frames with which the case ran.
     frames: String,
-    /// Why it could not run.
+    /// Reason why the case could not run, if it could not.
     failure: Option<String>,
-    /// SHA-256 of every other file.
+    /// SHA-256 of every other file in the case's folder, by its name.
     files: BTreeMap<String, String>,
 }
 
@@ -62,28 +62,28 @@ const PLAN: &str = "sweep.json";
 const SEAL: &str = "case.json";
 
 impl Store {
-    /// Creates or opens a folder, makes sure that files can be written there, and locks it.
+    /// Creates or opens the folder of a sweep, makes sure that files can be written there, and locks it.
     pub fn open(folder: &Path) -> Result<Store, SweepError> {
         run_files::prepare(folder)?;
         let store = Store { folder: folder.to_owned(), _lock: lock(folder)? };
-        // Nobody else works here, so that whatever is half written was left by a process that was killed.
+        // The folder is locked, so that a hidden folder in it was left half written by a process that was killed.
         remove_hidden(&folder.join("cases"))?;
         Ok(store)
     }
 
-    /// The folder.
+    /// Returns the path of the sweep's folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Writes `sweep.json`.
+    /// Writes the plan as `sweep.json`.
     pub fn write_plan(&self, plan: &Plan) -> Result<(), SweepError> {
-        // A plan's keys are texts, so that nothing in it can fail to serialise.
+        // Serialising cannot fail, as all keys of a plan are texts.
         let text = serde_json::to_string_pretty(plan).unwrap_or_default() + "\n";
         Ok(write_whole(&self.folder.join(PLAN), text.as_bytes())?)
     }
 
-    /// Records a run.
+    /// Records the run of a case.
     pub fn write(
         &self,
         case: &Case,
@@ -97,14 +97,14 @@ impl Store {
         })
     }
 
-    /// Records that a case could not run.
+    /// Records that a case could not run, and why.
     pub fn write_failure(&self, case: &Case, frames: FramesPolicy, reason: &str) -> Result<(), RecordError> {
         replace_whole(&case_folder(&self.folder, &case.planned.id), |partial| {
             seal(partial, &case.planned, frames, Some(reason.to_owned()))
         })
     }
 
-    /// Whether the case has run, its files are what was written, and the frames that are asked for now are among them.
+    /// Whether the case has run, its files are unchanged since they were written, and the debug frames that the user wants are among them.
     pub fn has(&self, case: &PlannedCase, frames: FramesPolicy) -> bool {
         let folder = case_folder(&self.folder, &case.id);
         let Some(seal) = read_seal(&folder) else { return false };
@@ -112,7 +112,7 @@ impl Store {
         has_frames && seal.failure.is_none() && is_intact(&folder, &seal)
     }
 
-    /// Copies a case that another folder holds intact, run or failed; says whether it did.
+    /// Copies a case, run or failed, from another folder if that folder holds it with unchanged files. Returns whether the case was copied.
     pub fn adopt(&self, id: &str, from: &Path) -> Result<bool, SweepError> {
         let source = case_folder(from, id);
         let Some(seal) = read_seal(&source).filter(|seal| is_intact(&source, seal)) else { return Ok(false) };
@@ -126,7 +126,7 @@ impl Store {
     }
 }
 
-/// The plan of the sweep in `folder`; none when it holds none.
+/// Reads the plan of the sweep in `folder`; none when the folder holds no sweep.
 pub fn read_plan(folder: &Path) -> Result<Option<Plan>, SweepError> {
     let path = folder.join(PLAN);
     if !path.exists() {
@@ -136,7 +136,7 @@ pub fn read_plan(folder: &Path) -> Result<Option<Plan>, SweepError> {
     Ok(Some(naming("read", &path, serde_json::from_str(&text).map_err(io::Error::from))?))
 }
 
-/// How the case `id` stands in `folder`.
+/// Reads the record of the case `id` in the folder of a sweep.
 pub fn read_case(folder: &Path, id: &str) -> Recorded {
     let folder = case_folder(folder, id);
     let Some(seal) = read_seal(&folder) else { return Recorded::Missing };
@@ -146,25 +146,25 @@ pub fn read_case(folder: &Path, id: &str) -> Recorded {
     if !is_intact(&folder, &seal) {
         return Recorded::Failed("its files are not those that were recorded; run the sweep again".to_owned());
     }
-    // What cannot be read is as good as missing: the next sweep into the folder runs it again.
+    // A record that cannot be read counts as missing: the next sweep into the folder runs the case again.
     match run_files::read(&folder) {
         Ok(Some((summary, timing))) => Recorded::Done { summary, timing },
         _ => Recorded::Missing,
     }
 }
 
-/// Where a case is recorded.
+/// Returns the folder in which a case is recorded.
 pub fn case_folder(folder: &Path, id: &str) -> PathBuf {
     folder.join("cases").join(id)
 }
 
-/// Writes a file whole or not at all.
+/// Writes a file completely or not at all.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RecordError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let partial = path.with_file_name(format!(".{name}-{}.partial", process::id()));
     let written = naming("write", path, fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)));
     if written.is_err() {
-        // The error at hand says what is wrong.
+        // An error of removing the partial file is ignored, as the error of writing already says what is wrong.
         let _ = fs::remove_file(&partial);
     }
     written
@@ -181,7 +181,7 @@ fn lock(folder: &Path) -> Result<File, SweepError> {
             let holder = holder.unwrap_or_else(|| "another process".to_owned());
             return Err(SweepError::Locked { folder: folder.to_owned(), holder });
         }
-        // Some network file systems know no locks; whoever shares a folder there has to take care.
+        // Some network file systems have no locks; users who share a folder on one have to take care themselves.
         Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
         Err(TryLockError::Error(source)) => return Err(SweepError::NoLock { folder: folder.to_owned(), source }),
     }
@@ -198,7 +198,7 @@ fn remove_hidden(folder: &Path) -> Result<(), RecordError> {
     Ok(())
 }
 
-/// Writes `case.json` beside the files that it vouches for.
+/// Writes `case.json`, with the digests of all files that are in the folder so far.
 fn seal(folder: &Path, case: &PlannedCase, frames: FramesPolicy, failure: Option<String>) -> Result<(), RecordError> {
     let mut files = BTreeMap::new();
     for entry in naming("read the folder", folder, fs::read_dir(folder))? {
@@ -208,7 +208,7 @@ fn seal(folder: &Path, case: &PlannedCase, frames: FramesPolicy, failure: Option
     }
     let set = case.settings.iter().map(ToString::to_string).collect();
     let seal = Seal { id: case.id.clone(), set, seed: case.seed, frames: frames.to_string(), failure, files };
-    // A seal's keys are texts, so that nothing in it can fail to serialise.
+    // Serialising cannot fail, as all keys of a seal are texts.
     let text = serde_json::to_string_pretty(&seal).unwrap_or_default() + "\n";
     naming("write", &folder.join(SEAL), fs::write(folder.join(SEAL), text))
 }

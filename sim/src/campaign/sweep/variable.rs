@@ -1,4 +1,4 @@
-//! A key that varies and its values, as one types them: `key=a,b,c` or `key=lo..hi/n`.
+//! A key that varies and its values, in the form in which a user types them: `key=a,b,c` or `key=lo..hi/n`.
 
 use std::str::FromStr;
 
@@ -7,17 +7,17 @@ use toml::Value;
 
 use crate::loading::{shown, value_of};
 
-/// A key of the scene and the values that it takes.
+/// A key of the scene and the values that it takes in a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Variable {
     /// Dotted path of the key, such as `floor.region.carpet.friction`.
     pub key: String,
-    /// Its values, in the order in which they were stated.
+    /// Values of the key, in the order in which they were stated.
     pub values: Vec<Value>,
 }
 
 impl Variable {
-    /// The values as one types them.
+    /// Returns the values in the form in which a user types them.
     pub fn shown_values(&self) -> String {
         self.values.iter().map(shown).collect::<Vec<_>>().join(", ")
     }
@@ -37,7 +37,7 @@ impl FromStr for Variable {
     }
 }
 
-/// The values that a text lists, or spaces evenly over a range.
+/// Parses the values in a text, which lists them or gives a range in which they are evenly spaced.
 pub(super) fn values_of(text: &str) -> Result<Vec<Value>, String> {
     if let Some((low, rest)) = text.split_once("..").filter(|_| !text.contains(['"', '\'', '['])) {
         return range(low, rest);
@@ -49,7 +49,7 @@ pub(super) fn values_of(text: &str) -> Result<Vec<Value>, String> {
     Ok(parts.into_iter().map(value_of).collect())
 }
 
-/// `low..high/n`: n values from low to high, both included.
+/// Parses `low..high/n`: n values from low to high, both included.
 fn range(low: &str, rest: &str) -> Result<Vec<Value>, String> {
     let wrong = || format!("expected LOW..HIGH/N with N at least 2, such as 0.1..0.8/8, found `{low}..{rest}`");
     let (high, n) = rest.split_once('/').ok_or_else(wrong)?;
@@ -66,12 +66,12 @@ fn range(low: &str, rest: &str) -> Result<Vec<Value>, String> {
     Ok((0..n).map(|step| Value::Float(rounded(at(step)))).collect())
 }
 
-/// To twelve significant digits, so that the third of 0.1..0.8/8 is 0.3 and not 0.30000000000000004.
+/// Rounds to twelve significant digits, so that the third value of 0.1..0.8/8 is 0.3 and not 0.30000000000000004.
 fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }
 
-/// Splits at the commas that stand outside of quotes and brackets.
+/// Splits a text at the commas that stand outside quotes and brackets.
 fn split(text: &str) -> Vec<&str> {
     let (mut parts, mut start, mut depth, mut quote) = (Vec::new(), 0, 0, None);
     for (at, character) in text.char_indices() {

@@ -1,4 +1,4 @@
-//! Cases run by several threads that share one graphics adapter.
+//! Worker threads that run the cases of a sweep and share one graphics adapter.
 
 use std::{
     any::Any,
@@ -19,35 +19,35 @@ use crate::{
 
 use super::{Case, Store, SweepError};
 
-/// What there is to run, and with what.
+/// Cases to run, and what is needed to run them.
 pub struct Work<'a> {
-    /// The cases.
+    /// Cases that are to run.
     pub cases: &'a [&'a Case],
-    /// Threads.
+    /// Number of worker threads.
     pub jobs: usize,
-    /// Images of which debug frames stay.
+    /// Choice of the images whose debug frames are written.
     pub frames: FramesPolicy,
-    /// The device; none when the scene has no camera.
+    /// Renderer on the graphics adapter; none when the scene has no camera.
     pub renderer: Option<Renderer>,
-    /// Where results go.
+    /// Folder into which results are written.
     pub store: &'a Store,
 }
 
-/// How a case ended.
+/// Outcome of one case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finished {
-    /// The scene's expectations were met.
+    /// The case ran and met the scene's expectations.
     Passed,
-    /// Some were not.
+    /// The case ran and missed some expectation of the scene.
     Missed,
-    /// It could not run.
+    /// The case could not run.
     Failed,
 }
 
-/// Runs all cases and records each as soon as it is done; `finished` is told of each.
+/// Runs all cases and records each as soon as it is done. `finished` is called with the outcome of each case.
 ///
-/// A run that panics is recorded as failed and the others go on. An error of the device or of the file system ends the
-/// sweep; what is recorded by then stays.
+/// A run that panics is recorded as failed, and the other cases go on. An error of the graphics device or of the file system ends the
+/// sweep; cases recorded before stay recorded.
 pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(), SweepError> {
     let Work { cases, jobs, frames, renderer, store } = work;
     let renderers = renderers(renderer, jobs.clamp(1, cases.len().max(1)))?;
@@ -64,7 +64,7 @@ pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(
                     if outcome.is_err() {
                         stop.store(true, Ordering::Relaxed);
                     }
-                    // The receiver lives until every worker has ended.
+                    // Sending cannot fail, as the receiver lives until every worker has ended.
                     let _ = sender.send(outcome);
                 }
             });
@@ -80,7 +80,7 @@ pub fn run_cases(work: Work<'_>, finished: &mut dyn FnMut(Finished)) -> Result<(
     first_error.map_or(Ok(()), Err)
 }
 
-/// One renderer a worker; fewer workers where the driver does not allow several threads.
+/// Creates one renderer for each worker; fewer workers where the graphics driver does not allow several threads.
 fn renderers(first: Option<Renderer>, jobs: usize) -> Result<Vec<Option<Renderer>>, SweepError> {
     let Some(first) = first else { return Ok((0..jobs).map(|_| None).collect()) };
     let mut all = Vec::new();
@@ -117,7 +117,7 @@ fn run_case(
             Ok(if verdict.verdict.passed { Finished::Passed } else { Finished::Missed })
         }
         Err(panic) => {
-            // What the panic left of the renderer is not to be relied on.
+            // A renderer that was in use during a panic may be in an inconsistent state, so that a new one replaces it where the driver allows.
             if let Some(used) = renderer.take() {
                 *renderer = Some(match used.sibling()? {
                     Some(fresh) => fresh,

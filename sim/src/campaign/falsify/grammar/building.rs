@@ -1,4 +1,4 @@
-//! Furniture, people, landmarks, doors, pictures and lamps where such things are.
+//! Gives furniture, people, landmarks, doors, pictures and lamps of a drawn scene places where such things can be.
 
 use toml::{Table, Value};
 
@@ -9,7 +9,7 @@ use crate::{
 
 use super::settled::{items, number, place, table, text};
 
-/// Settles all that stands about. What only cameras see is left away where there is none.
+/// Places all things of a drawn scene that stand in or around its room. Things that only cameras see are removed if the robot has no camera.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
     let has_cameras = !robot.cameras().is_empty();
     if !has_cameras {
@@ -20,7 +20,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     }
     for (index, landmark) in items(scene, "landmark").enumerate() {
         let mut dice = draws.dice(&format!("place of landmark {index}"));
-        // Codes hang on walls, and on what stands in the room.
+        // Most landmarks hang on walls, the others on something that stands in the room.
         let at_m = if dice.chance(0.8) { on_wall(&mut dice, room_m, 0.0).0 } else { inside(&mut dice, room_m, 0.05) };
         place(landmark, at_m);
         let height_m = robot.range_camera.as_ref().map_or(0.5, |camera| camera.height_m);
@@ -43,7 +43,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     settle_askew(scene);
 }
 
-/// Furniture along the walls of the robot's room is told to stand as far askew as the scene has it and a seed draws it.
+/// Declares a bound on how far furniture along the walls stands askew. It covers the angles that the scene states and what a seed adds to them.
 fn settle_askew(scene: &mut Table) {
     let building = scene.get("building").and_then(Value::as_table);
     let drawn_deg = building.and_then(|building| number(building, "furniture_tolerance_deg")).unwrap_or(0.0);
@@ -52,7 +52,7 @@ fn settle_askew(scene: &mut Table) {
         ((stated_deg + 45.0).rem_euclid(90.0) - 45.0).abs()
     };
     let stands_deg = items(scene, "furniture").map(turn_deg).filter(|turn_deg| *turn_deg <= 5.0);
-    // Without furniture none of it is askew.
+    // Without furniture along the walls no bound on its angle has to be declared.
     let Some(most_deg) = stands_deg.reduce(f64::max).map(|turn_deg| rounded(turn_deg + drawn_deg + 0.0005, 3)) else {
         return;
     };
@@ -67,7 +67,7 @@ fn settle_askew(scene: &mut Table) {
     }
 }
 
-/// Doors and pictures on the walls of the robot's room.
+/// Gives doors and pictures places on the walls of the robot's room.
 fn settle_walls(building: &mut Table, draws: &Draws, room_m: [f64; 2]) {
     let ceiling_m = number(building, "ceiling_height_m").unwrap_or(2.6);
     let has_rooms = items(building, "room").count() > 0;
@@ -85,7 +85,7 @@ fn settle_walls(building: &mut Table, draws: &Draws, room_m: [f64; 2]) {
             if !has_rooms {
                 thing.remove("open");
             }
-            // A chessboard has a shape of its own; those that calibrate put it there.
+            // A chessboard would have to have the proportions of its pattern, and only scenes for calibration need one.
             thing.remove("chessboard");
             let bottom_m = number(thing, "bottom_m").unwrap_or(1.2);
             let height_m = number(thing, "height_m").unwrap_or(0.6).min(ceiling_m - bottom_m - 0.01);
@@ -99,7 +99,7 @@ fn settle_walls(building: &mut Table, draws: &Draws, room_m: [f64; 2]) {
     }
 }
 
-/// Lamps that hang below the ceiling or stand in walls, and one statement of how bright it is.
+/// Places lamps below the ceiling and windows in walls, and keeps only one statement of the illuminance.
 fn settle_light(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
     if let Some(Value::Table(light)) = scene.get_mut("light") {
         let is_twice =
@@ -128,7 +128,7 @@ fn settle_light(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robo
     }
 }
 
-/// What stands in the robot's way, as circles about pieces of furniture.
+/// Obstacles of the robot, as circles around pieces of furniture.
 pub(super) struct Obstacles {
     room_m: [f64; 2],
     body_radius_m: f64,
@@ -136,7 +136,7 @@ pub(super) struct Obstacles {
 }
 
 impl Obstacles {
-    /// What `scene` puts into the room.
+    /// Collects the furniture that `scene` puts into the room.
     pub(super) fn of(scene: &mut Table, room_m: [f64; 2], body_radius_m: f64) -> Obstacles {
         let circle = |furniture: &mut Table| {
             let side = |index: usize| furniture.get("size_m")?.as_array()?.get(index)?.as_float();
@@ -146,10 +146,10 @@ impl Obstacles {
         Obstacles { room_m, body_radius_m, circles: items(scene, "furniture").filter_map(circle).collect() }
     }
 
-    /// A place with `margin_m` between the body and whatever stands there, and the same on the straight way from `from_m`. Where there is
-    /// none the last try comes back: the scene is refused, or the robot bumps into something.
+    /// Draws a place with `margin_m` between the robot's body and every obstacle, also along the straight path from `from_m`. If no such
+    /// place is found, the last one tried is returned: the scene is then refused, or the robot bumps into something.
     pub(super) fn free_place(&self, dice: &mut Dice, margin_m: f64, from_m: Option<[f64; 2]>) -> [f64; 2] {
-        /// In rooms half full of furniture nine in ten tries fail.
+        /// Number of places to try: in rooms half full of furniture nine in ten places are not free.
         const TRIES: usize = 60;
         let keep_m = self.body_radius_m + margin_m;
         let mut at_m = inside(dice, self.room_m, keep_m);
@@ -166,7 +166,7 @@ impl Obstacles {
     }
 }
 
-/// Least distance of a point from a segment.
+/// Returns the least distance of a point from a line segment.
 fn distance_m(from_m: [f64; 2], to_m: [f64; 2], point_m: [f64; 2]) -> f64 {
     let way = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
     let off = [point_m[0] - from_m[0], point_m[1] - from_m[1]];
@@ -175,7 +175,7 @@ fn distance_m(from_m: [f64; 2], to_m: [f64; 2], point_m: [f64; 2]) -> f64 {
     (off[0] - share * way[0]).hypot(off[1] - share * way[1])
 }
 
-/// A place in the room, `margin_m` from its walls where it is that wide.
+/// Draws a place in the room, `margin_m` away from its walls where the room is wide enough.
 pub(super) fn inside(dice: &mut Dice, room_m: [f64; 2], margin_m: f64) -> [f64; 2] {
     room_m.map(|extent_m| {
         let margin_m = margin_m.min(extent_m / 2.0);
@@ -183,7 +183,8 @@ pub(super) fn inside(dice: &mut Dice, room_m: [f64; 2], margin_m: f64) -> [f64; 
     })
 }
 
-/// A place on one of the room's walls, the middle of something of that length, and the direction in which the wall faces.
+/// Draws a place on one of the room's walls, as the middle of something of the given length, and returns it with the direction in which
+/// the wall faces.
 fn on_wall(dice: &mut Dice, [width_m, depth_m]: [f64; 2], length_m: f64) -> ([f64; 2], f64) {
     let mut along = |extent_m: f64| {
         let half_m = (length_m / 2.0).min(extent_m / 2.0);

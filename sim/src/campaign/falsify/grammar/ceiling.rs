@@ -1,4 +1,4 @@
-//! Markers of the coding, whole on the ceiling, some of them damaged.
+//! Places markers of the scene's coding on the ceiling so that none overlap, and damages some of them.
 
 use localizer::markers;
 use toml::{Table, Value};
@@ -13,10 +13,10 @@ use super::{
     settled::{meaning, place, table, text},
 };
 
-/// Half the diagonal of a marker: it reaches so far about its middle in any direction.
+/// Half the diagonal of a marker, which is the greatest distance of its corners from its middle.
 const REACH_M: f64 = 0.115;
 
-/// Settles `[markers]`, which only a ceiling camera sees.
+/// Completes the table `[markers]`. It is removed if the robot has no ceiling camera, the only device that sees markers.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: &Robot) {
     if robot.ceiling_camera.is_none() {
         scene.remove("markers");
@@ -24,7 +24,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     }
     let markers = table(scene, "markers");
     let mut dice = draws.dice("markers");
-    // The proof that a layout covers the room takes seconds, and most cameras drawn at random have none.
+    // Layouts are drawn seldom: the proof that a layout covers the room takes seconds, and for most cameras drawn at random no layout does.
     if dice.chance(0.1) {
         markers.remove("marker");
         table(markers, "layout");
@@ -40,7 +40,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     list.retain_mut(|marker| {
         let Value::Table(marker) = marker else { return false };
         let word = words.swap_remove(dice.whole(0, words.len() as i64 - 1) as usize);
-        // What was moved since the survey is still on the ceiling.
+        // A marker that was moved since the survey still has to lie on the ceiling.
         let moved_m = if marker.contains_key("misplaced_m") { 0.1 } else { 0.0 };
         let Some(at_m) = free(&mut dice, room_m, moved_m, &places) else { return false };
         places.push(at_m);
@@ -55,16 +55,16 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], robot: 
     }
 }
 
-/// A place where no other marker is.
+/// Draws a place where a marker overlaps no other; none when no such place is found.
 fn free(dice: &mut Dice, room_m: [f64; 2], moved_m: f64, places: &[[f64; 2]]) -> Option<[f64; 2]> {
-    /// In a room that markers fill, most tries fail; a scene with fewer markers is as good.
+    /// Number of places to try. In a room full of markers most places are taken, and a scene with fewer markers is just as useful.
     const TRIES: usize = 40;
     let is_free =
         |at_m: &[f64; 2]| places.iter().all(|other| (at_m[0] - other[0]).hypot(at_m[1] - other[1]) > 2.0 * REACH_M);
     (0..TRIES).map(|_| inside(dice, room_m, REACH_M + moved_m + 0.005)).find(is_free)
 }
 
-/// Dots that fell off, and dirt that looks like one.
+/// Damages some markers: a dot fell off, or dirt looks like a dot.
 fn damage(marker: &mut Table, dice: &mut Dice) {
     let Some(meant) = meaning::<Marker>(marker) else { return };
     let places = (0..4_u8).flat_map(|row| (0..4_u8).map(move |column| [row, column]));

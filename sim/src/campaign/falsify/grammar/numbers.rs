@@ -1,4 +1,4 @@
-//! Numbers within a range: at the default, at the ends, and each order of magnitude between as likely.
+//! Draws numbers within a range: near the default, at the ends of the range, or between them with every order of magnitude equally likely.
 
 use serde_json::Value as Json;
 
@@ -9,19 +9,20 @@ use crate::{
 
 use super::weights;
 
-/// From where to where a number is drawn.
+/// Range from which a number is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Span {
     pub(super) least: f64,
     pub(super) most: f64,
-    /// What the key is when nobody states it, if that is a number.
+    /// Default value of the key, if the key has one that is a number.
     pub(super) default: Option<f64>,
-    /// From where to where the schema lets it go: seldom it is drawn from all of that.
+    /// Range that the schema allows, from which a number is seldom drawn.
     allowed: [f64; 2],
 }
 
 impl Span {
-    /// What the schema allows at `path`, narrowed to what can drive. `property` carries the default.
+    /// Returns the range that the schema allows for the key at `path`, narrowed to values with which a robot can drive. `property`
+    /// carries the key's default.
     pub(super) fn of(node: &'static Json, property: &'static Json, path: &str) -> Span {
         let bound = |name: &str| node.get(name).and_then(Json::as_f64);
         let above = bound("exclusiveMinimum").map(f64::next_up);
@@ -32,13 +33,14 @@ impl Span {
     }
 }
 
-/// Orders of magnitude below the greatest value in which numbers that may be 0 are looked for.
+/// Ratio of the least to the greatest magnitude that is drawn, for ranges that include 0.
 const DEPTH: f64 = 1e-4;
 
-/// One number of 250 is drawn from all that the schema allows: a scene states dozens, so that some scenes have such a number and most have none.
+/// Draws of a uniform number in 0..1 at or above this value, one in 250, take the key's value from all that the schema allows. A scene
+/// states dozens of numbers, so that some scenes have such a number and most have none.
 const ALLOWED_FROM: f64 = 0.996;
 
-/// A number of `span`; none when nothing is left of it.
+/// Draws a number from `span`; none when the range is empty.
 pub(super) fn number(dice: &mut Dice, span: &Span) -> Option<f64> {
     let Span { mut least, mut most, default, allowed } = *span;
     if least >= most {
@@ -65,7 +67,7 @@ pub(super) fn number(dice: &mut Dice, span: &Span) -> Option<f64> {
     Some(rounded(drawn, 4).clamp(least, most))
 }
 
-/// A direction: along an axis, close to one, or any.
+/// Draws a direction in degrees: along an axis, close to one, or any.
 pub(super) fn direction_deg(dice: &mut Dice) -> f64 {
     let quarter = 90.0 * dice.whole(-2, 2) as f64;
     let which = dice.uniform(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! A robot with the devices that a case gets, read when they can be, and bounds that can hold.
+//! Gives the robot of a drawn scene its devices, periods at which they can be sampled, and bounds that can hold.
 
 use toml::{Table, Value};
 
@@ -10,17 +10,17 @@ use localizer::reading::Camera;
 
 use super::settled::{meaning, number, table};
 
-/// How often a robot has a device, cameras apart.
+/// Probability with which a robot has each of these devices. Cameras that render images are listed apart.
 const FITTED: [(&str, f64); 4] = [("gyro", 0.65), ("flow", 0.5), ("range_camera", 0.55), ("proximity", 0.15)];
 
-/// The same of cameras, in scenes that have some.
+/// Probability with which a robot has each camera, in scenes that have cameras.
 const CAMERAS: [(&str, Camera, f64); 3] = [
     ("floor_camera", Camera::Floor, 0.5),
     ("forward_camera", Camera::Forward, 0.35),
     ("ceiling_camera", Camera::Ceiling, 0.4),
 ];
 
-/// Settles `[robot]` and `[bounds]`; returns what the robot is with all its defaults.
+/// Completes the tables `[robot]` and `[bounds]`, and returns the robot with all its default values.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Robot {
     let robot = table(scene, "robot");
     let mut dice = draws.dice("devices that are fitted");
@@ -38,7 +38,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Rob
         if let Some(Value::Table(device)) = robot.get_mut(device)
             && let Some(period_s) = number(device, "period_s")
         {
-            // Whatever is sampled is sampled at a step of the physics.
+            // Devices are sampled at steps of the physics, so that a period is a multiple of 1 ms.
             let steps = (period_s / 0.001).round().max(1.0);
             device.insert("period_s".to_owned(), Value::Float(rounded(0.001 * steps, 6)));
         }
@@ -61,7 +61,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, has_cameras: bool) -> Rob
     fitted
 }
 
-/// Fits a device or leaves it away, whatever the preset has.
+/// Fits a device to the robot or removes it, whatever the robot's preset has.
 fn fit(robot: &mut Table, name: &str, is_fitted: bool) {
     if is_fitted {
         table(robot, name);
@@ -70,11 +70,11 @@ fn fit(robot: &mut Table, name: &str, is_fitted: bool) {
     }
 }
 
-/// What is drawn of the scale is declared, and a hair more for its products.
+/// Declares a tolerance of the flow sensor's scale that covers all errors of scale that are drawn, with 2 % more for their products.
 fn settle_flow(flow: &mut Table) {
     let Some(meant) = meaning::<Flow>(flow) else { return };
     let drawn = 1.02 * (meant.calibration_tolerance + meant.surface_tolerance + meant.noise_tolerance);
-    // A scale that may be off by nearly all of it tells nothing.
+    // A flow sensor with an error of scale of nearly 100 % says nothing about motion, so that such errors are removed.
     if drawn > 0.8 {
         for key in ["calibration_tolerance", "surface_tolerance", "noise_tolerance"] {
             flow.remove(key);
@@ -103,7 +103,7 @@ fn settle_gyro(gyro: &mut Table) {
     }
 }
 
-/// Exposures that end before the next image, and an optical axis that meets the image.
+/// Makes exposures end before the next image, and puts the principal point of the ceiling camera inside the image.
 fn settle_images(robot: &mut Table, draws: &Draws) {
     for (name, ..) in CAMERAS {
         let Some(Value::Table(camera)) = robot.get_mut(name) else { continue };
@@ -121,7 +121,7 @@ fn settle_images(robot: &mut Table, draws: &Draws) {
         }
         bend(camera, &mut draws.dice(&format!("barrel of the {name}")));
         camera.remove("turning_exposure_s").filter(|_| draws.dice("turning exposure").chance(0.3)).map(|exposure| {
-            // Within the longest exposure of every preset.
+            // A turning exposure of at most 2 ms is within the longest exposure of every preset.
             let exposure_s = exposure.as_float().unwrap_or(0.002).min(0.002);
             camera.insert("turning_exposure_s".to_owned(), Value::Float(exposure_s))
         });
@@ -137,7 +137,7 @@ fn settle_images(robot: &mut Table, draws: &Draws) {
     }
 }
 
-/// Now and then a lens as bent as cheap wide ones are: k1 between -0.3 and -0.1, and k2 near k1², with which the image is not folded over.
+/// Gives some cameras a lens as distorted as cheap wide ones are: k1 between -0.3 and -0.1, and k2 near k1², with which the image is not folded over.
 fn bend(camera: &mut Table, dice: &mut Dice) {
     let (is_bent, k1, share) = (dice.chance(0.15), dice.uniform(-0.3, -0.1), dice.uniform(0.8, 1.5));
     if is_bent {
@@ -146,8 +146,9 @@ fn bend(camera: &mut Table, dice: &mut Dice) {
     }
 }
 
-/// Draws the declared bounds on slip, tilt, heave and reach, which emerge from the physics: never narrower than their defaults, and wider for robots other
-/// than the P3-DX, on which the defaults were measured.
+/// Draws the declared bounds on motion that emerges from the physics. Bounds on reach are multiples of the robot's own limits. Bounds on
+/// slip, tilt and heave are never narrower than their defaults. They are at least five times as wide for half of the P3-DX robots, on
+/// which the defaults were measured, and for all other robots.
 fn settle_bounds(bounds: &mut Table, draws: &Draws, robot: &Robot) {
     let usual = Bounds::default();
     let is_usual = robot.preset == RobotPreset::P3dx && draws.dice("robot as it is").chance(0.5);
@@ -155,7 +156,7 @@ fn settle_bounds(bounds: &mut Table, draws: &Draws, robot: &Robot) {
         let mut dice: Dice = draws.dice(&format!("bounds.{key}"));
         bounds.insert(key.to_owned(), Value::Float(rounded(dice.log_uniform(least, most), 3)));
     };
-    // A push or a carpet takes the robot farther than its motors do.
+    // A push or a carpet can move the robot faster than its motors.
     state("reach_speed_m_per_s", 1.4 * robot.max_speed_m_per_s, 4.0 * robot.max_speed_m_per_s);
     state("reach_turn_rate_rad_per_s", 1.6 * robot.max_turn_rate_rad_per_s, 4.0 * robot.max_turn_rate_rad_per_s);
     state("reach_acceleration_m_per_s2", 6.0 * robot.max_acceleration_m_per_s2, 60.0 * robot.max_acceleration_m_per_s2);

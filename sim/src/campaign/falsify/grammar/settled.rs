@@ -1,4 +1,4 @@
-//! What a schema cannot say: that what is drawn fits together. What still does not is refused and drawn again.
+//! Makes the parts of a drawn scene fit together, which a schema cannot demand. A scene that still does not fit is refused and drawn again.
 
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
@@ -10,14 +10,14 @@ use crate::{
 
 use super::{building, ceiling, drive, robot};
 
-/// Makes a drawn scene one that can be driven.
+/// Changes a drawn scene so that it can be simulated.
 pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cameras: bool) {
     let room = [("width_m", room_m[0]), ("depth_m", room_m[1])];
     scene.insert(
         "room".to_owned(),
         Value::Table(room.map(|(key, m)| (key.to_owned(), Value::Float(m))).into_iter().collect()),
     );
-    // Runs with cameras are the slow ones.
+    // Runs with cameras are slow, so that they are drawn shorter.
     let most_s = if has_cameras { 8.0 } else { 20.0 };
     let duration_s = rounded(draws.dice("duration_s").uniform(most_s / 4.0, most_s), 3);
     scene.insert("duration_s".to_owned(), Value::Float(duration_s));
@@ -30,7 +30,7 @@ pub(super) fn settle(scene: &mut Table, draws: &Draws, room_m: [f64; 2], has_cam
     events(scene, draws, duration_s);
 }
 
-/// Methods that have what they read. Most scenes have all of them, as what one gets wrong misleads the others.
+/// Chooses among the methods for which the robot has the devices. Most scenes have all of them, as an error of one method misleads the others.
 fn methods(scene: &mut Table, draws: &Draws, robot: &Robot) {
     let mut dice = draws.dice("methods that are used");
     let used = MethodName::ALL.iter().copied().filter(|method| robot.lacks(*method).is_none() && dice.chance(0.9));
@@ -45,7 +45,7 @@ fn methods(scene: &mut Table, draws: &Draws, robot: &Robot) {
     }
 }
 
-/// Regions and strays within the room; regions rise gently.
+/// Gives regions of the floor places within the room, and makes them rise gently.
 fn floor(scene: &mut Table, draws: &Draws, room_m: [f64; 2]) {
     let Some(Value::Table(floor)) = scene.get_mut("floor") else { return };
     for (index, region) in items(floor, "region").enumerate() {
@@ -56,14 +56,14 @@ fn floor(scene: &mut Table, draws: &Draws, room_m: [f64; 2]) {
             let range_m = [from_m, to_m].map(|m| Value::Float(rounded(m, 3).min(extent_m)));
             region.insert(key.to_owned(), Value::Array(range_m.to_vec()));
         }
-        // Ramps rise by at most a half; wheels of a few centimetres want less.
+        // The slope of a ramp may be 0.5 at most; wheels of a few centimetres need less.
         let height_m = number(region, "height_m").unwrap_or(0.0);
         let ramp_m = rounded((10.0 * height_m).max(0.03), 3);
         region.insert("ramp_m".to_owned(), Value::Float(ramp_m));
     }
 }
 
-/// What happens lies within the run and concerns what is there.
+/// Gives events times within the run, and regions of the floor that exist.
 fn events(scene: &mut Table, draws: &Draws, duration_s: f64) {
     let regions: Vec<String> = match scene.get_mut("floor") {
         Some(Value::Table(floor)) => items(floor, "region").filter_map(|region| text(region, "name")).collect(),
@@ -86,7 +86,7 @@ fn events(scene: &mut Table, draws: &Draws, duration_s: f64) {
     }
 }
 
-/// The table at `key`, created if it is not there.
+/// Returns the table at `key`, which is created if it does not exist.
 pub(super) fn table<'a>(of: &'a mut Table, key: &str) -> &'a mut Table {
     if !of.get(key).is_some_and(Value::is_table) {
         of.insert(key.to_owned(), Value::Table(Table::new()));
@@ -97,28 +97,28 @@ pub(super) fn table<'a>(of: &'a mut Table, key: &str) -> &'a mut Table {
     }
 }
 
-/// The tables of a list.
+/// Returns the tables of the list at `key`.
 pub(super) fn items<'a>(of: &'a mut Table, key: &str) -> impl Iterator<Item = &'a mut Table> {
     of.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten().filter_map(Value::as_table_mut)
 }
 
-/// A number that is stated.
+/// Returns the number at `key`, if the table has one.
 pub(super) fn number(of: &Table, key: &str) -> Option<f64> {
     let value = of.get(key)?;
     value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
-/// A text that is stated.
+/// Returns the text at `key`, if the table has one.
 pub(super) fn text(of: &Table, key: &str) -> Option<String> {
     of.get(key)?.as_str().map(str::to_owned)
 }
 
-/// What a table stands for with its defaults; none where it is refused, as the scene then will be.
+/// Parses a table with its default values; none where the table is invalid, as the whole scene then is.
 pub(super) fn meaning<T: DeserializeOwned>(of: &Table) -> Option<T> {
     Value::Table(of.clone()).try_into().ok()
 }
 
-/// A place as a table states it.
+/// Writes a place into a table as its keys `x_m` and `y_m`.
 pub(super) fn place(table: &mut Table, at_m: [f64; 2]) {
     for (key, value_m) in [("x_m", at_m[0]), ("y_m", at_m[1])] {
         table.insert(key.to_owned(), Value::Float(rounded(value_m, 4)));

@@ -1,20 +1,20 @@
-//! How often keys are stated and how far they go, where the schema says less than what can drive.
+//! How often keys are stated and in which range their values are drawn, where the schema allows more than a robot can drive with.
 //!
-//! A path stands for its key wherever it occurs: the longest ending of a key's path that is listed counts.
+//! A path here stands for its key wherever that key occurs: of the listed paths that a key's full path ends with, the longest counts.
 
 use super::without_indices;
 
-/// How often a key is stated; none when it is as others of its type.
+/// Returns the probability that a key is stated; none when it has the probability of its type.
 pub(super) fn chance(path: &str) -> Option<f64> {
     found(&CHANCES, path)
 }
 
-/// From where to where a number goes; none when the schema's own range drives.
+/// Returns the range from which a number is drawn; none when the schema's own range is suitable.
 pub(super) fn range(path: &str) -> Option<[f64; 2]> {
     found(&RANGES, path)
 }
 
-/// How many items a list has.
+/// Returns the least and the greatest number of items that a list is drawn with.
 pub(super) fn count(path: &str) -> [i64; 2] {
     found(&COUNTS, path).unwrap_or([1, 3])
 }
@@ -30,7 +30,8 @@ fn found<T: Copy>(listed: &[(&str, T)], path: &str) -> Option<T> {
         .map(|(_, value)| *value)
 }
 
-/// What is never drawn is made by `settled`, says nothing to the localizer, or names a file that is not there.
+/// Probabilities that keys are stated. A probability of 0 is for keys that `settled` fills in, that the localizer does not read, or that
+/// name a file that does not exist.
 const CHANCES: [(&str, f64); 41] = [
     ("description", 0.0),
     ("expect", 0.0),
@@ -56,7 +57,7 @@ const CHANCES: [(&str, f64); 41] = [
     ("robot.gyro", 1.0),
     ("robot.flow", 1.0),
     ("robot.proximity", 0.5),
-    // A wheel worn beyond its tolerance breaks a bound from the first second on, and nothing more is learnt from the run.
+    // A wheel worn beyond its tolerance breaks a bound from the first second on, so that the rest of the run shows nothing more.
     ("robot.wheel_wear", 0.02),
     ("floor.tiles.misplaced", 0.03),
     ("markers.marker", 1.0),
@@ -76,7 +77,7 @@ const CHANCES: [(&str, f64); 41] = [
     ("localizer.wall_directions", 1.0),
 ];
 
-/// Narrower than the schema: beyond, a robot tips over, stands still, or sees nothing, and every run is the same.
+/// Ranges narrower than the schema's: beyond them a robot tips over, stands still, or sees nothing, and every run is the same.
 const RANGES: [(&str, [f64; 2]); 129] = [
     ("start.tolerance_m", [0.0, 0.5]),
     ("start.tolerance_deg", [0.0, 20.0]),
@@ -109,10 +110,10 @@ const RANGES: [(&str, [f64; 2]); 129] = [
     ("robot.encoders.period_s", [0.001, 0.4]),
     ("robot.delivery.dropped_share", [0.0, 0.5]),
     ("robot.delivery.duplicated_share", [0.0, 0.5]),
-    // Mounts within the robot's body.
+    // Mounts of devices lie within the robot's body.
     ("forward_m", [-0.3, 0.3]),
     ("left_m", [-0.3, 0.3]),
-    // Pictures are small and rare: half of a run's time goes into them.
+    // Pictures are small and rare, as half of a run's time goes into them.
     ("width_px", [96.0, 640.0]),
     ("height_px", [96.0, 480.0]),
     ("floor_camera.period_s", [0.05, 1.0]),
@@ -139,7 +140,7 @@ const RANGES: [(&str, [f64; 2]); 129] = [
     ("principal_point_tolerance_px", [0.0, 10.0]),
     ("distortion_tolerance_px", [0.0, 2.0]),
     ("lens.defocus_px", [0.0, 2.0]),
-    // Beyond, wide lenses fold the image over.
+    // Beyond this distortion, wide lenses fold the image over.
     ("lens.distortion", [-0.03, 0.03]),
     ("lens.row_time_s", [0.0, 5e-5]),
     ("sensor.exposure_s", [0.0005, 0.03]),
