@@ -9,8 +9,8 @@ use localizer::{
 
 use crate::{
     devices::{ToldKey, relative},
-    randomness::{draw_within, stream},
     scene::{Bounds, Robot},
+    truth::randomness::{draw_within, stream},
 };
 
 /// Bounds of the base whose true values can lie outside, because wheels may be worn beyond what is declared.

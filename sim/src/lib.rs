@@ -11,22 +11,13 @@
 
 pub mod scene;
 pub mod loading;
-mod told;
-pub mod randomness;
 pub mod truth;
-pub mod place;
 pub mod optics;
+pub mod place;
 pub mod devices;
 pub mod base;
-pub mod drawn;
-pub mod coverage;
-pub mod marker_sheet;
 pub mod world;
-pub mod building;
-pub mod light;
 pub mod render;
-pub mod sensors;
-pub mod navigation;
 pub mod driver;
 pub mod subject;
 pub mod run;

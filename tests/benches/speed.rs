@@ -13,12 +13,14 @@ use localizer::{
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use sim::{
-    drawn::Drawn,
     render::{Renderer, View},
-    run::{RunOptions, RunRecord, run},
+    run::{
+        RunOptions, RunRecord, run,
+        sensors::still::{take, views_at},
+    },
     scene::Scene,
-    sensors::still::{take, views_at},
     subject::IntervalLocalizer,
+    world::Drawn,
 };
 
 fn main() {

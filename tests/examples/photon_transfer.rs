@@ -7,10 +7,10 @@ use std::{env, fmt::Write as _, fs, path::Path};
 
 use localizer::{Pose, reading::Camera};
 use sim::{
-    drawn::Drawn,
     render::{NoiseKey, RenderedWorld, Renderer, View},
+    run::sensors::still::views_at,
     scene::Scene,
-    sensors::still::views_at,
+    world::Drawn,
 };
 
 const LUX: f64 = 40.0;

@@ -9,7 +9,6 @@ use localizer::{
     reading::Camera,
 };
 use sim::{
-    drawn::Drawn,
     judge::{Judgement, Verdict, Violation, judge},
     loading::SceneFile,
     render::Renderer,
@@ -17,6 +16,7 @@ use sim::{
     scene::{Distribution, Event, Scene},
     subject::{IntervalLocalizer, Subject, SubjectOf},
     truth::Truth,
+    world::Drawn,
 };
 
 use crate::{
@@ -547,15 +547,15 @@ fn what_is_moved_back_lies_at_its_bound_and_nothing_else_moves() {
         run_otherwise(&scene, &record, &asked, &IntervalLocalizer::boxed, None, &mut |_| {}).unwrap().drawn
     };
     let placed = clipped("markers.placement");
-    let [x_m, y_m] = placed.markers[0].centre_m;
+    let [x_m, y_m] = placed.place.markers[0].centre_m;
     let tolerance_m = scene.markers.as_ref().unwrap().placement_tolerance_m;
     assert!(((x_m - 1.0).hypot(y_m - 1.0) - tolerance_m).abs() < 1e-12, "{x_m} {y_m}");
     // The moved marker's dots move with it; the other marker stays, and so do the tiles.
-    let dot = |drawn: &Drawn| drawn.markers[0].dots[0].centre_in_world.y - drawn.markers[0].centre_m[1];
+    let dot = |drawn: &Drawn| drawn.place.markers[0].dots[0].centre_in_world.y - drawn.place.markers[0].centre_m[1];
     assert!((dot(&placed) - dot(&record.drawn)).abs() < 1e-12);
-    assert_eq!(placed.markers[1], record.drawn.markers[1]);
+    assert_eq!(placed.place.markers[1], record.drawn.place.markers[1]);
     let (tiles, room) = (scene.floor.tiles.as_ref().unwrap(), &scene.room);
-    let bend_m = |drawn: &Drawn| drawn.tiles.as_ref().unwrap().errors_near(tiles, room, [1.65, 1.05], 0.3).bend_m;
+    let bend_m = |drawn: &Drawn| drawn.place.tiles.as_ref().unwrap().errors_near(tiles, room, [1.65, 1.05], 0.3).bend_m;
     // The misplaced tile is off by 8 mm, plus the errors drawn for its corners, which are within 1 mm.
     assert!((bend_m(&placed) - 0.008).abs() <= 0.0011, "{}", bend_m(&placed));
     assert!((0.0005..=0.001).contains(&bend_m(&clipped("floor_tiles.straightness"))));

@@ -16,10 +16,10 @@ use localizer::{
 };
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3, vector};
 use sim::{
-    drawn::Drawn,
     optics::{Exposure, Lens},
     render::{NoiseKey, Shows, View},
     scene::{Scene, SensorPreset},
+    world::Drawn,
 };
 
 use crate::render_studio::{exposed, renderer};
@@ -167,7 +167,7 @@ fn five_rendered_spins_give_the_mount_to_half_a_millimetre_and_a_fifth_of_a_degr
         };
         let views: Vec<View> = (0..5 * N_STOPS)
             .flat_map(|stop| {
-                sim::sensors::still::views_at(&scene, &drawn, pose(stop), 20.0, &[Camera::Ceiling], stop as u64)
+                sim::run::sensors::still::views_at(&scene, &drawn, pose(stop), 20.0, &[Camera::Ceiling], stop as u64)
             })
             .collect();
         let pictures = {

@@ -1,10 +1,9 @@
 //! Tests of carpets, ramps, stuck wheels, lifts and snapshots against closed forms, and of Borenstein's square path.
 
 use sim::{
-    drawn::Drawn,
     scene::Scene,
     truth::Truth,
-    world::{WheelCommand, World},
+    world::{Drawn, WheelCommand, World},
 };
 
 use crate::world_setup::{command, hold, nominal, nominal_world, scene};

@@ -12,7 +12,7 @@ use localizer::{
     reading::Camera,
     vision::ceiling::{self, CeilingView, PictureMotion, SeenMarker},
 };
-use sim::{drawn::Drawn, scene::Scene, sensors::still::Still};
+use sim::{run::sensors::still::Still, scene::Scene, world::Drawn};
 
 use crate::render_studio::renderer;
 
@@ -39,7 +39,7 @@ fn picture(scene: &Scene, drawn: &Drawn, pose: Pose) -> Still {
     let mut renderer = renderer();
     let world = renderer.upload_room(scene, drawn).unwrap();
     let lux = scene.light.illuminance_at_floor_lux;
-    sim::sensors::still::take(&mut renderer, &world, scene, drawn, pose, lux, (&[Camera::Ceiling], 7))
+    sim::run::sensors::still::take(&mut renderer, &world, scene, drawn, pose, lux, (&[Camera::Ceiling], 7))
         .unwrap()
         .remove(0)
 }
@@ -151,7 +151,7 @@ fn no_damaged_hexad_is_read_as_another() {
     // Both markers with the identity 125 are read as 125; that there are two of them is for the method to notice.
     assert_eq!(ids(&seen), [125, 125], "refused {refused}");
     assert!(refused >= 2, "{refused} refused");
-    let on_ceiling: Vec<usize> = drawn.markers.iter().map(|marker| marker.index).collect();
+    let on_ceiling: Vec<usize> = drawn.place.markers.iter().map(|marker| marker.index).collect();
     assert_eq!(on_ceiling, [0, 1, 2, 3, 4, 5]);
     let MarkerMap { markers, .. } = scene.map().markers.unwrap();
     assert_eq!(markers.iter().map(|placed| placed.id.0).collect::<Vec<_>>(), [125, 183, 366, 414, 429, 483]);
@@ -162,7 +162,7 @@ fn what_is_printed_is_what_the_localizer_spells() {
     for id in [0u16, 1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 447, 1782, 4095] {
         let scene = room(&format!("coding = \"plain\"\n{EXACT}{}", marker(id, [2.0, 1.5], 0.0, "")));
         let drawn = Drawn::draw(&scene, 0);
-        let dots = &drawn.markers[0].dots;
+        let dots = &drawn.place.markers[0].dots;
         assert_eq!(MarkerId::from_dots(dots.iter().map(|dot| dot.place)), MarkerId(id));
         assert_eq!(dots.len(), 3 + id.count_ones() as usize);
         for dot in dots {
@@ -178,7 +178,7 @@ fn markers_are_pasted_within_their_tolerances_and_all_over_them() {
     let scene = room(&marker(125, [2.0, 1.5], 33.0, ""));
     let mut greatest = [0.0_f64; 4];
     for seed in 0..400 {
-        let drawn = &Drawn::draw(&scene, seed).markers[0];
+        let drawn = &Drawn::draw(&scene, seed).place.markers[0];
         let (sin, cos) = drawn.rotation_rad.sin_cos();
         let shares = [
             (drawn.centre_m[0] - 2.0).hypot(drawn.centre_m[1] - 1.5) / 0.002,
@@ -203,8 +203,8 @@ fn markers_are_pasted_within_their_tolerances_and_all_over_them() {
 #[test]
 fn damage_to_one_marker_moves_no_other() {
     let scene = |more: &str| room(&[marker(125, [2.0, 1.5], 0.0, more), marker(183, [3.0, 1.5], 0.0, "")].concat());
-    let whole = Drawn::draw(&scene(""), 3).markers[1].clone();
+    let whole = Drawn::draw(&scene(""), 3).place.markers[1].clone();
     for more in ["pasted = false", "missing_dots = [[0, 0]]", "covered_share = 1.0", "mirrored = true"] {
-        assert_eq!(Drawn::draw(&scene(more), 3).markers.last(), Some(&whole), "{more}");
+        assert_eq!(Drawn::draw(&scene(more), 3).place.markers.last(), Some(&whole), "{more}");
     }
 }

@@ -169,7 +169,7 @@ fn walls_as_askew_as_declared_keep_the_truth_and_ten_times_as_askew_are_named() 
     let lines = [["duration_s = 60.0", "duration_s = 8.0"], ["[robot]\n", "[robot]\nerrors = \"corner\"\n"]];
     let declared = scene(&lines, "tolerance_deg = 0.3");
     let (record, verdict) = judged(&declared, 4);
-    assert_eq!(record.drawn.walls_turn_deg.abs(), 0.3);
+    assert_eq!(record.drawn.place.walls_turn_deg.abs(), 0.3);
     assert_eq!(
         verdict.containment.as_ref().unwrap().contained,
         verdict.containment.as_ref().unwrap().checks,

@@ -2,11 +2,11 @@ use interval::Interval;
 use localizer::{Claim, Estimate, Pose, PoseBox, PoseUnion, Status, quota::Quota, reading::Camera};
 use sim::{
     campaign::falsify::{Wish, hits},
-    drawn::Drawn,
     judge::{Judgement, judge},
     run::{ImageRecord, RunRecord},
     scene::Scene,
     truth::Truth,
+    world::Drawn,
 };
 
 use crate::command::blind_scene;

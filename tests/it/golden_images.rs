@@ -4,7 +4,7 @@ use std::{env, fs};
 
 use image::GrayImage;
 use localizer::{Pose, reading::Camera};
-use sim::{drawn::Drawn, loading::SceneFile, sensors::still::take};
+use sim::{loading::SceneFile, run::sensors::still::take, world::Drawn};
 
 use crate::{command::root, render_studio::renderer};
 

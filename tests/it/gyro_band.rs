@@ -4,11 +4,11 @@
 use localizer::{Pose, bounds};
 use sim::{
     devices::{Sensor, gyro::GyroCuts},
-    drawn::Drawn,
     run::{RunOptions, run},
     scene::Scene,
     subject::IntervalLocalizer,
     truth::Truth,
+    world::Drawn,
 };
 
 use crate::{

@@ -1,6 +1,5 @@
 use sim::{
-    judge::METRICS,
-    judge::{Verdict, judge},
+    judge::{METRICS, Verdict, judge},
     render::Renderer,
     run::{RunRecord, run_otherwise},
     scene::Scene,

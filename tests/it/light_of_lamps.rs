@@ -2,12 +2,15 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3, vector};
 use sim::{
-    building::{Building, Material, Part, UprightBody, UprightBox},
-    drawn::Drawn,
-    light::{
-        LightMap, Lighting, Shape, Source, bake, nodes_with_people, opposite_rectangles_view_factor, polygon_irradiance,
-    },
     optics::Photons,
+    place::{
+        building::{Building, Material, Part, UprightBody, UprightBox},
+        drawn::DrawnPlace,
+        light::{
+            LightMap, Lighting, Shape, Source, bake, nodes_with_people, opposite_rectangles_view_factor,
+            polygon_irradiance,
+        },
+    },
     scene::{Scene, Spectrum},
 };
 
@@ -27,7 +30,7 @@ fn at_floor(map: &LightMap, building: &Building, x_m: f64, y_m: f64) -> f64 {
 }
 
 fn baked(scene: &Scene, boxes: &[UprightBox]) -> (Building, Lighting, LightMap) {
-    let building = Building::furnished(scene, &Drawn::draw(scene, 0), boxes.to_vec());
+    let building = Building::furnished(scene, &DrawnPlace::draw(scene, 0), boxes.to_vec());
     let (lighting, map) = bake(scene, &building);
     (building, lighting, map)
 }
@@ -197,7 +200,7 @@ fn half_a_panel_behind_a_board_gives_half_its_light_below_the_edge() {
         between_m: [1.0, 1.001],
         material: Material::matt(0.5),
     };
-    let building = Building::furnished(&scene, &Drawn::draw(&scene, 0), vec![board]);
+    let building = Building::furnished(&scene, &DrawnPlace::draw(&scene, 0), vec![board]);
     let lighting = Lighting { sources: vec![panel], ..Lighting::direct(&scene, &building) };
     let shadowed = lighting.direct_at(Point3::origin(), Vector3::z(), 8).lux;
     let open = lighting.sources[0].illuminance(Point3::origin(), Vector3::z());
@@ -278,7 +281,7 @@ fn openings_are_as_large_as_doors_and_seams() {
              [[route.waypoint]]\nx_m = 1.3\ny_m = 1.3\n{rooms}"
         );
         let scene = Scene::parse(&text, "holes.toml").unwrap_or_else(|error| panic!("failed to {error}"));
-        Building::new(&scene, &Drawn::draw(&scene, 0)).openings
+        Building::new(&scene, &DrawnPlace::draw(&scene, 0)).openings
     };
     let beside = "[[building.room]]\nx_m = 4.0\ny_m = 1.0\nwidth_m = 3.0\ndepth_m = 2.0\n";
     assert_eq!(openings(beside), []);

@@ -6,12 +6,12 @@ use nalgebra::Point3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim::{
-    coverage::{Coverage, Field, coverage},
     devices::camera::world_from_camera,
-    drawn::Drawn,
+    loading::coverage::{Coverage, Field, coverage},
     optics::Lens,
     scene::Scene,
     truth::Truth,
+    world::Drawn,
 };
 
 fn parse(room_m: [f64; 2], camera: &str, markers: &str) -> Result<Scene, String> {
@@ -46,8 +46,9 @@ fn whole_in_image(scene: &Scene, drawn: &Drawn, truth: &Truth) -> usize {
             Point3::new(at.x + 0.01 * cos, at.y + 0.01 * sin, at.z)
         })
     };
-    let is_whole = |dots: &[sim::drawn::DrawnDot]| dots.iter().all(|dot| rim(dot.centre_in_world).all(is_inside));
-    drawn.markers.iter().filter(|marker| is_whole(&marker.dots)).count()
+    let is_whole =
+        |dots: &[sim::place::drawn::DrawnDot]| dots.iter().all(|dot| rim(dot.centre_in_world).all(is_inside));
+    drawn.place.markers.iter().filter(|marker| is_whole(&marker.dots)).count()
 }
 
 /// Least number of whole markers seen from random poses of a robot that tips, heaves and stands next to walls, with markers and the
@@ -172,13 +173,13 @@ fn a_third_of_the_markers_is_missing_on_the_ceiling_and_not_on_the_map() {
     let markers = "[markers]\nshare_missing = 0.3333\n[markers.layout]\n";
     let scene = parse([6.0, 5.0], SHORT, markers).unwrap();
     let n_markers = scene.map().markers.unwrap().markers.len();
-    let pasted = |seed| Drawn::draw(&scene, seed).markers.iter().map(|marker| marker.index).collect::<Vec<_>>();
+    let pasted = |seed| Drawn::draw(&scene, seed).place.markers.iter().map(|marker| marker.index).collect::<Vec<_>>();
     assert_eq!(pasted(0).len(), n_markers - (n_markers as f64 * 0.3333).round() as usize);
     assert_ne!(pasted(0), pasted(1), "each seed loses others");
     // The remaining markers are where they would be if no marker were missing.
     let whole = laid_out([6.0, 5.0], SHORT, "");
-    let all = Drawn::draw(&whole, 0).markers;
-    assert!(Drawn::draw(&scene, 0).markers.iter().all(|marker| all[marker.index] == *marker));
+    let all = Drawn::draw(&whole, 0).place.markers;
+    assert!(Drawn::draw(&scene, 0).place.markers.iter().all(|marker| all[marker.index] == *marker));
 }
 
 #[test]

@@ -3,12 +3,11 @@
 use localizer::{Pose, Reading};
 use sim::{
     devices::{Sensor, flow::DrawnFlow},
-    drawn::Drawn,
-    run::{RunOptions, run},
+    run::{RunOptions, run, sensors::Sensors},
     scene::Scene,
-    sensors::Sensors,
     subject::IntervalLocalizer,
     truth::Truth,
+    world::Drawn,
 };
 
 use crate::judging::verdict_of;

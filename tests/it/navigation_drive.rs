@@ -5,16 +5,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use interval::Interval;
 use localizer::{Estimate, Pose, PoseUnion, Status};
 use sim::{
-    drawn::Drawn,
     driver::{ErrandDriver, ErrandLog, Outcome, bearing},
     judge::{Verdict, distance_to_way_m},
     place::Bystander,
-    run::{Clearance, RunOptions, RunRecord, run},
+    run::{Clearance, RunOptions, RunRecord, run, sensors::Sensors},
     scene::Scene,
-    sensors::Sensors,
     subject::IntervalLocalizer,
     truth::Truth,
-    world::{WheelCommand, World},
+    world::{Drawn, WheelCommand, World},
 };
 
 use crate::judging::verdict_of;

@@ -6,7 +6,7 @@ use std::{
 };
 
 use sim::{
-    navigation::{Cell, OccupancyGrid, Planner, length_m, map_server},
+    place::navigation::{Cell, OccupancyGrid, Planner, length_m, map_server},
     scene::Scene,
 };
 

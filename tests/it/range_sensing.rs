@@ -8,11 +8,10 @@ use localizer::{
 };
 use sim::{
     devices::{Sensor, range_camera::RangeCameraSensor},
-    drawn::Drawn,
     place::Bystander,
     scene::Scene,
     truth::Truth,
-    world::World,
+    world::{Drawn, World},
 };
 
 use crate::world_setup::{command, gyro_sensor, nominal, range_sensor, scene};

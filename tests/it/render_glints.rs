@@ -4,11 +4,14 @@
 use image::GrayImage;
 use nalgebra::{Isometry3, Translation3};
 use sim::{
-    building::{Building, Part},
-    drawn::Drawn,
     optics::Lens,
+    place::{
+        building::{Building, Part},
+        drawn::DrawnPlace,
+    },
     render::View,
     scene::Scene,
+    world::Drawn,
 };
 
 use crate::{
@@ -151,7 +154,7 @@ fn a_glossy_box_shows_a_bulb_where_a_mirror_would() {
 fn a_floor_glints_by_the_gloss_that_is_stated_and_as_its_covering_otherwise() {
     let share = |floor: &str| {
         let scene = black_room(floor);
-        let building = Building::new(&scene, &Drawn::draw(&scene, 0));
+        let building = Building::new(&scene, &DrawnPlace::draw(&scene, 0));
         let floor = building.panels.iter().find(|panel| panel.part == Part::Floor).unwrap();
         floor.material.mirrored
     };

@@ -1,7 +1,7 @@
 //! Floor tiles as a seed lays them, with drawn errors, compared with the declared bounds that the localizer is given.
 
 use sim::{
-    drawn::LaidTiles,
+    place::drawn::LaidTiles,
     scene::{Distribution, Misplaced, Room, Tiles},
 };
 

@@ -98,7 +98,7 @@ const PLAIN_TILES: &str = "[floor.tiles]\npattern = \"plain\"\ntile_albedo_sprea
 fn the_centre_of_a_laid_joint_is_unbiased_at_any_angle() {
     // The tile grid is rotated by 17° and seen at several headings, so that joints cross the pixels at all angles.
     let studio = Studio::new(3.0, &format!("{PLAIN_TILES}rotation_deg = 17.0\n"));
-    let laid = studio.drawn.tiles.as_ref().unwrap();
+    let laid = studio.drawn.place.tiles.as_ref().unwrap();
     let corner_in_world = |i: i32, j: i32| {
         let index = (i - laid.first[0]) as usize * laid.count[1] + (j - laid.first[1]) as usize;
         let offset = laid.corner_offset_m[index];

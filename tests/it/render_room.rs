@@ -3,11 +3,14 @@ use std::f64::consts::PI;
 use image::GrayImage;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3, vector};
 use sim::{
-    building::{Building, Panel, UprightBody},
-    drawn::Drawn,
     optics::{Lens, Photons},
+    place::{
+        building::{Building, Panel, UprightBody},
+        drawn::DrawnPlace,
+    },
     render::{NoiseKey, Shows, View},
     scene::{Band, Scene, SensorModel, SensorPreset, Spectrum},
+    world::Drawn,
 };
 
 use crate::{light_of_lamps::black_room, render_studio::renderer};
@@ -309,7 +312,7 @@ fn each_seed_has_a_pattern_of_its_own_whatever_was_drawn_before() {
 #[test]
 fn rooms_that_share_a_wall_s_line_have_one_wall_there() {
     let scene = black_room("[[building.room]]\nx_m = 3.9\ny_m = 0.0\nwidth_m = 4.0\ndepth_m = 3.0\n");
-    let building = Building::new(&scene, &Drawn::draw(&scene, 0));
+    let building = Building::new(&scene, &DrawnPlace::draw(&scene, 0));
     for y_m in [0.0, 3.0] {
         let along =
             |panel: &&Panel| (panel.corner.y - y_m).abs() < 1e-9 && panel.along.y.abs() < 1e-9 && panel.corner.z > 0.0;
@@ -318,7 +321,7 @@ fn rooms_that_share_a_wall_s_line_have_one_wall_there() {
     }
     // Rooms that stand back to back keep both of their walls.
     let scene = black_room("[[building.room]]\nx_m = 4.0\ny_m = 0.0\nwidth_m = 4.0\ndepth_m = 3.0\n");
-    let building = Building::new(&scene, &Drawn::draw(&scene, 0));
+    let building = Building::new(&scene, &DrawnPlace::draw(&scene, 0));
     let between =
         |panel: &&Panel| (panel.corner.x - 4.0).abs() < 1e-9 && panel.along.x.abs() < 1e-9 && panel.corner.z > 0.0;
     assert_eq!(building.walls().filter(between).count(), 2);

@@ -8,7 +8,6 @@ use localizer::Pose;
 use nalgebra::Isometry3;
 use sim::{
     devices::camera::{DrawnFloorCamera, world_from_floor_camera},
-    drawn::Drawn,
     judge::Verdict,
     optics::{Exposure, Lens},
     render::{NoiseKey, Renderer, Shows, View},
@@ -16,6 +15,7 @@ use sim::{
     scene::Scene,
     subject::IntervalLocalizer,
     truth::Truth,
+    world::Drawn,
 };
 
 use crate::judging::verdict_of;

@@ -127,7 +127,7 @@ fn a_tile_laid_off_its_place_is_told_while_it_is_in_view() {
     let first = verdict.containment.as_ref().unwrap().first_failure.as_ref().map(|first| first.blame.as_str());
     assert!(first.is_none_or(|blame| blame.starts_with("floor_tiles.")), "{first:?}");
     // The misplaced tile is [7, 2]. It is moved by 8 mm along x, in addition to the errors drawn for its four corners.
-    let laid = record.drawn.tiles.as_ref().unwrap();
+    let laid = record.drawn.place.tiles.as_ref().unwrap();
     let corner = |i: i32, j: i32| {
         laid.corner_offset_m[(i - laid.first[0]) as usize * laid.count[1] + (j - laid.first[1]) as usize][0].abs()
     };

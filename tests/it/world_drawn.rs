@@ -5,11 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use sim::{
-    building::Building,
     devices::camera::DrawnCamera,
-    drawn::Drawn,
     optics::Lens,
+    place::building::Building,
     scene::{Calibration, Scene},
+    world::Drawn,
 };
 
 use crate::world_setup::scene;
@@ -134,8 +134,8 @@ fn other_devices(drawn: &Drawn) -> Vec<Share> {
 }
 
 fn places(drawn: &Drawn) -> Vec<Share> {
-    let mut shares = vec![share("walls", drawn.walls_turn_deg / 0.3)];
-    for (marker, [x_m, y_m]) in drawn.markers.iter().zip([[3.0, 2.0], [5.0, 4.0]]) {
+    let mut shares = vec![share("walls", drawn.place.walls_turn_deg / 0.3)];
+    for (marker, [x_m, y_m]) in drawn.place.markers.iter().zip([[3.0, 2.0], [5.0, 4.0]]) {
         let name = |what: &str| format!("marker {} {what}", marker.id.0);
         let off_m = (marker.centre_m[0] - x_m).hypot(marker.centre_m[1] - y_m);
         shares.push(norm(&name("place"), off_m / 0.002));
@@ -143,7 +143,7 @@ fn places(drawn: &Drawn) -> Vec<Share> {
         // At the top of its tolerance of 5 mm a marker still hangs 1 mm below the ceiling of 2.6 m, so that its nominal height is 2.594 m.
         shares.push(share(&name("height"), (marker.height_m - (2.6 - 0.001 - 0.005)) / 0.005));
         let (sin, cos) = marker.rotation_rad.sin_cos();
-        let misprint_m = |dot: &sim::drawn::DrawnDot| {
+        let misprint_m = |dot: &sim::place::drawn::DrawnDot| {
             let [along_m, across_m] = dot.place.map(|index| 0.04 * (f64::from(index) - 1.5));
             let at_m = [cos * along_m - sin * across_m, sin * along_m + cos * across_m];
             (dot.centre_in_world.x - marker.centre_m[0] - at_m[0])
@@ -151,7 +151,7 @@ fn places(drawn: &Drawn) -> Vec<Share> {
         };
         shares.push(norm(&name("print"), misprint_m(&marker.dots[0]) / 0.0003));
     }
-    for (piece, turn_deg) in drawn.furniture_turn_deg.iter().enumerate() {
+    for (piece, turn_deg) in drawn.place.furniture_turn_deg.iter().enumerate() {
         shares.push(share(&format!("furniture {piece}"), turn_deg / 2.0));
     }
     shares
@@ -179,13 +179,13 @@ fn drawn_errors_fill_their_tolerance_and_never_leave_it() {
 fn in_a_drift_everything_of_a_kind_is_off_alike() {
     for seed in 0..20 {
         let drawn = Drawn::draw(&scene_with("drift", 0.1), seed);
-        let [one, other] = [&drawn.markers[0], &drawn.markers[1]];
+        let [one, other] = [&drawn.place.markers[0], &drawn.place.markers[1]];
         assert!((one.rotation_rad - other.rotation_rad).abs() < 1e-12);
         assert!((one.centre_m[0] - 3.0 - (other.centre_m[0] - 5.0)).abs() < 1e-12);
         assert!((one.height_m - other.height_m).abs() < 1e-12);
-        assert_eq!(drawn.furniture_turn_deg[0], drawn.furniture_turn_deg[1]);
+        assert_eq!(drawn.place.furniture_turn_deg[0], drawn.place.furniture_turn_deg[1]);
         // At the ends of the room, all joints of a family are off by the same distance.
-        let laid = drawn.tiles.unwrap();
+        let laid = drawn.place.tiles.unwrap();
         for axis in 0..2 {
             let first_m = laid.corner_offset_m[0][axis];
             for across in 0..laid.count[axis] {
@@ -200,7 +200,7 @@ fn in_a_drift_everything_of_a_kind_is_off_alike() {
 fn furniture_is_felt_and_seen_as_it_stands_and_mapped_as_stated() {
     let scene = scene_with("corner", 0.1);
     let drawn = Drawn::draw(&scene, 3);
-    let built = scene.as_built(&drawn);
+    let built = scene.as_built(&drawn.place);
     for (stated, stands) in scene.furniture.iter().zip(&built.furniture) {
         assert_eq!(stated.rotation_deg, 30.0);
         assert!([28.0, 32.0].contains(&stands.rotation_deg), "{}", stands.rotation_deg);
@@ -224,12 +224,15 @@ fn walls_turn_together_about_the_middle_of_the_room_and_furniture_stays() {
     };
     for seed in 0..4 {
         let drawn = Drawn::draw(&scene, seed);
-        assert_eq!(drawn.walls_turn_deg.abs(), 1.0, "seed {seed}");
-        let built = scene.as_built(&drawn);
-        assert_eq!(built.furniture[0].rotation_deg, scene.furniture[0].rotation_deg + drawn.furniture_turn_deg[0]);
-        let building = Building::new(&built, &drawn);
+        assert_eq!(drawn.place.walls_turn_deg.abs(), 1.0, "seed {seed}");
+        let built = scene.as_built(&drawn.place);
+        assert_eq!(
+            built.furniture[0].rotation_deg,
+            scene.furniture[0].rotation_deg + drawn.place.furniture_turn_deg[0]
+        );
+        let building = Building::new(&built, &drawn.place);
         // In a room of 8 m by 6 m, each wall is turned and keeps its distance from the middle of the room.
-        let off_rad = drawn.walls_turn_deg.to_radians();
+        let off_rad = drawn.place.walls_turn_deg.to_radians();
         for wall in building.walls() {
             let quarters = (wall.along.y.atan2(wall.along.x) - off_rad) / FRAC_PI_2;
             assert!((quarters - quarters.round()).abs() < 1e-12, "seed {seed}: {:?}", wall.along);
@@ -259,7 +262,7 @@ fn walls_turn_together_about_the_middle_of_the_room_and_furniture_stays() {
 
 #[test]
 fn walls_stand_as_stated_where_nobody_reads_them_or_their_map_is_already_off() {
-    let turn_deg = |scene: &Scene| Drawn::draw(scene, 3).walls_turn_deg.abs();
+    let turn_deg = |scene: &Scene| Drawn::draw(scene, 3).place.walls_turn_deg.abs();
     let with = |setup: serde_json::Value| walls(&["wall_directions"], setup);
     assert_eq!(turn_deg(&walls(&[], serde_json::json!({ "tolerance_deg": 1.0 }))), 0.0);
     assert_eq!(walls(&[], serde_json::json!({ "tolerance_deg": 1.0 })).map().room_m[0].hi(), 8.0);
@@ -276,11 +279,11 @@ fn walls_leave_the_robot_the_place_that_the_scene_gives_it() {
     (scene.start.x_m, scene.start.y_m) = (scene.robot.body_radius_m + 0.02, 0.5 * scene.room.depth_m + 2.0);
     for seed in 0..6 {
         let drawn = Drawn::draw(&scene, seed);
-        let (sin, cos) = drawn.walls_turn_deg.to_radians().sin_cos();
+        let (sin, cos) = drawn.place.walls_turn_deg.to_radians().sin_cos();
         // The wall at x = 0 has the normal (cos, sin) and is 4 m from the middle.
         let to_wall_m = 4.0 + cos * (drawn.start.x_m - 4.0) + sin * (drawn.start.y_m - 3.0);
         assert!(to_wall_m >= scene.robot.body_radius_m - 1e-9, "seed {seed}: {to_wall_m} m");
-        assert!(drawn.walls_turn_deg != 0.0, "seed {seed}: not turned at all");
+        assert!(drawn.place.walls_turn_deg != 0.0, "seed {seed}: not turned at all");
     }
 }
 

@@ -4,11 +4,13 @@
 use localizer::{Pose, Reading};
 use sim::{
     devices::{Sensor, encoders::Encoder, flow::DrawnFlow},
-    drawn::Drawn,
-    randomness::{Repeated, stream},
+    run::sensors::Sensors,
     scene::{Distribution, Encoders, Scene},
-    sensors::Sensors,
-    truth::Truth,
+    truth::{
+        Truth,
+        randomness::{Repeated, stream},
+    },
+    world::Drawn,
 };
 
 use crate::world_setup::{flow_sensor, gyro_sensor, noise_and_bias_rad_per_s, range_sensor, scene};

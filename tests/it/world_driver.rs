@@ -2,11 +2,10 @@
 
 use localizer::{Estimate, PoseUnion, Status};
 use sim::{
-    drawn::Drawn,
     driver::Driver,
     scene::{Bounds, Scene},
     truth::Truth,
-    world::World,
+    world::{Drawn, World},
 };
 
 use crate::world_setup::{drive, estimate, hold, nominal, scene};

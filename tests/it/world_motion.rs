@@ -1,9 +1,6 @@
 //! Motion of the simulated robot against closed forms: at rest, straight on and in a circle; and the consistency of its true state.
 
-use sim::{
-    drawn::Drawn,
-    world::{WheelCommand, World},
-};
+use sim::world::{Drawn, WheelCommand, World};
 
 use crate::world_setup::{command, gather_speed, hold, nominal, nominal_world, scene};
 

@@ -4,11 +4,10 @@ use interval::Interval;
 use localizer::{Estimate, PoseBox, PoseUnion, Reading, Status, bounds};
 use sim::{
     devices::{Observation, flow::FlowSensor, gyro::GyroSensor, range_camera::RangeCameraSensor},
-    drawn::Drawn,
     driver::Driver,
     scene::Scene,
     truth::Truth,
-    world::{WheelCommand, World},
+    world::{Drawn, WheelCommand, World},
 };
 
 /// Scene of a P3-DX in an 8 × 6 m room that faces along world x from (1.5, 3), with more keys of the scene's top level.

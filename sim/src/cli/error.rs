@@ -22,7 +22,7 @@ pub(super) enum CommandError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
-    Map(#[from] crate::navigation::map_server::MapError),
+    Map(#[from] crate::place::navigation::map_server::MapError),
     #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]

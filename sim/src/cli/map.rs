@@ -7,7 +7,7 @@ use clap::Args;
 use crate::{
     artefacts::run_files,
     loading::SceneFile,
-    navigation::{OccupancyGrid, map_server},
+    place::navigation::{OccupancyGrid, map_server},
 };
 
 use super::{CommandError, print};

@@ -9,9 +9,11 @@ use clap::Args;
 
 use super::{CommandError, print};
 use crate::{
-    coverage::{Coverage, coverage},
-    loading::SceneFile,
-    marker_sheet::marker_sheet,
+    artefacts::marker_sheet::marker_sheet,
+    loading::{
+        SceneFile,
+        coverage::{Coverage, coverage},
+    },
 };
 
 /// Arguments of `wherein markers`.

@@ -13,12 +13,12 @@ use localizer::{Pose, reading::Camera};
 use super::{CommandError, print};
 use crate::{
     artefacts::debug_frames::{Column, contact_sheet, tone_mapped},
-    building::UprightBody,
-    drawn::Drawn,
     loading::SceneFile,
+    place::building::UprightBody,
     render::{RenderedWorld, Renderer},
+    run::sensors::still::{Still, take},
     scene::{BitDepth, Scene},
-    sensors::still::{Still, take},
+    world::Drawn,
 };
 
 /// Arguments of `wherein render`.
@@ -118,7 +118,7 @@ pub(super) fn render(arguments: &RenderArguments, adapter: Option<&str>) -> Resu
     let pose = pose(arguments.at, &file)?;
     let drawn = Drawn::draw(&file.scene, arguments.seed);
     let mut renderer = Renderer::on_adapter(adapter)?;
-    let mut world = renderer.upload_room(&file.scene.as_built(&drawn), &drawn)?;
+    let mut world = renderer.upload_room(&file.scene.as_built(&drawn.place), &drawn)?;
     world.place_bodies(&file.scene.people.iter().filter_map(UprightBody::setting_out).collect::<Vec<_>>());
     let folder = arguments.out.join(&file.name);
     fs::create_dir_all(&folder).map_err(|error| CommandError::Unwritable(folder.clone(), error))?;

@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::{
     optics::{Lens, mounts},
-    randomness::{draw_tilt, draw_within},
     scene::{Calibration, CeilingCamera, Distribution, ForwardCamera},
+    truth::randomness::{draw_tilt, draw_within},
 };
 
 use super::{ToldKey, farthest};

@@ -10,8 +10,8 @@ use localizer::{
 
 use crate::{
     optics::{AutoExposure, Lens},
-    randomness::{draw_within, stream},
     scene::{CeilingCamera, Distribution, MethodName, Scene},
+    truth::randomness::{draw_within, stream},
 };
 
 use super::{

@@ -4,8 +4,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::{
-    randomness::stream,
     scene::{self, Distribution},
+    truth::randomness::stream,
 };
 
 use super::Observation;

@@ -6,9 +6,11 @@ use localizer::{Reading, bounds};
 
 use crate::{
     place::Bystander,
-    randomness::{draw_phase, stream},
     scene::{Distribution, Encoders, Scene},
-    truth::Truth,
+    truth::{
+        Truth,
+        randomness::{draw_phase, stream},
+    },
 };
 
 use super::{BoundCheck, Observation, Sensor};

@@ -10,8 +10,8 @@ use localizer::{
 
 use crate::{
     optics::Lens,
-    randomness::{draw_tilt, draw_within, stream},
     scene::{Distribution, FloorCamera, FloorTilesChain, MethodName, Scene},
+    truth::randomness::{draw_tilt, draw_within, stream},
 };
 
 use super::{

@@ -9,8 +9,8 @@ use localizer::{
 };
 
 use crate::{
-    randomness::{draw_within, stream},
     scene::{Distribution, Flow, Scene},
+    truth::randomness::{draw_within, stream},
 };
 
 use super::{Device, Sensor, ToldKey, Widens, farthest, relative, unsampled};

@@ -10,8 +10,8 @@ use localizer::{
 
 use crate::{
     optics::{Lens, mounts::forward_focal_px},
-    randomness::{draw_within, stream},
     scene::{Distribution, ForwardCamera, MethodName, Scene, WallDirectionsChain},
+    truth::randomness::{draw_within, stream},
 };
 
 use super::{

@@ -10,8 +10,8 @@ use localizer::{
 };
 
 use crate::{
-    randomness::{draw_within, stream},
     scene::{Distribution, Gnss, MethodName, Scene},
+    truth::randomness::{draw_within, stream},
 };
 
 use super::{Device, Sensor, ToldKey, farthest};

@@ -10,8 +10,8 @@ use localizer::{
 };
 
 use crate::{
-    randomness::{draw_within, stream},
     scene::{Distribution, Gyro, Scene},
+    truth::randomness::{draw_within, stream},
 };
 
 use super::{Device, Sensor, ToldKey, Widens, relative, unsampled};

@@ -4,9 +4,11 @@ use nalgebra::Point3;
 
 use crate::{
     place::{Bystander, sight::Obstacles},
-    randomness::{Repeated, stream},
     scene::{Proximity, Scene},
-    truth::Truth,
+    truth::{
+        Truth,
+        randomness::{Repeated, stream},
+    },
 };
 
 /// One reading of the proximity sensor, a fan of beams.

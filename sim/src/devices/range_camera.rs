@@ -12,9 +12,11 @@ use localizer::{
 };
 
 use crate::{
-    randomness::{draw_tilt, draw_within, stream},
     scene::{Distribution, MethodName, RangeCamera, RangeLandmarksFreedom, RangeLandmarksSolver, Scene},
-    truth::STEP_S,
+    truth::{
+        STEP_S,
+        randomness::{draw_tilt, draw_within, stream},
+    },
 };
 
 use super::{Device, Sensor, ToldKey, farthest, relative};

@@ -4,7 +4,7 @@ use localizer::{Estimate, Pose, PoseBox, Status};
 
 use crate::{
     devices::proximity::Fan,
-    navigation::{OccupancyGrid, Planner},
+    place::navigation::{OccupancyGrid, Planner},
     scene::{Navigation, Scene},
     world::WheelCommand,
 };

@@ -2,7 +2,11 @@
 
 use localizer::Estimate;
 
-use crate::{devices::proximity::Fan, drawn::Drawn, scene::Scene, world::WheelCommand};
+use crate::{
+    devices::proximity::Fan,
+    scene::Scene,
+    world::{Drawn, WheelCommand},
+};
 
 use super::{Driver, ErrandDriver, ErrandLog};
 

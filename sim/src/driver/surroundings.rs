@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use localizer::Pose;
 
-use crate::{devices::proximity::Fan, navigation::OccupancyGrid};
+use crate::{devices::proximity::Fan, place::navigation::OccupancyGrid};
 
 /// Distance to something on the map within which a reading is taken to be that thing. It covers the errors of the estimate and of the
 /// sensor, and one grid cell.

@@ -9,11 +9,11 @@ use nalgebra::{Point2, Point3, Vector3};
 use super::markers;
 use crate::{
     devices::camera::{DrawnFloorCamera, world_from_camera, world_from_floor_camera},
-    drawn::Drawn,
     optics::Lens,
     run::{ImageRecord, RunRecord},
     scene::Scene,
     truth::Truth,
+    world::Drawn,
 };
 
 /// Number of an image's claims that are false.
@@ -57,7 +57,7 @@ pub fn is_true(claim: &Claim, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bo
 /// Whether some floor joint has all but the share `share_wrong` of the points within their bounds of its centre line.
 fn floor_joint(points_px: &[[f64; 3]], share_wrong: f64, scene: &Scene, drawn: &Drawn, truth: &Truth) -> bool {
     let (Some(camera), Some(tiles), Some(laid), Some(mount)) =
-        (&scene.robot.floor_camera, &scene.floor.tiles, &drawn.tiles, &drawn.devices.floor_camera)
+        (&scene.robot.floor_camera, &scene.floor.tiles, &drawn.place.tiles, &drawn.devices.floor_camera)
     else {
         return false;
     };
@@ -92,7 +92,7 @@ pub fn wall_line_deg(
 ) -> Option<f64> {
     let planes = sight_planes(ends_px, bound_px, scene, drawn, truth)?;
     let along_or_across = |heading_deg| [heading_deg, heading_deg + 90.0];
-    let stands_deg = scene.true_wall_directions_deg(drawn).into_iter().chain(scene.stated_wall_directions_deg());
+    let stands_deg = scene.true_wall_directions_deg(&drawn.place).into_iter().chain(scene.stated_wall_directions_deg());
     stands_deg.flat_map(along_or_across).find(|heading_deg| {
         let askew_deg = scene.localizer.wall_directions().askew_deg;
         let directions = [-askew_deg, askew_deg].map(|off_deg| {

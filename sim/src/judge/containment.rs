@@ -3,10 +3,10 @@
 use localizer::reading::Camera;
 
 use crate::{
-    drawn::is_clipped,
     render::RenderError,
     run::{Change, Counterfactual, RunRecord},
     scene::Scene,
+    world::is_clipped,
 };
 
 use super::{

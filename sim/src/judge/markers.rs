@@ -11,12 +11,15 @@ use nalgebra::Point3;
 
 use crate::{
     devices::camera::world_from_camera,
-    drawn::{Drawn, DrawnMarker, markers::DOT_RADIUS_M},
     optics::Lens,
-    place::sight::Obstacles,
+    place::{
+        drawn::{DrawnMarker, markers::DOT_RADIUS_M},
+        sight::Obstacles,
+    },
     run::{ImageRecord, PaperAnswer, RunRecord},
     scene::Scene,
     truth::Truth,
+    world::Drawn,
 };
 
 use super::statistics::correlation;
@@ -104,7 +107,7 @@ pub(super) fn is_marker(id: MarkerId, dots_px: &[SeenDot], scene: &Scene, drawn:
 /// `markers_misread` counts claims whose identity no marker at that place has. A claim with the right identity and with a dot outside its
 /// bound is false, but not misread.
 pub(super) fn metrics(scene: &Scene, record: &RunRecord) -> BTreeMap<String, f64> {
-    if record.drawn.markers.is_empty() {
+    if record.drawn.place.markers.is_empty() {
         return BTreeMap::new();
     }
     let counts = marker_counts(scene, record);
@@ -139,7 +142,7 @@ pub fn confidence_correlations<'a>(answers: impl IntoIterator<Item = &'a PaperAn
 
 /// Counts of markers over a run's pictures of the ceiling.
 pub fn marker_counts(scene: &Scene, record: &RunRecord) -> MarkerCounts {
-    let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(&scene.as_built(&record.drawn)));
+    let (mut counts, obstacles) = (MarkerCounts::default(), Obstacles::new(&scene.as_built(&record.drawn.place)));
     let images = record.images.iter().filter(|image| image.camera == Some(Camera::Ceiling));
     // The paper's pipeline has one answer for each picture, in the same order.
     for (image, paper) in images.zip(&record.marker_baselines.answers) {
@@ -191,7 +194,7 @@ impl MarkerCounts {
         self.read += read;
         let is_there = |(id, dots_px): &(MarkerId, &[SeenDot])| {
             let is_it = |marker: &DrawnMarker| marker.id == *id && sight.agrees(marker, dots_px, |_| SAME_DOT_PX);
-            record.drawn.markers.iter().any(is_it)
+            record.drawn.place.markers.iter().any(is_it)
         };
         self.misread += claims(image).filter(|claim| !is_there(claim)).count();
         // The paper's pipeline names one marker, which may be one that is partly out of view.
@@ -216,5 +219,5 @@ fn on_map<'a>(scene: &'a Scene, drawn: &'a Drawn) -> impl Iterator<Item = &'a Dr
     let known = |marker: &&DrawnMarker| {
         scene.markers.as_ref().and_then(|markers| markers.all().get(marker.index)).is_some_and(|marker| marker.on_map)
     };
-    drawn.markers.iter().filter(known)
+    drawn.place.markers.iter().filter(known)
 }

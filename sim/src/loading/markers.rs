@@ -2,7 +2,7 @@
 
 use super::parse::Contradiction;
 use crate::{
-    coverage::{Ceiling, Field, Unlaid, reach, smallest},
+    loading::coverage::{Ceiling, Field, Unlaid, reach, smallest},
     scene::{Marker, Scene, UNDER_CEILING_M},
 };
 

@@ -9,7 +9,7 @@ use toml::{
 };
 
 use crate::{
-    navigation::map_server,
+    place::navigation::map_server,
     scene::{Scene, SceneError, Sources, conform, error::Problem},
 };
 

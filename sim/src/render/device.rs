@@ -180,7 +180,7 @@ mod tests {
     use localizer::{Pose, reading::Camera};
 
     use super::*;
-    use crate::{drawn::Drawn, render::Renderer, scene::Scene, sensors::still::views_at};
+    use crate::{render::Renderer, run::sensors::still::views_at, scene::Scene, world::Drawn};
 
     /// A shader with a long loop. Software drivers end a loop after 65 535 rounds; many workgroups make it last all the same: 0.7 s on two
     /// cores.

@@ -12,7 +12,7 @@ use super::{
     device::Graphics,
     lens::{LensLayout, LensSlot},
 };
-use crate::{building::Panel, scene::MAX_LAMPS};
+use crate::{place::building::Panel, scene::MAX_LAMPS};
 
 mod edges;
 mod faces;
@@ -59,7 +59,7 @@ impl RoomPass {
         &self,
         graphics: &Graphics,
         scene: &crate::scene::Scene,
-        drawn: &crate::drawn::Drawn,
+        drawn: &crate::world::Drawn,
     ) -> RoomWorld {
         RoomWorld::new(graphics, &self.pipelines, scene, drawn)
     }

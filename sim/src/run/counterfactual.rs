@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use localizer::{Reading, bounds, motion::SlipExcess, reading::Camera};
 
-use crate::{drawn::Drawn, scene::Scene};
+use crate::{scene::Scene, world::Drawn};
 
 use super::STEP_S;
 

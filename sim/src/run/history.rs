@@ -10,7 +10,12 @@ use localizer::{
     reading::{Camera, LandmarkId},
 };
 
-use crate::{devices::BoundCheck, drawn::Drawn, driver::ErrandLog, truth::Truth, world::WheelCommand};
+use crate::{
+    devices::BoundCheck,
+    driver::ErrandLog,
+    truth::Truth,
+    world::{Drawn, WheelCommand},
+};
 
 use super::{Clearance, ForwardBaselines, MarkerBaselines, MotionBaselines, RangeBaselines};
 

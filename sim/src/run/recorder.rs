@@ -7,11 +7,10 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     devices::Observation,
-    drawn::Drawn,
     scene::Scene,
     subject::{Answer, Subject},
     truth::Truth,
-    world::World,
+    world::{Drawn, World},
 };
 
 use super::range_baselines::Told;

@@ -4,7 +4,7 @@
 
 use rapier3d_f64::prelude::*;
 
-use crate::{drawn::Drawn, scene::Scene, truth::STEP_S};
+use crate::{scene::Scene, truth::STEP_S, world::Drawn};
 
 use super::GRAVITY_M_PER_S2;
 

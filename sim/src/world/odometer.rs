@@ -4,8 +4,8 @@ use localizer::Pose;
 use rapier3d_f64::prelude::Vector;
 
 use crate::{
-    drawn::Drawn,
     truth::{STEP_S, Truth},
+    world::Drawn,
 };
 
 use super::{chassis::BodyState, drive::Wheel};

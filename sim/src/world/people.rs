@@ -1,8 +1,10 @@
 //! People who walk to and fro and stand still while the robot is in their way.
 
 use crate::{
-    building::{STRIDE_M, UprightBody},
-    place::Bystander,
+    place::{
+        Bystander,
+        building::{STRIDE_M, UprightBody},
+    },
     scene::{Person, Scene},
 };
 

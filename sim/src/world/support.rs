@@ -2,7 +2,7 @@
 
 use rapier3d_f64::prelude::Vector;
 
-use crate::{drawn::Drawn, place::floor::Ground, scene::Scene};
+use crate::{place::floor::Ground, scene::Scene, world::Drawn};
 
 use super::{GRAVITY_M_PER_S2, chassis::BodyState};
 

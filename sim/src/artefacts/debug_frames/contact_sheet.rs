@@ -8,7 +8,7 @@ use super::{
     palette,
     tones::tone_mapped,
 };
-use crate::{render::DeepImage, scene::SensorModel, sensors::still::Still};
+use crate::{render::DeepImage, run::sensors::still::Still, scene::SensorModel};
 
 const MARGIN_PX: f64 = 20.0;
 const GAP_PX: f64 = 12.0;

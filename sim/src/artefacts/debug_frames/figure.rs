@@ -61,7 +61,7 @@ pub(super) fn draw(file: &SceneFile, record: &RunRecord, image: &ImageRecord, se
 fn maps(canvas: &mut Canvas, room: &MapView, near: &MapView, scene: &Scene, record: &RunRecord, image: &ImageRecord) {
     let truth = image.truth.pose;
     for view in [room, near] {
-        view.draw_floor(canvas, scene, record.drawn.tiles.as_ref());
+        view.draw_floor(canvas, scene, record.drawn.place.tiles.as_ref());
         view.draw_things(canvas, scene);
         view.draw_errands(canvas, scene, record, image.truth.time_s);
         view.draw_trail(canvas, record, image.truth.time_s);

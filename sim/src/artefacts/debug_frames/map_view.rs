@@ -3,9 +3,11 @@
 use localizer::{Pose, PoseBox};
 
 use crate::{
-    drawn::LaidTiles,
     driver::Outcome,
-    navigation::{Cell, OccupancyGrid},
+    place::{
+        drawn::LaidTiles,
+        navigation::{Cell, OccupancyGrid},
+    },
     run::{ImageRecord, RunRecord},
     scene::{Scene, Tiles},
 };

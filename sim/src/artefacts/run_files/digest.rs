@@ -5,7 +5,7 @@ use std::{env, fmt::Write, fs, io, sync::OnceLock};
 use localizer::{Estimate, Status};
 use sha2::{Digest, Sha256};
 
-use crate::{navigation::map_server, scene::Scene, truth::Truth};
+use crate::{place::navigation::map_server, scene::Scene, truth::Truth};
 
 /// Digest of all that a scene states and of the map that it names. The layout and the comments of the scene's file do not matter.
 pub fn scene_digest(scene: &Scene) -> String {

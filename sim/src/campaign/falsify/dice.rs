@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 
-use crate::randomness::stream;
+use crate::truth::randomness::stream;
 
 /// Source of all random draws of one case.
 #[derive(Clone, Copy, Debug)]

@@ -7,8 +7,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use crate::{
     artefacts::result_table,
     campaign::cases::{CaseResult, Replay, Results},
-    judge::Judgement,
-    judge::figures::Figures,
+    judge::{Judgement, figures::Figures},
 };
 
 use super::{

@@ -7,9 +7,11 @@ use rand_chacha::ChaCha8Rng;
 use crate::{
     devices::{BoundCheck, Observation, Sensor},
     place::{Bystander, floor::Floor},
-    randomness::{Repeated, draw_phase, draw_within, stream},
     scene::{Distribution, Event, Flow, Region, Scene},
-    truth::Truth,
+    truth::{
+        Truth,
+        randomness::{Repeated, draw_phase, draw_within, stream},
+    },
 };
 
 use super::DrawnFlow;

@@ -9,9 +9,11 @@ use nalgebra::Point3;
 use crate::{
     devices::{BoundCheck, Observation, Sensor},
     place::Bystander,
-    randomness::{Repeated, stream},
     scene::{Gnss, Outage, Reception, Scene, Shadow},
-    truth::Truth,
+    truth::{
+        Truth,
+        randomness::{Repeated, stream},
+    },
 };
 
 use super::DrawnGnss;

@@ -4,8 +4,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::{
-    randomness::draw_within,
     scene::{Distribution, Gyro},
+    truth::randomness::draw_within,
 };
 
 /// Time between two drawn values (nodes) of the gyroscope's bias, which changes linearly from one to the next.

@@ -7,9 +7,11 @@ use rand_distr::{Distribution as _, StandardNormal};
 use crate::{
     devices::{BoundCheck, Observation, Sensor},
     place::Bystander,
-    randomness::{self, draw_within},
     scene::{Distribution, Gyro, Scene},
-    truth::Truth,
+    truth::{
+        Truth,
+        randomness::{self, draw_within},
+    },
 };
 
 use super::{DrawnGyro, bias::WanderingBias};

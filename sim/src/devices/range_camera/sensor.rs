@@ -6,9 +6,11 @@ use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaterni
 use crate::{
     devices::{BoundCheck, Observation, Sensor},
     place::{Bystander, sight::Obstacles},
-    randomness::{self, Repeated},
     scene::{RangeCamera, Scene},
-    truth::Truth,
+    truth::{
+        Truth,
+        randomness::{self, Repeated},
+    },
 };
 
 use super::{

@@ -2,7 +2,7 @@
 
 use crate::{
     driver::{CREEP_M_PER_S, PERIOD_S, Progress},
-    navigation::{Planner, length_m},
+    place::navigation::{Planner, length_m},
 };
 
 use super::{Anchor, ErrandDriver, Outcome, Task};

@@ -5,7 +5,7 @@ use crate::{
         CREEP_M_PER_S, JERK_RISE_S, Path, Stage, Wish,
         turn_then_drive::{Limits, TurnThenDrive},
     },
-    navigation::Planner,
+    place::navigation::Planner,
     scene::{FollowerName, Route, Waypoint},
 };
 

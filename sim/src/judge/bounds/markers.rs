@@ -4,7 +4,7 @@ use localizer::{Claim, bounds, markers::dot_in_marker_m, reading::Camera};
 
 use crate::{
     devices::Device,
-    drawn::DrawnMarker,
+    place::drawn::DrawnMarker,
     run::RunRecord,
     scene::{Marker, Scene},
 };
@@ -28,7 +28,7 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
         let span_s = [image.truth.time_s, image.arrived_s];
         for claim in &image.claims {
             let Claim::Marker { marker: id, .. } = claim else { continue };
-            let pasted = record.drawn.markers.iter().filter(|drawn| drawn.id == *id);
+            let pasted = record.drawn.place.markers.iter().filter(|drawn| drawn.id == *id);
             let stated = pasted.filter_map(|drawn| Some((markers.all().get(drawn.index)?, drawn)));
             for (marker, drawn) in stated.filter(|(marker, _)| marker.on_map) {
                 let errors = errors_of(marker, drawn, markers.height_m(marker, scene));

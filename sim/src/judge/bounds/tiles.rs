@@ -13,7 +13,7 @@ use super::Monitor;
 /// Monitors of three bounds on the joints in view of the floor camera: their offset from their nominal place, their angle and their bend.
 pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
     let camera = scene.robot.floor_camera.as_ref().filter(|camera| camera.is_relied_on(scene));
-    let (Some(camera), Some(tiles), Some(laid)) = (camera, &scene.floor.tiles, &record.drawn.tiles) else {
+    let (Some(camera), Some(tiles), Some(laid)) = (camera, &scene.floor.tiles, &record.drawn.place.tiles) else {
         return Vec::new();
     };
     let names = [bounds::FLOOR_TILES_LAYING, bounds::FLOOR_TILES_LAYING_ANGLE, bounds::FLOOR_TILES_STRAIGHTNESS];

@@ -12,9 +12,9 @@ pub(super) fn monitors(scene: &Scene, record: &RunRecord) -> Vec<Monitor> {
         return Vec::new();
     }
     let setup = scene.localizer.wall_directions();
-    let off_deg = scene.wall_directions_off_deg(&scene.true_wall_directions_deg(&record.drawn));
+    let off_deg = scene.wall_directions_off_deg(&scene.true_wall_directions_deg(&record.drawn.place));
     // The angle of the piece of furniture that stands most askew.
-    let askew_deg = scene.furniture_askew_deg(&record.drawn).into_iter().map(f64::abs).fold(0.0, f64::max);
+    let askew_deg = scene.furniture_askew_deg(&record.drawn.place).into_iter().map(f64::abs).fold(0.0, f64::max);
     let degrees = [
         (bounds::WALL_DIRECTIONS_DIRECTION, setup.tolerance_deg, off_deg),
         (bounds::WALL_DIRECTIONS_ASKEW, setup.askew_deg, askew_deg),

@@ -1,9 +1,9 @@
 //! Contradictions of a scene about lamps, doors, pictures, dots and lenses.
 
 use crate::{
-    building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
     loading::parse::Contradiction,
     optics::Lens,
+    place::building::{Enclosure, Side, enclosures, leads_into_a_room, level, standing_walls},
     scene::{Lamp, LampKind, LensKeys, MAX_LAMPS, Scene},
 };
 use nalgebra::Point3;

@@ -1,8 +1,8 @@
 //! Contradictions about furniture, landmarks and people: places outside every room, and paths through walls.
 
 use crate::{
-    building::{Enclosure, Panel, enclosures, wall_panels},
     loading::parse::Contradiction,
+    place::building::{Enclosure, Panel, enclosures, wall_panels},
     scene::{Person, Scene},
 };
 use nalgebra::Vector2;

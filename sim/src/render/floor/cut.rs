@@ -8,15 +8,15 @@ use super::{
     local::{self, LocalFrame},
 };
 use crate::{
-    drawn::{Drawn, LaidTiles},
-    light::FloorField,
     optics::Intrinsics,
+    place::{drawn::LaidTiles, light::FloorField},
     render::{
         FloorLight, RenderError, View,
         exposure::{MAX_SUB_FRAMES, Path, interpolate},
         lens::LensSlot,
     },
     scene::{Pattern, Plan, Region, Scene, Stray, Tiles},
+    world::Drawn,
 };
 
 /// Number of stripes on a tile, by the scene's definition of the striped pattern: they are a fifth of the tile apart.
@@ -77,7 +77,7 @@ impl Floor {
     /// The floor of a scene as it was truly laid.
     pub(in crate::render) fn new(scene: &Scene, drawn: &Drawn, lamplight: Option<FloorField>) -> Floor {
         Floor {
-            tiled: scene.floor.tiles.clone().zip(drawn.tiles.clone()),
+            tiled: scene.floor.tiles.clone().zip(drawn.place.tiles.clone()),
             strays: scene.floor.strays.clone(),
             plan: scene.plan(),
             light: FloorLight::new(&scene.light, &scene.room),

@@ -7,8 +7,7 @@ use nalgebra::{Vector2, vector};
 
 use super::local::LocalFrame;
 use crate::{
-    building::covering_albedo,
-    drawn::LaidTiles,
+    place::{building::covering_albedo, drawn::LaidTiles},
     scene::{Plan, Region, Stray, Tiles},
 };
 

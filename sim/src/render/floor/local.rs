@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Rotation2, Vector2, vector};
 
-use crate::{drawn::LaidTiles, optics::Intrinsics, scene::Tiles};
+use crate::{optics::Intrinsics, place::drawn::LaidTiles, scene::Tiles};
 
 /// Frame `local`: the grid frame of the tiles moved to a corner near the camera, so that single precision suffices.
 pub(super) struct LocalFrame {

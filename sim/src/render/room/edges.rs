@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use nalgebra::{Point3, Vector3};
 
 use super::faces::cells_along;
-use crate::{
+use crate::place::{
     building::{BodyMesh, Building, Panel},
     light::{Lighting, Shape},
 };

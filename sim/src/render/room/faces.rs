@@ -7,8 +7,10 @@ use nalgebra::{Point3, Vector3};
 
 use super::{glints::GlossyCell, pipelines::Kind};
 use crate::{
-    building::Building,
-    light::{Lighting, Patch, Shape, Source},
+    place::{
+        building::Building,
+        light::{Lighting, Patch, Shape, Source},
+    },
     scene::Pattern,
 };
 
@@ -82,7 +84,7 @@ pub(super) struct GridOnDevice {
 /// All panels of a building in the device's form, with their albedo in one band.
 pub(super) fn surfaces(building: &Building, patches: &[Patch], band: usize) -> Vec<SurfaceOnDevice> {
     let with = |vector: Vector3<f64>, fourth: f64| [vector.x as f32, vector.y as f32, vector.z as f32, fourth as f32];
-    let surface = |(panel, patch): (&crate::building::Panel, &Patch)| {
+    let surface = |(panel, patch): (&crate::place::building::Panel, &Patch)| {
         let [along_m, up_m] = panel.size_m();
         SurfaceOnDevice {
             corner: with(panel.corner.coords, panel.material.albedo[band]),

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::light::{Occluders, Shape};
+use crate::place::light::{Occluders, Shape};
 
 /// Distance, in standard deviations, at which the bump through which mirror.wgsl blurs lamps ends, √20/2, with a margin for cells across
 /// which the ray's length changes.

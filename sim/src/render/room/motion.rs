@@ -3,8 +3,8 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::{
-    building::{Panel, UprightBody},
     optics::Lens,
+    place::building::{Panel, UprightBody},
 };
 
 /// Length of blur that is drawn as one sub-frame; it is less than the width of the pixel's own filter together with the bilinear one.

@@ -12,8 +12,10 @@ use super::{
     world::{RoomWorld, write_light},
 };
 use crate::{
-    building::{BodyVertex, UprightBody, body_mesh},
-    light::nodes_with_people,
+    place::{
+        building::{BodyVertex, UprightBody, body_mesh},
+        light::nodes_with_people,
+    },
     render::device::Graphics,
 };
 

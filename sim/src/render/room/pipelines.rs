@@ -6,8 +6,8 @@ use wgpu::{BlendComponent, BlendFactor, BlendOperation, BlendState, VertexFormat
 
 use super::layouts::{Vertices, constant, sampler, stored, texture, uniform, vertices};
 use crate::{
-    building::{Material, Texture},
     optics::Lens,
+    place::building::{Material, Texture},
     render::target::{LUMINANCE_FORMAT, linear},
     scene::Band,
 };

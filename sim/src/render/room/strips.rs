@@ -6,8 +6,8 @@ use nalgebra::{Isometry3, Point3, Vector2};
 
 use super::faces::cells_along;
 use crate::{
-    building::{Panel, Part},
     optics::Lens,
+    place::building::{Panel, Part},
 };
 
 /// Width in pixels below which panels are drawn as strips. From two pixels on, each of the panel's two edges has pixels of its own.
@@ -74,7 +74,7 @@ mod tests {
     use nalgebra::{Translation3, vector};
 
     use super::*;
-    use crate::building::Material;
+    use crate::place::building::Material;
 
     #[test]
     fn a_panel_three_centimetres_deep_is_a_strip_where_it_shows_less_than_two_pixels() {

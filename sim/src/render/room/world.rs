@@ -9,11 +9,13 @@ use super::{
     pipelines::Pipelines,
 };
 use crate::{
-    building::Building,
-    drawn::Drawn,
-    light::{FloorField, LightMap, Lighting, bake},
+    place::{
+        building::Building,
+        light::{FloorField, LightMap, Lighting, bake},
+    },
     render::device::Graphics,
     scene::{MAX_LAMPS, Scene},
+    world::Drawn,
 };
 
 /// The room of a scene on the device: everything that stands still, and the people as they were last placed.
@@ -53,7 +55,7 @@ struct Stored {
 
 impl RoomWorld {
     pub(super) fn new(graphics: &Graphics, pipelines: &Pipelines, scene: &Scene, drawn: &Drawn) -> RoomWorld {
-        let building = Building::new(scene, drawn);
+        let building = Building::new(scene, &drawn.place);
         let (lighting, map) = bake(scene, &building);
         let (nodes, cells) = faces::cells(&building, &lighting);
         let edges = [false, true].map(|rolling| edges::of_building(&building, &lighting, rolling));

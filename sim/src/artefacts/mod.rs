@@ -1,0 +1,19 @@
+//! The files that runs leave behind, the replay of a recorded run through the localizer, and markers to print.
+//!
+//! | module | what it writes or reads |
+//! |---|---|
+//! | [`run_files`] | the folder of one run: `summary.json`, trajectories, boxes, steps |
+//! | [`recording`] | a run as a stream of messages, in an MCAP file or live to a viewer |
+//! | [`replay`] | a recording, whose readings it gives to a localizer without the simulator |
+//! | [`debug_frames`] | pictures of one run: what a camera saw, with what the localizer made of it drawn over |
+//! | [`result_table`] | the table of results that a terminal and README show |
+//! | [`machine`] | the description in words of the computer that ran, which result files name |
+//! | [`marker_sheet`](mod@marker_sheet) | ceiling markers to print, as a PDF file |
+
+pub mod run_files;
+pub mod recording;
+pub mod replay;
+pub mod debug_frames;
+pub mod result_table;
+pub mod machine;
+pub mod marker_sheet;

@@ -1,0 +1,204 @@
+//! The part of the ceiling that the ceiling camera surely sees.
+
+use interval::Interval;
+use localizer::Pose;
+use nalgebra::Vector3;
+
+use super::{Place, Poses};
+use crate::{
+    devices::camera::DrawnCamera,
+    place::drawn::markers::DOT_RADIUS_M,
+    scene::{CeilingCamera, Scene},
+};
+
+/// Distance from the middle of a marker to the middle of its corner dots.
+const CORNER_M: f64 = 0.06 * std::f64::consts::SQRT_2;
+/// Allowance in metres for the rounding of computations without intervals in this file; a thousand times more than needed.
+const ROUNDING_M: f64 = 1e-9;
+
+/// The field of view of a ceiling camera, for all errors within its tolerances and those of the markers.
+#[derive(Clone, Debug)]
+pub struct Field {
+    /// Inward unit normals of the planes through the optical centre and the image's edges, in the frame of an upright robot body without
+    /// errors.
+    edges: [Vector3<f64>; 4],
+    /// Sine of the greatest angle between the camera's true attitude and its nominal attitude at a known heading.
+    sin_tilt: f64,
+    /// Optical centre of the camera in the robot frame: forward, left, and height.
+    centre_m: [f64; 3],
+    /// Greatest horizontal distance of a point of a marker from the marker's middle on the map, as seen from the camera's nominal place.
+    reach_m: f64,
+    /// Distance from the robot's origin beyond which no point of the ceiling is in the image.
+    farthest_m: f64,
+    /// Greatest errors of a marker's height above the camera, downwards and upwards.
+    rise_m: [f64; 2],
+}
+
+impl Field {
+    /// The field of view of a scene's ceiling camera, less a margin of `margin_px` at the image's edges. `None` if there is no camera, no
+    /// marker, or if the margin leaves nothing of the image.
+    pub fn new(scene: &Scene, margin_px: f64) -> Option<Field> {
+        let (camera, markers) = (scene.robot.ceiling_camera.as_ref()?, scene.markers.as_ref()?);
+        let (robot, known) = (scene.robot_model(), DrawnCamera::ceiling(camera));
+        let model = robot.ceiling_camera.as_ref()?;
+        let [left, right, top, bottom] = half_angles(camera, margin_px)?;
+        let inward = [
+            Vector3::new(1.0, 0.0, left),
+            Vector3::new(-1.0, 0.0, right),
+            Vector3::new(0.0, 1.0, top),
+            Vector3::new(0.0, -1.0, bottom),
+        ];
+        let tilt_rad = robot.body.tilt_rad;
+        let (aside_m, height_m) = (camera.forward_m.hypot(camera.left_m), camera.height_m);
+        let tolerance_m = camera.calibration.position_tolerance_m;
+        // A body that tips takes the camera with it. An attitude error about the vertical is treated as another heading, which also moves
+        // the camera's place.
+        let moved_m =
+            1.5 * tolerance_m + height_m * tilt_rad.sin() + aside_m * (model.yaw_rad.radius() + tilt_rad * tilt_rad);
+        let heaved_m = tolerance_m + robot.body.heave_m + aside_m * tilt_rad.sin() + markers.height_tolerance_m;
+        let rise_m = scene.building.ceiling_height_m - height_m;
+        let farthest_rad = left.max(right).hypot(top.max(bottom)).atan() + lean_rad(camera);
+        Some(Field {
+            farthest_m: aside_m + farthest_rad.min(MOST_RAD).tan() * rise_m.max(0.0),
+            edges: inward.map(|normal| known.body_from_camera.rotation * normal.normalize()),
+            sin_tilt: (tilt_rad + model.tilt_rad).sin(),
+            centre_m: [camera.forward_m, camera.left_m, height_m],
+            reach_m: CORNER_M + DOT_RADIUS_M + markers.print_tolerance_m + markers.placement_tolerance_m + moved_m,
+            rise_m: [heaved_m, heaved_m + height_m * tilt_rad * tilt_rad],
+        })
+    }
+
+    /// The same field of view, made narrower by a length on the ceiling.
+    pub(super) fn narrowed(&self, by_m: f64) -> Field {
+        Field { reach_m: self.reach_m + by_m, ..self.clone() }
+    }
+
+    /// Whether the whole of a marker is in the image from every pose of a box, whatever the errors are within their tolerances.
+    pub(crate) fn surely_sees(&self, poses: &Poses, place: &Place) -> bool {
+        let (along_m, rise_m) = self.seen_from(&poses.middle, place);
+        let half_m = poses.half_m[0].hypot(poses.half_m[1]);
+        // Distance of the camera from the robot's origin, by which it moves when the robot turns.
+        let aside_m = self.centre_m[0].hypot(self.centre_m[1]);
+        let from_origin_m = (place[0] - poses.middle.x_m).hypot(place[1] - poses.middle.y_m);
+        let farthest_m = from_origin_m + half_m + aside_m;
+        if from_origin_m > half_m + self.farthest_m {
+            return false;
+        }
+        let turned_m = half_m + poses.half_rad * farthest_m;
+        let rises_m = [rise_m - self.rise_m[0], rise_m + self.rise_m[1]];
+        let tilted_m = self.sin_tilt * (farthest_m + self.reach_m).hypot(rises_m[1]);
+        self.edges.iter().all(|normal| {
+            let level = normal.x.hypot(normal.y);
+            let up_m = (normal.z * rises_m[0]).min(normal.z * rises_m[1]);
+            let at_middle_m = normal.x * along_m[0] + normal.y * along_m[1] - level * turned_m;
+            // Lower bound on the marker's distance inside the image's edge, which holds for every heading.
+            let at_worst_m = -level * farthest_m;
+            let level_m = if poses.has_all_headings() { at_worst_m } else { at_middle_m.max(at_worst_m) };
+            up_m + level_m - level * self.reach_m >= tilted_m + ROUNDING_M
+        })
+    }
+
+    /// Whether a marker is near enough to a place of the robot's origin to be in the image at any heading.
+    pub(super) fn reaches(&self, from_m: [f64; 2], place: &Place) -> bool {
+        (place[0] - from_m[0]).hypot(place[1] - from_m[1]) <= self.farthest_m
+    }
+
+    /// Whether the middle of a marker is in the image if there are no errors.
+    pub fn sees_without_errors(&self, pose: &Pose, place: &Place) -> bool {
+        let (along_m, rise_m) = self.seen_from(pose, place);
+        self.edges.iter().all(|normal| {
+            let inside_m = normal.x * along_m[0] + normal.y * along_m[1] + normal.z * rise_m;
+            inside_m >= 0.0
+        })
+    }
+
+    /// Whether a marker is surely in the image from a single pose.
+    pub fn surely_sees_from(&self, pose: &Pose, place: &Place) -> bool {
+        self.surely_sees(&Poses::at(*pose), place)
+    }
+
+    /// Whether the middle of a marker may be in the image from some pose of a box, if there are no errors.
+    pub(crate) fn may_see(&self, poses: &Poses, place: &Place) -> bool {
+        let (along_m, rise_m) = self.seen_from(&poses.middle, place);
+        let half_m = poses.half_m[0].hypot(poses.half_m[1]);
+        let from_origin_m = (place[0] - poses.middle.x_m).hypot(place[1] - poses.middle.y_m);
+        let turned_m = half_m + poses.half_rad * (from_origin_m + half_m + self.centre_m[0].hypot(self.centre_m[1]));
+        self.edges.iter().all(|normal| {
+            let level = normal.x.hypot(normal.y);
+            normal.x * along_m[0] + normal.y * along_m[1] + normal.z * rise_m + level * turned_m >= -ROUNDING_M
+        })
+    }
+
+    /// Vector from the optical centre to a marker's middle: forward and left, and upwards.
+    fn seen_from(&self, pose: &Pose, place: &Place) -> ([f64; 2], f64) {
+        let (sin, cos) = pose.heading_rad.sin_cos();
+        let (x_m, y_m) = (place[0] - pose.x_m, place[1] - pose.y_m);
+        let [forward_m, left_m, height_m] = self.centre_m;
+        ([cos * x_m + sin * y_m - forward_m, cos * y_m - sin * x_m - left_m], place[2] - height_m)
+    }
+}
+
+/// Greatest angle from the optical axis that is considered; points of the ceiling nearer to the horizon count as not seen.
+const MOST_RAD: f64 = 1.5;
+
+fn lean_rad(camera: &CeilingCamera) -> f64 {
+    camera.lean_forward_deg.hypot(camera.lean_left_deg).to_radians()
+}
+
+/// Lower bounds on the tangents of the angles from the optical axis to the left, right, upper and lower edge of the image. A point of the
+/// plane at depth 1 within them is in the image, whatever the lens is within its calibration.
+fn half_angles(camera: &CeilingCamera, margin_px: f64) -> Option<[f64; 4]> {
+    let calibration = &camera.calibration;
+    let margin_px = margin_px + calibration.distortion_tolerance_px;
+    let size_px = [camera.width_px, camera.height_px].map(f64::from);
+    let focal_px = camera
+        .focal_px
+        .map(|focal_px| Interval::point(focal_px) * (Interval::point(1.0).inflate(calibration.focal_tolerance)));
+    let centre_px =
+        camera.principal_point_px.map(|at_px| Interval::point(at_px).inflate(calibration.principal_point_tolerance_px));
+    let least_px = -0.5 + margin_px;
+    let most_px = size_px.map(|size| size - 0.5 - margin_px);
+    // First, the tangents to the image's edges for a lens without distortion.
+    let mut tangents = [0.0; 4];
+    for axis in 0..2 {
+        tangents[2 * axis] = ((centre_px[axis] - least_px) / focal_px[axis]).lo();
+        tangents[2 * axis + 1] = ((Interval::point(most_px[axis]) - centre_px[axis]) / focal_px[axis]).lo();
+    }
+    if tangents.iter().any(|tangent| *tangent <= 0.0) {
+        return None;
+    }
+    if camera.lens.distortion == [0.0; 5] {
+        return Some(tangents);
+    }
+    // A lens that draws the rim inwards shows more than a lens without distortion, and one that draws the rim outwards shows less.
+    let is_inside = |scale: f64| {
+        let [left, right, top, bottom] = tangents.map(|tangent| scale * tangent);
+        let side = |from: f64, to: f64, step: f64| {
+            Interval::new(from + step / 16.0 * (to - from), from + (step + 1.0) / 16.0 * (to - from))
+        };
+        (0..16).all(|i| {
+            (0..16).all(|j| {
+                let bent =
+                    bent(&camera.lens.distortion, [side(-left, right, f64::from(i)), side(-top, bottom, f64::from(j))]);
+                (0..2).all(|axis| {
+                    let pixel = bent[axis] * focal_px[axis] + centre_px[axis];
+                    pixel.lo() >= least_px && pixel.hi() <= most_px[axis]
+                })
+            })
+        })
+    };
+    (1..=140).rev().map(|percent| f64::from(percent) / 100.0).find(|scale| is_inside(*scale)).map(|scale| {
+        // The resulting tangents are made slightly smaller than those that were checked, so that rounding cannot put a point between the
+        // two.
+        tangents.map(|tangent| tangent * scale * (1.0 - 1e-9))
+    })
+}
+
+/// Brown's distortion model, evaluated over a box of the plane at depth 1.
+fn bent([k1, k2, p1, p2, k3]: &[f64; 5], [x, y]: [Interval; 2]) -> [Interval; 2] {
+    let (x2, y2) = (x.sqr(), y.sqr());
+    let r2 = x2 + y2;
+    let radial = ((r2 * *k3 + *k2) * r2 + *k1) * r2 + 1.0;
+    let product = x * y * 2.0;
+    [x * radial + product * *p1 + (r2 + x2 * 2.0) * *p2, y * radial + (r2 + y2 * 2.0) * *p1 + product * *p2]
+}

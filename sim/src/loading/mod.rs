@@ -1,0 +1,11 @@
+//! From files and texts to valid scenes: files are read, merged, checked against the schema, and then checked for contradictions in themselves.
+
+mod parse;
+mod files;
+mod setting;
+mod places;
+mod markers;
+pub mod coverage;
+
+pub use files::SceneFile;
+pub use setting::{SceneTemplate, Setting, shown, value_of};

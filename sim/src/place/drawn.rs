@@ -1,0 +1,79 @@
+//! The place as it truly is: errors of floor, walls, furniture and markers that a seed draws at random within their declared tolerances.
+//! The localizer never sees them.
+
+use localizer::bounds::{self, Assumption};
+
+use crate::{
+    scene::Scene,
+    truth::randomness::{Repeated, stream},
+};
+
+mod clip;
+pub mod markers;
+pub mod tiles;
+mod walls;
+
+pub use markers::{DrawnDot, DrawnMarker};
+pub use tiles::LaidTiles;
+pub(crate) use walls::turn_from_nearest_deg;
+
+use walls::draw_walls;
+
+/// Bounds on floor, markers, furniture and walls whose true values may be drawn or placed outside.
+pub(crate) const CLIPPED: [Assumption; 8] = [
+    bounds::FLOOR_TILES_LAYING,
+    bounds::FLOOR_TILES_STRAIGHTNESS,
+    bounds::MARKERS_PLACEMENT,
+    bounds::MARKERS_ROTATION,
+    bounds::MARKERS_PRINT,
+    bounds::MARKERS_HEIGHT,
+    bounds::WALL_DIRECTIONS_DIRECTION,
+    bounds::WALL_DIRECTIONS_ASKEW,
+];
+
+/// Everything about the place that is drawn at random once, before a run starts.
+#[derive(Clone, Debug)]
+pub struct DrawnPlace {
+    /// The floor's tiles as they were truly laid; `None` if the floor has none.
+    pub tiles: Option<LaidTiles>,
+    /// Angle by which each piece of furniture is turned away from where the scene states it.
+    pub furniture_turn_deg: Vec<f64>,
+    /// Angle by which all walls and the things that hang on them are turned about the middle of the robot's room, away from where the scene
+    /// states them.
+    pub walls_turn_deg: f64,
+    /// Markers on the ceiling as they were truly printed and pasted.
+    pub markers: Vec<DrawnMarker>,
+}
+
+impl DrawnPlace {
+    /// Draws the place of a run, each quantity from a random stream of its own.
+    pub fn draw(scene: &Scene, seed: u64) -> DrawnPlace {
+        let errors = scene.robot.errors;
+        DrawnPlace {
+            tiles: scene.floor.tiles.as_ref().map(|tiles| LaidTiles::draw(tiles, &scene.room, errors, seed)),
+            furniture_turn_deg: draw_furniture(scene, seed),
+            walls_turn_deg: draw_walls(scene, seed),
+            markers: DrawnMarker::draw_all(scene, seed),
+        }
+    }
+}
+
+impl Scene {
+    /// The scene with walls and furniture as they truly stand, for the physics and the cameras. The scene's keys, the map and the localizer
+    /// keep the stated ones.
+    pub fn as_built(&self, drawn: &DrawnPlace) -> Scene {
+        let mut built = self.clone();
+        for (piece, turn_deg) in built.furniture.iter_mut().zip(&drawn.furniture_turn_deg) {
+            piece.rotation_deg += turn_deg;
+        }
+        built.turn_walls(drawn.walls_turn_deg);
+        built
+    }
+}
+
+fn draw_furniture(scene: &Scene, seed: u64) -> Vec<f64> {
+    let (tolerance_deg, errors) = (scene.building.furniture_tolerance_deg, scene.robot.errors);
+    // With the distribution `Drift` all pieces of furniture are askew by the same angle, so that they agree with each other.
+    let mut turn = Repeated::new(errors, stream(seed, "furniture"));
+    scene.furniture.iter().map(|_| turn.one_way(tolerance_deg)).collect()
+}

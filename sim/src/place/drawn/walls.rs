@@ -1,0 +1,51 @@
+//! Walls as they truly stand: all turned by the same angle against the map.
+
+use crate::{
+    scene::{Furniture, Scene},
+    truth::randomness::{draw_within, stream},
+};
+
+use super::DrawnPlace;
+
+/// Step, in hundredths of the drawn turn, by which the walls' turn is reduced until it leaves the robot room at every place that the scene
+/// gives.
+const STEP_PERCENT: i32 = 5;
+
+/// Angle against every wall beyond which a piece of furniture counts as placed across the walls on purpose. Its edges are then outliers,
+/// which the quotas of false claims allow for. Furniture that people place along a wall ends up askew by 1 to 3°.
+const ON_PURPOSE_DEG: f64 = 5.0;
+
+/// Draws one turn for all walls. The walls agree with each other, so that no image of them can distinguish it from a turn of the robot.
+pub(super) fn draw_walls(scene: &Scene, seed: u64) -> f64 {
+    let drawn_deg = draw_within(scene.walls_askew_deg(), scene.robot.errors, &mut stream(seed, "walls"));
+    let lesser = (0..=100 / STEP_PERCENT).map(|step| drawn_deg * f64::from(100 - STEP_PERCENT * step) / 100.0);
+    let leaves_places = |turn_deg: &f64| scene.leaves_places(turn_deg.to_radians());
+    lesser.into_iter().find(leaves_places).unwrap_or(0.0)
+}
+
+impl Scene {
+    /// Directions of the walls as they truly stand, measured from world x, modulo 90°: those of the robot's room, then those of each
+    /// further room.
+    pub fn true_wall_directions_deg(&self, drawn: &DrawnPlace) -> Vec<f64> {
+        self.stated_wall_directions_deg().into_iter().map(|stated_deg| stated_deg + drawn.walls_turn_deg).collect()
+    }
+
+    /// Angle of each piece of furniture, as it truly stands, to the nearest wall direction, stated or true, modulo quarter turns. It is
+    /// zero for furniture that stands across the walls on purpose.
+    pub(crate) fn furniture_askew_deg(&self, drawn: &DrawnPlace) -> Vec<f64> {
+        let stated_deg = self.stated_wall_directions_deg();
+        let stands_deg = [self.true_wall_directions_deg(drawn), stated_deg.clone()].concat();
+        let askew_deg = |(piece, turn_deg): (&Furniture, &f64)| {
+            let off_deg = |deg: f64, walls_deg: &[f64]| turn_from_nearest_deg(deg, walls_deg).unwrap_or(0.0);
+            let is_on_purpose = off_deg(piece.rotation_deg, &stated_deg).abs() > ON_PURPOSE_DEG;
+            if is_on_purpose { 0.0 } else { off_deg(piece.rotation_deg + turn_deg, &stands_deg) }
+        };
+        self.furniture.iter().zip(&drawn.furniture_turn_deg).map(askew_deg).collect()
+    }
+}
+
+/// Signed angle to a direction from the nearest of the others, modulo quarter turns, from −45 to 45 degrees; `None` if there are no others.
+pub(crate) fn turn_from_nearest_deg(direction_deg: f64, others_deg: &[f64]) -> Option<f64> {
+    let turns_deg = others_deg.iter().map(|other_deg| (direction_deg - other_deg + 45.0).rem_euclid(90.0) - 45.0);
+    turns_deg.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+}

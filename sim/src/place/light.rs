@@ -1,0 +1,110 @@
+//! Light in a building: lamps, how much of their light arrives where, and the indirect light that floors, walls and ceilings reflect.
+//!
+//! Everything here is double precision on the processor and free of graphics; the renderer reads the result from light maps.
+//!
+//! Unit: light is counted by its photons. An *equivalent* lumen, lux or candela of a band is that number of photons which a lumen, lux or
+//! candela of 555 nm has, so that one conversion to electrons serves all spectra and both bands.
+
+mod bounce;
+mod floor_field;
+mod lightmap;
+mod occlusion;
+mod people;
+mod source;
+
+pub use bounce::{Bounce, RoomLight, opposite_rectangles_view_factor};
+pub use floor_field::FloorField;
+pub use lightmap::{LightMap, Patch, bake};
+pub use occlusion::Occluders;
+pub use people::nodes_with_people;
+pub use source::{Shape, Source, polygon_irradiance};
+
+use nalgebra::{Point3, Vector3};
+
+use crate::{
+    optics::Photons,
+    place::building::{Building, Opening},
+    scene::Scene,
+};
+
+/// The lighting of a building: its lamps, what casts shadows, and the light reflected between surfaces.
+#[derive(Clone, Debug)]
+pub struct Lighting {
+    /// Light sources of the building, none of which moves.
+    pub sources: Vec<Source>,
+    /// Furniture and walls that cast shadows.
+    pub occluders: Occluders,
+    /// Light that arrives by reflection at floor, walls and ceiling, for each room.
+    pub bounces: Vec<Bounce>,
+    /// Openings between rooms, through which light passes.
+    pub openings: Vec<Opening>,
+    /// Factor on all light, chosen so that the illuminance is what the scene states.
+    pub dimming: f64,
+}
+
+/// Illuminance at a point: in photometric units, and as counted by photons of the visible and of the infrared band.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Illuminance {
+    /// Illuminance as a luxmeter reads it.
+    pub lux: f64,
+    /// Illuminance in equivalent lux, in the visible and in the infrared band.
+    pub by_band: [f64; 2],
+}
+
+impl Illuminance {
+    /// Adds light of a spectrum: its lux, and these times its photons in each band.
+    fn add(&mut self, lux: f64, photons: Photons) {
+        self.lux += lux;
+        self.by_band[0] += lux * photons.visible;
+        self.by_band[1] += lux * photons.infrared;
+    }
+
+    /// This illuminance plus another one times a factor.
+    pub fn plus(self, factor: f64, other: Illuminance) -> Illuminance {
+        Illuminance {
+            lux: self.lux + factor * other.lux,
+            by_band: [0, 1].map(|band| self.by_band[band] + factor * other.by_band[band]),
+        }
+    }
+
+    /// This illuminance times a factor, in all units.
+    pub fn times(self, factor: f64) -> Illuminance {
+        Illuminance::default().plus(factor, self)
+    }
+}
+
+impl Lighting {
+    /// The lighting by the scene's lamps alone, without dimming and without reflected light.
+    pub fn direct(scene: &Scene, building: &Building) -> Lighting {
+        Lighting {
+            sources: source::sources(scene, building),
+            occluders: Occluders::new(building),
+            bounces: Vec::new(),
+            openings: building.openings.clone(),
+            dimming: 1.0,
+        }
+    }
+
+    /// Direct light at a point of a surface, shadows included. Each lamp is sampled at `samples` × `samples` places.
+    pub fn direct_at(&self, at: Point3<f64>, normal: Vector3<f64>, samples: usize) -> Illuminance {
+        let mut sum = Illuminance::default();
+        for source in &self.sources {
+            let unshadowed = source.illuminance(at, normal);
+            if unshadowed > 0.0 {
+                sum.add(unshadowed * self.occluders.visible_share(source, at, normal, samples), source.photons);
+            }
+        }
+        sum.times(self.dimming)
+    }
+
+    /// Direct and reflected light at a point of a surface in a room; `samples` as in [`Lighting::direct_at`].
+    pub fn at(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize, samples: usize) -> Illuminance {
+        let direct = self.direct_at(at, normal, samples);
+        direct.plus(self.dimming, self.bounced(at, normal, room))
+    }
+
+    /// Reflected light, without dimming, at a point of a surface in a room.
+    pub(crate) fn bounced(&self, at: Point3<f64>, normal: Vector3<f64>, room: usize) -> Illuminance {
+        Bounce::at(&self.bounces, &self.openings, room, (at, normal))
+    }
+}

@@ -1,0 +1,34 @@
+//! The place that the robot is in, made of the scene's keys and of what a seed draws of it.
+//!
+//! | module | what it has |
+//! |---|---|
+//! | [`drawn`] | tiles as laid, walls and furniture as they stand, markers as pasted |
+//! | [`building`] | walls, doors, furniture and people as faces |
+//! | [`light`] | what lamps give, shadows, light from wall to wall, light maps |
+//! | `floor` | the floor under a point: friction, height, pile |
+//! | `sight` | what stands between two points |
+//! | [`navigation`] | where a robot can go: occupancy grids, their files, paths through them |
+
+pub mod drawn;
+pub mod building;
+pub mod light;
+pub(crate) mod floor;
+pub(crate) mod sight;
+pub mod navigation;
+
+/// A person at an instant, as an upright cylinder on the floor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bystander {
+    /// Place where the person stands, world frame.
+    pub place_m: [f64; 2],
+    /// Radius of the cylinder that stands for the person.
+    pub radius_m: f64,
+    /// Height of the person.
+    pub height_m: f64,
+    /// Direction that the person faces, measured from world x.
+    pub heading_rad: f64,
+    /// Distance that the person has walked since the start.
+    pub walked_m: f64,
+    /// Velocity of the person in the last time step, along world x and y.
+    pub velocity_m_per_s: [f64; 2],
+}

@@ -1,0 +1,141 @@
+//! From the true state to readings: each sensor has its own clock, errors and delay.
+
+mod camera_sensor;
+mod fitted_camera;
+pub mod still;
+
+use localizer::{Reading, reading::Camera};
+
+use crate::{
+    devices::{
+        FittedSensor, Observation, Sensor,
+        delivery::Delivery,
+        encoders::WheelSensor,
+        proximity::{Fan, ProximitySensor},
+    },
+    place::{Bystander, building::UprightBody},
+    render::{RenderError, RenderedWorld, Renderer, View},
+    scene::Scene,
+    truth::Truth,
+    world::Drawn,
+};
+
+pub use camera_sensor::CameraSensor;
+pub use fitted_camera::FittedCamera;
+
+/// Turn rate above which a camera that has a shorter exposure for turns uses it: at this rate an exposure of 100 ms blurs by 4 pixels.
+const TURNING_RAD_PER_S: f64 = 0.1;
+
+/// All sensors of the robot.
+pub struct Sensors {
+    /// The sensors other than wheels and cameras; readings of those on the base are sent before those of the wheels.
+    fitted: Vec<FittedSensor>,
+    wheels: WheelSensor,
+    cameras: Vec<CameraSensor>,
+    delivery: Delivery,
+    /// Whether the latest reading of the gyroscope shows a turn that blurs images.
+    turns: bool,
+    proximity: Option<ProximitySensor>,
+    /// Readings that have been taken but not yet delivered.
+    on_the_way: Vec<Observation>,
+}
+
+/// The world that the cameras see, and the renderer that draws it.
+pub struct Stage<'a> {
+    renderer: &'a mut Renderer,
+    world: RenderedWorld,
+}
+
+impl<'a> Stage<'a> {
+    /// Prepares the world that the scene's cameras see: the floor alone where a floor camera is the only camera.
+    ///
+    /// # Errors
+    /// If the graphics driver reports an error.
+    pub fn new(scene: &Scene, drawn: &Drawn, renderer: &'a mut Renderer) -> Result<Self, RenderError> {
+        let world = if scene.robot.cameras() == [Camera::Floor] {
+            renderer.upload(scene, drawn)?
+        } else {
+            renderer.upload_room(scene, drawn)?
+        };
+        Ok(Stage { renderer, world })
+    }
+
+    /// Mean illuminance at the floor before the first light event.
+    fn illuminance_at_floor_lux(&self, scene: &Scene) -> f64 {
+        self.world.illuminance_at_floor_lux().unwrap_or(scene.light.illuminance_at_floor_lux)
+    }
+}
+
+impl Sensors {
+    /// The sensors of a drive. Cameras are included only with a stage, the rendered world of which they take pictures.
+    pub fn new(scene: &Scene, seed: u64, drawn: &Drawn, stage: Option<&Stage<'_>>) -> Self {
+        let at_first_lux = stage.map(|stage| stage.illuminance_at_floor_lux(scene));
+        let camera = |name| CameraSensor::new(name, scene, seed, drawn, at_first_lux?);
+        Sensors {
+            fitted: drawn.devices.sensors(scene, seed),
+            wheels: WheelSensor::new(scene, seed),
+            cameras: Camera::ALL.into_iter().filter_map(camera).collect(),
+            delivery: Delivery::new(&scene.robot.delivery, drawn.base.clock_s, scene.robot.errors, seed),
+            turns: false,
+            proximity: ProximitySensor::new(scene, seed),
+            on_the_way: Vec::new(),
+        }
+    }
+
+    /// Observes the world at one physics step. Returns the readings that arrive at the localizer by then, in order of arrival.
+    pub fn observe(
+        &mut self,
+        truth: &Truth,
+        people: &[Bystander],
+        stage: Option<&mut Stage<'_>>,
+    ) -> Result<Vec<Observation>, RenderError> {
+        let (mut sent, mut measured) = (Vec::new(), Vec::new());
+        for sensor in &mut self.fitted {
+            let to = if sensor.is_on_base { &mut sent } else { &mut measured };
+            to.extend(sensor.observe(truth, people));
+        }
+        // The gyroscope's readings come before those of the wheels, so that a turn up to the same instant is known when the distance rolled
+        // is given.
+        for observation in &sent {
+            if let Reading::Gyro { rate_rad_per_s, .. } = &observation.reading {
+                self.turns = rate_rad_per_s.abs() > TURNING_RAD_PER_S;
+            }
+        }
+        sent.extend(self.wheels.observe(truth, people));
+        self.on_the_way.extend(sent.into_iter().flat_map(|observation| self.delivery.send(observation)));
+        if let Some(stage) = stage {
+            self.on_the_way.extend(take_pictures(&mut self.cameras, truth, self.turns, people, stage)?);
+        }
+        self.on_the_way.extend(measured);
+        let (mut arrived, waiting): (Vec<_>, Vec<_>) = std::mem::take(&mut self.on_the_way)
+            .into_iter()
+            .partition(|observation| observation.reading.arrived_s() <= truth.time_s);
+        self.on_the_way = waiting;
+        arrived.sort_by(|a, b| a.reading.arrived_s().total_cmp(&b.reading.arrived_s()));
+        Ok(arrived)
+    }
+
+    /// A reading of the proximity sensor when one is due: what the driver may know besides the estimate.
+    pub fn look_out(&mut self, truth: &Truth, people: &[Bystander]) -> Option<Fan> {
+        self.proximity.as_mut().and_then(|proximity| proximity.observe(truth, people))
+    }
+}
+
+/// Takes the pictures whose exposure ends at this step, all in one submission to the renderer.
+fn take_pictures(
+    cameras: &mut [CameraSensor],
+    truth: &Truth,
+    turns: bool,
+    people: &[Bystander],
+    stage: &mut Stage<'_>,
+) -> Result<Vec<Observation>, RenderError> {
+    let due: Vec<_> = cameras.iter_mut().filter_map(|camera| Some((camera.expose(truth, turns)?, camera))).collect();
+    if due.is_empty() {
+        return Ok(Vec::new());
+    }
+    let bodies: Vec<UprightBody> = people.iter().map(|person| UprightBody::from(*person)).collect();
+    stage.world.place_bodies(&bodies);
+    let views: Vec<View> = due.iter().map(|(exposed, _)| exposed.view.clone()).collect();
+    let images = stage.renderer.draw(&stage.world, &views)?;
+    Ok(due.into_iter().zip(images).map(|((exposed, camera), image)| camera.deliver(&exposed, image)).collect())
+}

@@ -1,0 +1,68 @@
+//! The subject of a run: a localizer under test, which is given the robot's readings and says where the robot is.
+
+mod interval_localizer;
+mod told;
+
+use interval::Interval;
+use localizer::{Estimate, Pose, PoseBox, PoseUnion, Reading, Status, localizer::Account, motion::SlipExcess};
+
+use crate::scene::Scene;
+
+pub use interval_localizer::IntervalLocalizer;
+
+/// A localizer under test. It learns about the world through its readings alone. What it may know beforehand, a map and the robot's nominal
+/// dimensions, it takes from [`Scene::map`] and [`Scene::robot_model`] when it is created.
+///
+/// Times are seconds since the start of the present drive.
+pub trait Subject {
+    /// Starts a drive at time 0 with the robot somewhere in `start`: x and y in metres and heading in radians, in the world frame. It is
+    /// called before the first reading, and again whenever the robot is placed at another station.
+    fn start(&mut self, start: &PoseBox);
+
+    /// Takes in a reading. Readings come in the order of their arrival, which need not be that of their measurement.
+    fn observe(&mut self, reading: &Reading);
+
+    /// The subject's answer to where the robot is at `time_s`, which is never before the arrival of the newest reading.
+    fn estimate_at(&self, time_s: f64) -> Answer;
+
+    /// What the subject's methods made of the latest reading. The judge compares these claims with the truth, and debug frames show them; a
+    /// subject without claims need not implement this.
+    fn accounts(&mut self) -> Vec<Account> {
+        Vec::new()
+    }
+
+    /// Announces the spans of the next drive in which the wheels slip by more than declared. This happens only in a run that is simulated
+    /// again to find the cause of a failure; a subject that declares no bound on slip need not implement this.
+    fn expect_slip(&mut self, excesses: Vec<SlipExcess>) {
+        drop(excesses);
+    }
+}
+
+/// A function that creates the subject from a scene, for a run that is simulated again with changes.
+pub type SubjectOf<'a> = dyn Fn(&Scene) -> Box<dyn Subject> + 'a;
+
+/// A subject's answer to where the robot is.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Answer {
+    /// The robot is certainly in one of these boxes; judged by containment, width and error of the hull's midpoint.
+    Boxes(Estimate),
+    /// The robot is about here; judged by its error alone.
+    Point(Pose),
+}
+
+impl Answer {
+    /// The answer as an estimate for `time_s`; a point becomes a box without width.
+    pub(crate) fn into_estimate(self, time_s: f64) -> Estimate {
+        match self {
+            Answer::Boxes(estimate) => estimate,
+            Answer::Point(pose) => exactly_at(time_s, pose),
+        }
+    }
+}
+
+/// An estimate that consists of exactly one pose, such as the true one.
+pub(crate) fn exactly_at(time_s: f64, pose: Pose) -> Estimate {
+    let pose = PoseUnion::single(PoseBox::from(pose.to_array().map(Interval::point)));
+    Estimate { time_s, pose, status: Status::Sound, relies_on: Vec::new() }
+}
