@@ -167,3 +167,26 @@ fn contractors_of_formulas_answer_unbounded_huge_and_empty_boxes_promptly() {
     };
     answers("QRelaxed", QRelaxed { contractors: vec![each(1.0), each(1.001), each(7.0)], q: 1 }, [1.0; 2], 1);
 }
+
+#[test]
+fn reverses_of_periodic_functions_keep_angles_far_from_zero() {
+    for angle_rad in [0.9e12, 1.1e12, 2.0e12, 3.3e15, 7.0e100_f64] {
+        for angle_rad in [angle_rad, -angle_rad] {
+            // The sine, cosine and tangent of the standard library are right to some 1e-15, and a tangent may be far greater than 1.
+            let near = |value: f64| Interval::new(value - 1e-12, value + 1e-12);
+            let tangent = angle_rad.tan();
+            let known = [
+                Interval::new(angle_rad - 1.0, angle_rad + 1.0),
+                Interval::new(angle_rad, f64::INFINITY),
+                Interval::new(f64::NEG_INFINITY, angle_rad),
+                Interval::new(-angle_rad.abs(), angle_rad.abs()),
+            ];
+            for known in known {
+                assert!(near(angle_rad.sin()).sin_rev(known).contains(angle_rad), "sine, {angle_rad} in {known}");
+                assert!(near(angle_rad.cos()).cos_rev(known).contains(angle_rad), "cosine, {angle_rad} in {known}");
+                let tangents = Interval::new(tangent - 1e-9 * tangent.abs(), tangent + 1e-9 * tangent.abs());
+                assert!(tangents.tan_rev(known).contains(angle_rad), "tangent, {angle_rad} in {known}");
+            }
+        }
+    }
+}

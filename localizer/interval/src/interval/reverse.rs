@@ -7,8 +7,8 @@ use super::Interval;
 use super::elementary::{root_down, root_up};
 use super::rounding::{down_sum, up_sum};
 
-/// Greatest distance from 0, in radians, at which the reverses of periodic functions narrow a bound of an angle: a lower bound below −10¹² and
-/// an upper bound above 10¹² stay as known. Enclosures of multiples of π are some 10⁻⁴ wide there, and grow with the distance.
+/// Greatest distance from 0, in radians, at which the reverses of periodic functions narrow a bound of an angle: a bound farther from 0 stays as
+/// known. Enclosures of multiples of π are some 10⁻⁴ wide there, and grow with the distance.
 const LARGEST_PERIODIC: f64 = 1e12;
 
 const NON_NEGATIVE: Interval = Interval::from_bounds(0.0, f64::INFINITY);
@@ -130,16 +130,16 @@ fn periodic_reverse(principal: Interval, known: Interval, offset: f64, branch: i
     }
     let index = |x: f64| (x / std::f64::consts::PI + offset).floor() as i64;
     // One index of slack covers the rounding of the quotient, a second one the gap between two branches.
-    let lo = if known.lo < -LARGEST_PERIODIC {
+    let lo = if known.lo.abs() > LARGEST_PERIODIC {
         Some(known.lo)
     } else {
-        let first = index(known.lo.min(LARGEST_PERIODIC));
+        let first = index(known.lo);
         (first - 1..=first + 2).map(|k| branch(k).intersect(known)).find(|part| !part.is_empty()).map(Interval::lo)
     };
-    let hi = if known.hi > LARGEST_PERIODIC {
+    let hi = if known.hi.abs() > LARGEST_PERIODIC {
         Some(known.hi)
     } else {
-        let last = index(known.hi.max(-LARGEST_PERIODIC));
+        let last = index(known.hi);
         (last - 2..=last + 1).rev().map(|k| branch(k).intersect(known)).find(|part| !part.is_empty()).map(Interval::hi)
     };
     match (lo, hi) {
