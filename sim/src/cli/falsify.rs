@@ -67,21 +67,22 @@ pub(super) struct FalsifyArguments {
 }
 
 const AFTER_HELP: &str = "\
-Each case is a scene drawn at random from all that the schema of scenes allows, run in a process of its own. A scene that shows
-a wish is made as small as it gets and written to DIR/found/, with the command that replays it. The wishes:
-  crash              the process ended: a panic, an abort, more than 3 GB of memory
-  hang               far more processor time than its like
-  unsound            the truth outside though every bound held and the claims were true
-  sound_but_outside  the truth outside for more than a second, sound said all the while, and no bound that the estimate relied
-                     on exceeded until then, whatever the judge says
-  digest_differs     another run of the same case gave other bytes
-  empty_box          no pose left
-  wider_than_room    a sound box that is wider than the room
-  perception         the truth outside because more claims were false than declared
+Each case is a scene drawn at random from all that the schema of scenes allows, run in a process of its own. A scene that fails
+is reduced to the smallest one that fails in the same way, and written to DIR/found/ with the command that replays it.
+The kinds of failure:
+  crash              the process ended early: a panic, an abort, or more than 3 GB of memory
+  hang               the run took far more processor time than runs of similar scenes
+  unsound            the true pose was outside the box though every bound held and the claims of the vision were true
+  sound_but_outside  the true pose was outside for more than a second while the status was sound, and until then no bound that an
+                     estimate relied on was exceeded, whatever the judge says
+  digest_differs     a second run of the same case gave other bytes
+  empty_box          the localizer had no pose left
+  wider_than_room    a box with the status sound was wider than the room
+  perception         the true pose was outside because more claims of the vision were false than declared
 
-A search that was interrupted goes on where it stopped when the same command is given again.
+A search that was interrupted continues where it stopped when the same command is given again.
 
-Exit code: 0 nothing was found, 1 something was, 2 could not run.";
+Exit code: 0 no failure was found, 1 a failure was found, 2 the search could not run.";
 
 /// Number of cases in a search for which the user states neither a number of cases nor a time.
 const USUAL_CASES: u64 = 100;

@@ -27,6 +27,7 @@ mod replay;
 mod report;
 mod results_arguments;
 mod run;
+mod scenes_and_seeds;
 mod sweep;
 mod table;
 mod weaken;
@@ -53,15 +54,15 @@ Examples:
   wherein run scenes/x.toml --seed 7 --frames failures            pictures of what went wrong with seed 7
   wherein sweep scenes/x.toml --vary light.illuminance_at_floor_lux=1,10,100 --seeds 0..20
                                                                   every value with twenty seeds, and a report
-  wherein falsify --minutes 10                                    random scenes against the promise
-  wherein weaken scenes/x.toml --set robot.errors=corner          how tight its bounds are
-  wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from there
+  wherein falsify --minutes 10                                    a search for random scenes that fail
+  wherein weaken scenes/x.toml --set robot.errors=corner          how tight the scene's bounds are
+  wherein render scenes/x.toml --at 1.5,2,90                      what each camera sees from that pose
   wherein run scenes/x.toml --record                              a recording that Foxglove and Rerun open
-  wherein run scenes/x.toml --live                                the same while it happens
-  wherein replay renders/x/0/recording.mcap                       the localizer on that recording, bit for bit
-  wherein markers scenes/x.toml                                   the sheet and the map of its ceiling markers
-  wherein scene scenes/x.toml                                     the scene with what it extends, as one text
-  wherein schema > scenes/schema.json                             what an editor needs to complete and check scenes
+  wherein run scenes/x.toml --live                                the same, live
+  wherein replay renders/x/0/recording.mcap                       the localizer on that recording
+  wherein markers scenes/x.toml                                   a printable sheet and the map of its markers
+  wherein scene scenes/x.toml                                     the scene with all that it extends, as one text
+  wherein schema > scenes/schema.json                             for editors that complete and check scenes
 
 Exit code: 0 every run met its scene's expectations, 1 some did not, 2 could not run.";
 

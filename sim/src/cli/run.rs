@@ -16,33 +16,23 @@ use crate::{
     campaign::{
         cases::{CaseResult, Results, program, quoted},
         report::Overview,
-        sweep::{self, Seeds},
+        sweep,
     },
     judge::judge,
-    loading::{SceneFile, SceneTemplate, Setting},
+    loading::SceneFile,
     render::Renderer,
     run::{FramesPolicy, RunOptions, run_otherwise, run_witnessed},
     subject::IntervalLocalizer,
 };
 
-use super::{CommandError, conclude::write_junit, github::tell_github, print};
+use super::{CommandError, conclude::write_junit, github::tell_github, print, scenes_and_seeds::ScenesAndSeeds};
 
 /// Arguments of `wherein run`.
 #[derive(Debug, Args)]
 #[command(after_help = RUN_AFTER_HELP)]
 pub(super) struct RunArguments {
-    /// Scene files, or folders that stand for all scenes below them.
-    #[arg(required = true, value_name = "PATH")]
-    paths: Vec<PathBuf>,
-    /// Seed of everything that is drawn at random in the run.
-    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds")]
-    seed: u64,
-    /// Range of seeds, A included and B not; each scene runs with each of these seeds.
-    #[arg(long, value_name = "A..B")]
-    seeds: Option<Seeds>,
-    /// Set a key of the scenes, such as floor.friction=0.3; may be given several times.
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<Setting>,
+    #[command(flatten)]
+    which: ScenesAndSeeds,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "renders")]
     out: PathBuf,
@@ -73,10 +63,11 @@ const RUN_AFTER_HELP: &str = "\
 Each run leaves DIR/<scene>/<seed>/ with summary.json (all figures, and whether the scene's [expect] was met),
 timing.json, truth.tum and estimate.tum (poses), boxes.csv (every box), and the frames and the recording asked for.
 
-In the table, a check is one step of 10 ms. `contained`: the truth is in a box. Outside of it, the cause is named:
-`bound broken`: a declared bound was exceeded, and the same commands with it kept hold the truth; `perception`: the vision saw
-what is not there, and without it they do; `unsound`: neither.
-Errors are root mean squares of the worst third of a run, widths are full widths of the box.";
+In the table, a check is one step of 10 ms. `contained`: the true pose is in a box. If it is not, the cause is named.
+`bound broken`: a declared bound was exceeded, and the run simulated again with this bound kept holds the true pose.
+`perception`: the vision claimed something that is not there, and the run without these claims holds the true pose.
+`unsound`: neither of the two, so that the localizer is at fault.
+Errors are root mean squares over the worst third of a run, widths are full widths of the box.";
 
 /// One run, read back from the files of its record.
 struct Recorded {
@@ -89,7 +80,7 @@ struct Recorded {
 
 /// Runs every scene with every seed that the arguments name, and prints the results. The exit code says whether all expectations were met.
 pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
-    let files = load(arguments)?;
+    let files = arguments.which.load()?;
     run_files::prepare(&arguments.out)?;
     arguments.junit.as_deref().map_or(Ok(()), run_files::prepare_for)?;
     // Opening a graphics adapter takes a moment, and a scene without a camera needs none.
@@ -98,7 +89,7 @@ pub(super) fn run_scenes(arguments: &RunArguments, adapter: Option<&str>) -> Res
         renderer = Some(Renderer::on_adapter(adapter)?);
     }
     let live = arguments.live.map(awaited).transpose()?;
-    let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
+    let seeds = arguments.which.seeds();
     let bar =
         progress_bar(files.iter().map(|file| file.scene.simulated_s()).sum::<f64>() * seeds.clone().count() as f64);
     let mut recorded = Vec::new();
@@ -133,14 +124,6 @@ fn awaited(address: SocketAddr) -> Result<LiveServer, CommandError> {
 }
 
 /// Loads the scenes, with the keys that the user sets on the command line.
-fn load(arguments: &RunArguments) -> Result<Vec<SceneFile>, CommandError> {
-    let files = SceneFile::load_all(&arguments.paths)?;
-    if arguments.set.is_empty() {
-        return Ok(files);
-    }
-    Ok(files.iter().map(|file| SceneTemplate::load(&file.path)?.with(&arguments.set)).collect::<Result<_, _>>()?)
-}
-
 fn run_one(
     arguments: &RunArguments,
     file: &SceneFile,
@@ -273,7 +256,7 @@ fn failure(arguments: &RunArguments, one: &Recorded) -> String {
         "  replay: {} run {}{} --seed {} --frames failures --out {}\n",
         program,
         quoted(&one.file.path.display().to_string()),
-        arguments.set.iter().map(|set| format!(" --set {}", quoted(&set.to_string()))).collect::<String>(),
+        arguments.which.set.iter().map(|set| format!(" --set {}", quoted(&set.to_string()))).collect::<String>(),
         one.outcome.seed,
         quoted(&arguments.out.display().to_string()),
     );

@@ -1,6 +1,6 @@
 //! `wherein weaken`: measures how tight the declared bounds of scenes are.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::process::ExitCode;
 
 use clap::Args;
 
@@ -8,59 +8,42 @@ use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use crate::{
-    campaign::{
-        sweep::Seeds,
-        weaken::{Weakened, weaken},
-    },
+    campaign::weaken::{Weakened, weaken},
     judge::SETTLED_S,
-    loading::{SceneFile, SceneTemplate, Setting},
     render::Renderer,
     run::{RunOptions, run},
     subject::IntervalLocalizer,
 };
 
-use super::{CommandError, print};
+use super::{CommandError, print, scenes_and_seeds::ScenesAndSeeds};
 
 /// Arguments of `wherein weaken`.
 #[derive(Debug, Args)]
 #[command(after_help = WEAKEN_AFTER_HELP)]
 pub(super) struct WeakenArguments {
-    /// Scene files, or folders that stand for all scenes below them.
-    #[arg(required = true, value_name = "PATH")]
-    paths: Vec<PathBuf>,
-    /// Seed of everything that is drawn at random in the run.
-    #[arg(long, value_name = "N", default_value_t = 0, conflicts_with = "seeds")]
-    seed: u64,
-    /// Range of seeds, A included and B not; each scene runs with each of these seeds.
-    #[arg(long, value_name = "A..B")]
-    seeds: Option<Seeds>,
-    /// Set a key of the scenes, such as robot.errors=corner; may be given several times.
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<Setting>,
+    #[command(flatten)]
+    which: ScenesAndSeeds,
     /// Print a JSON list instead of a table.
     #[arg(long)]
     json: bool,
 }
 
 const WEAKEN_AFTER_HELP: &str = "\
-Each run is simulated again by its own commands and with its own draws, the localizer told 0.9, 0.8, … 0.1 of every bound that
-the scene declares, until the truth is outside, no box is left, or an assumption is doubted. 1 / that share is printed: 1.0 for
-bounds that are all used, above 3 where nobody would notice boxes a third as wide. Where the robot starts is told as it is.
-What is lost in the first 5 s of a drive, or in its first half where it is shorter than 10 s, does not count unless it still is lost then:
-before, wheels and gyroscope are alone with errors at their corners, and no method has told anything.
-With robot.errors=corner errors are as large as declared. Exit code: 0 it ran, 2 it could not.";
+Each run is simulated again by its own commands and with its own draws, while the localizer is given 0.9, 0.8, … 0.1 of every
+bound that the scene declares, until the truth is outside the box, no box is left, or the localizer doubts an assumption. The
+table shows 1 / that share: 1.0 for bounds that are used in full, above 3 where boxes a third as wide would pass unnoticed.
+The box of start poses is given unchanged.
+A loss in the first 5 s of a drive, or in the first half of a drive shorter than 10 s, counts only if it lasts beyond that time:
+before, wheels and gyroscope are alone with errors at their corners, and no method has given a constraint.
+With robot.errors=corner errors are as large as declared. Exit code: 0 the runs were simulated, 2 they could not be.";
 
 /// Narrows the bounds of every run that the arguments name until the truth is lost, and prints at which share of the bounds that happens.
 /// The result is a figure and no verdict, so that the exit code is 0.
 pub(super) fn weaken_scenes(arguments: &WeakenArguments, adapter: Option<&str>) -> Result<ExitCode, CommandError> {
-    let mut files = SceneFile::load_all(&arguments.paths)?;
-    if !arguments.set.is_empty() {
-        files =
-            files.iter().map(|file| SceneTemplate::load(&file.path)?.with(&arguments.set)).collect::<Result<_, _>>()?;
-    }
+    let files = arguments.which.load()?;
     let needs_renderer = files.iter().any(|file| file.scene.has_camera());
     let mut renderer = needs_renderer.then(|| Renderer::on_adapter(adapter)).transpose()?;
-    let Seeds(seeds) = arguments.seeds.clone().unwrap_or(Seeds(arguments.seed..arguments.seed + 1));
+    let seeds = arguments.which.seeds();
     let bar = ProgressBar::new_spinner();
     let mut rows = Vec::new();
     for file in &files {
