@@ -3,7 +3,7 @@
 use std::{
     env, fs,
     io::{self, BufRead, BufReader, Read, Write},
-    process::{Child, ChildStdin, Command, Stdio},
+    process::{Child, ChildStdin, Command, ExitStatus, Stdio},
     sync::mpsc::{self, Receiver, RecvTimeoutError},
     thread,
     time::{Duration, Instant},
@@ -34,7 +34,7 @@ pub enum Ending {
         /// Processor time that the process had taken.
         took_s: f64,
     },
-    /// The process could not render.
+    /// The process could not render, or somebody outside the search ended it.
     CouldNotRun(String),
 }
 
@@ -78,7 +78,10 @@ impl Run<'_> {
         let status = child.wait()?;
         drop(input);
         let said = said.recv().unwrap_or_default();
-        Ok(ending.unwrap_or_else(|at_s| Ending::Crashed { at_s, place: place(&said, &status.to_string()), said }))
+        Ok(ending.unwrap_or_else(|at_s| match interruption(status) {
+            Some(reason) => Ending::CouldNotRun(reason),
+            None => Ending::Crashed { at_s, place: place(&said, &status.to_string()), said },
+        }))
     }
 
     fn start(&self) -> io::Result<Child> {
@@ -162,6 +165,22 @@ fn attend(child: &mut Child, told: &Receiver<Told>, began: Instant) -> Result<En
     }
 }
 
+/// Returns why a process ended, if a signal ended it by which a terminal, a person or a service manager interrupts programs: the run is not to
+/// blame then. Of the signals that end a process for good, SIGKILL may come from a system that is short of memory, for which a run may well be
+/// to blame.
+fn interruption(status: ExitStatus) -> Option<String> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::ExitStatusExt;
+        // POSIX: 1 is SIGHUP, 2 SIGINT, 15 SIGTERM.
+        if let Some(signal @ (1 | 2 | 15)) = status.signal() {
+            return Some(format!("its process was interrupted from outside by signal {signal}"));
+        }
+    }
+    let _ = status;
+    None
+}
+
 /// Returns the place of a panic in the source, without the column, or else the exit status of the process.
 fn place(said: &str, status: &str) -> String {
     let panicked = said.lines().find_map(|line| line.split_once("panicked at ")).map(|(_, place)| place);
@@ -189,12 +208,25 @@ fn memory_kb(process: u32) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::place;
+    use super::{ExitStatus, interruption, place};
 
     #[test]
     fn a_panic_is_told_by_file_and_line_and_an_abort_by_its_signal() {
         let said = "\nthread 'main' (7) panicked at localizer/src/boxes.rs:37:9:\ncapacity overflow\n";
         assert_eq!(place(said, "exit status: 101"), "localizer/src/boxes.rs:37");
         assert_eq!(place("", "signal: 9 (SIGKILL)"), "signal: 9 (SIGKILL)");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_signal_from_a_terminal_or_a_person_is_no_crash() {
+        use std::os::unix::process::ExitStatusExt;
+        for interrupts in [1, 2, 15] {
+            assert!(interruption(ExitStatus::from_raw(interrupts)).unwrap().contains(&interrupts.to_string()));
+        }
+        // SIGABRT, SIGKILL and SIGSEGV end a run that has gone wrong. An exit code stands in the second byte of the status.
+        for crashes in [6, 9, 11, 2 << 8] {
+            assert_eq!(interruption(ExitStatus::from_raw(crashes)), None);
+        }
     }
 }

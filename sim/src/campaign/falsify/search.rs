@@ -211,6 +211,7 @@ impl Search {
             // The second run has a single thread in a software driver: the number of its threads must not change a byte.
             match run(Some(1))? {
                 Ending::Ran(second) if second.digest == outcome.digest => {}
+                Ending::CouldNotRun(reason) => return Err(FalsifyError::CouldNotRun { case, reason }),
                 other => hits.push(differs(&outcome, &other)),
             }
         }
