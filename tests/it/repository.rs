@@ -147,7 +147,7 @@ fn the_book_builds_and_what_its_pages_show_and_link_to_is_in_it() {
 fn every_contractor_is_in_the_book() {
     let text = |path: &str| fs::read_to_string(root().join(path)).unwrap();
     let page = text("docs/src/contractors.md");
-    let libraries = ["localizer/interval/src/contractor.rs", "localizer/src/rigid_motion.rs"].map(text);
+    let libraries = ["localizer/interval/src/contractor/mod.rs", "localizer/src/rigid_motion/mod.rs"].map(text);
     let lines = libraries.iter().flat_map(|library| library.lines());
     let shown = lines.filter_map(|line| line.strip_prefix("pub use ")?.split_once("::")?.1.strip_suffix(';'));
     // Names that are no contractors of their own: a formula, a pair of boxes, the intersection, and combinators that are used by their verbs.
