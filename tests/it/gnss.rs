@@ -19,7 +19,7 @@ use sim::{
     judge::Verdict,
     loading::SceneFile,
     run::{RunOptions, RunRecord, run},
-    scene::{Distribution, Gnss, Reception, Scene},
+    scene::{Distribution, Gnss, Reception, Scene, Station},
     subject::IntervalLocalizer,
     truth::Truth,
 };
@@ -340,4 +340,20 @@ fn a_lever_arm_turns_the_same_way_by_hand_as_in_the_simulator() {
     scene.robot.gnss.as_mut().unwrap().fixed_tolerance_m = 0.0;
     let told = positions(&scene, Truth { pose, ..Truth::default() }, 0.1)[0].1;
     assert!((told.at_m[0] - 3.0 - lever.x).abs() < 1e-12 && (told.at_m[1] - 2.0 - lever.y).abs() < 1e-12);
+}
+
+#[test]
+fn a_drive_at_a_station_waits_for_a_position() {
+    let mut scene = yard();
+    scene.robot.gnss.as_mut().unwrap().period_s = 1.5;
+    scene.route = None;
+    scene.stations = vec![Station { x_m: 3.0, y_m: 2.0, heading_deg: 30.0, tolerance_m: None, tolerance_deg: None }];
+    let (record, verdict) = judged(&scene, 0);
+    let last = record.estimates.last().unwrap();
+    assert!(last.time_s > 1.5 && last.time_s < 2.0, "{}", last.time_s);
+    // The start is known to ±0.5 m. A fixed position is right to ±1 cm, and the heading of ±20° leaves the antenna's lever arm of 0.18 m open by
+    // 2 · 0.18 m · sin 20° = 0.12 m across.
+    let width_m = last.pose.hull()[0].width();
+    assert!(width_m < 0.2, "{width_m}");
+    assert_eq!(verdict.containment.unwrap().contained, record.estimates.len());
 }

@@ -43,6 +43,10 @@ impl Device for CeilingCamera {
         Some(Box::new(CeilingMarkers::new(map, robot)?))
     }
 
+    fn first_arrival_s(&self) -> f64 {
+        self.timing().first_arrival_s()
+    }
+
     fn is_relied_on(&self, scene: &Scene) -> bool {
         scene.localizer.methods.contains(&MethodName::CeilingMarkers)
     }

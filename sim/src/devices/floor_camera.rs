@@ -49,6 +49,10 @@ impl Device for FloorCamera {
         Some(Box::new(FloorTiles::new(map, robot, chain)?))
     }
 
+    fn first_arrival_s(&self) -> f64 {
+        self.timing().first_arrival_s()
+    }
+
     fn is_relied_on(&self, scene: &Scene) -> bool {
         scene.localizer.methods.contains(&MethodName::FloorTiles)
     }

@@ -57,6 +57,10 @@ impl Device for ForwardCamera {
         Some(Box::new(WallDirections::new(map, robot, setup)?))
     }
 
+    fn first_arrival_s(&self) -> f64 {
+        self.timing().first_arrival_s()
+    }
+
     fn is_relied_on(&self, scene: &Scene) -> bool {
         scene.localizer.methods.contains(&MethodName::WallDirections)
     }

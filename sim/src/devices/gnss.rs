@@ -42,6 +42,10 @@ impl Device for Gnss {
         Some(Box::new(GnssPositions::new(self.model(scene), robot)))
     }
 
+    fn first_arrival_s(&self) -> f64 {
+        self.period_s + self.latency_s + self.latency_tolerance_s
+    }
+
     fn is_relied_on(&self, scene: &Scene) -> bool {
         scene.localizer.methods.contains(&MethodName::GnssPositions)
     }

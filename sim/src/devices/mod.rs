@@ -55,6 +55,12 @@ pub trait Device {
     /// Whether the scene's localizer uses the device's readings, and so relies on its bounds.
     fn is_relied_on(&self, scene: &Scene) -> bool;
 
+    /// Latest time after the start at which the device's first reading of the robot's surroundings arrives; 0 for a device that measures only the
+    /// robot's motion.
+    fn first_arrival_s(&self) -> f64 {
+        0.0
+    }
+
     /// The method of this name, which is listed as one that reads this device, with the settings of the scene; `None` where there is
     /// nothing that the method could see.
     fn method(&self, _name: MethodName, _scene: &Scene, _map: &Map, _robot: &RobotModel) -> Option<Box<dyn Method>> {
@@ -185,6 +191,13 @@ macro_rules! define {
         /// Calls `change` for every key of the robot's devices that states a bound for the localizer.
         pub(crate) fn each_told_key(robot: &mut Robot, change: &mut dyn FnMut(ToldKey<'_>)) {
             $(robot.$name.iter_mut().flat_map(Device::told_keys).for_each(&mut *change);)+
+        }
+
+        /// Latest time after the start at which each device of the robot has sent a reading of the surroundings, if it has anything to read.
+        pub(crate) fn first_arrivals_s(robot: &Robot) -> f64 {
+            let mut latest_s: f64 = 0.0;
+            $(latest_s = latest_s.max(robot.$name.as_ref().map_or(0.0, Device::first_arrival_s));)+
+            latest_s
         }
 
         /// Keys of devices that contradict each other, named from the scene's root, each with what was expected.

@@ -77,6 +77,10 @@ impl Device for RangeCamera {
         Some(Box::new(RangeLandmarks::new(robot, freedom, solver)?))
     }
 
+    fn first_arrival_s(&self) -> f64 {
+        FIRST_S + self.latency_s + self.latency_tolerance_s
+    }
+
     fn is_relied_on(&self, scene: &Scene) -> bool {
         scene.localizer.methods.contains(&MethodName::RangeLandmarks)
     }
@@ -154,10 +158,5 @@ impl RangeCamera {
             q_items: self.q_items,
             wrong_spacing: self.wrong_spacing,
         }
-    }
-
-    /// Latest time at which the camera's first reading arrives.
-    pub(crate) fn first_arrival_s(&self) -> f64 {
-        FIRST_S + self.latency_s + self.latency_tolerance_s
     }
 }

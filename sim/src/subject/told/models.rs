@@ -4,12 +4,12 @@ use interval::Interval;
 use localizer::{
     Map, Pose, PoseBox, RobotModel,
     map::TileGrid,
-    reading::Camera,
     robot::{BodyModel, Reach},
 };
 
 use crate::{
     base::wheel_model,
+    devices::first_arrivals_s,
     scene::{CeilingCamera, FloorCamera, Flow, ForwardCamera, Gyro, RangeCamera, Scene, Start, Station, Tiles},
 };
 
@@ -84,13 +84,9 @@ impl Scene {
         Pose { x_m: self.start.x_m, y_m: self.start.y_m, heading_rad: self.start.heading_deg.to_radians() }
     }
 
-    /// The scene with the robot placed at a station, lasting as long as the first image or range reading takes to arrive.
+    /// The scene with the robot placed at a station, lasting until the first image, range reading and position have arrived.
     pub fn at_station(&self, station: &Station) -> Scene {
-        let robot = &self.robot;
-        let timings = Camera::ALL.into_iter().filter_map(|camera| robot.camera_timing(camera));
-        let image_s = timings.map(|timing| timing.first_arrival_s()).fold(0.0, f64::max);
-        let range_s = robot.range_camera.as_ref().map_or(0.0, RangeCamera::first_arrival_s);
-        let arrival_s = image_s.max(range_s);
+        let arrival_s = first_arrivals_s(&self.robot);
         let start = Start {
             x_m: station.x_m,
             y_m: station.y_m,
