@@ -1,10 +1,10 @@
-# The README's commands. Everything is built in the dev profile: its hot paths are optimised (Cargo.toml), and what
-# `make demo` builds serves `make test`.
+# The commands of the README. Everything is built in the dev profile, in which the hot paths are optimised (Cargo.toml), so that
+# `make test` reuses what `make demo` has built.
 
 WHEREIN = target/debug/wherein
 PYTHON ?= python3
 DEMO_SCENE = scenes/home.toml
-# Keeps Mesa's layer for choosing a device from asking for a display that a headless machine does not have.
+# Keeps Mesa's device selection layer from asking for a display, which a headless machine does not have.
 export NODEVICE_SELECT = 1
 
 .PHONY: help demo test lint bench bench-render photon-transfer allan readers golden gallery experiments falsify falsify-scenes power driver build
@@ -73,7 +73,8 @@ falsify:
 		cargo test -p wherein-tests --test it -- --nocapture interval_precision contractor_falsification
 	WHEREIN_P3P_PROBLEMS=10000000 cargo test -p wherein-localizer --lib -- --nocapture p3p
 
-# Seconds since 1970 are a seed that no earlier search had; the command is printed, so that it can be given again.
+# The default seed of a search is the time in seconds since 1970, which no earlier search had. make prints the command, so that the same
+# search can be repeated.
 SEED ?= $(shell date +%s)
 MINUTES ?= 10
 falsify-scenes: driver build
